@@ -1,0 +1,1 @@
+"""Fast chance-constrained path planning for fleets."""

@@ -1,0 +1,1 @@
+"""Benchmark families and experiments."""

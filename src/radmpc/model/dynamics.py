@@ -1,0 +1,181 @@
+"""Linear vehicle dynamics and what follows from them without planning: means and covariances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+from radmpc.arrays import Matrix, Tensor, Vector, as_matrix, frozen
+from radmpc.errors import ScenarioError
+
+__all__ = ["LinearSystem", "covariances", "double_integrator", "lqr_gain", "rollout"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearSystem:
+    """Discrete linear dynamics ``x⁺ = A x + B u + w`` (paper, Eq. 2).
+
+    Attributes
+    ----------
+    A : (n, n) array
+        State matrix.
+    B : (n, m) array
+        Control matrix.
+    position : tuple of int
+        State indices that hold the position, one per axis.
+    velocity : tuple of int or None
+        State indices that hold the velocity; None where the model has none.
+    is_double_integrator : bool
+        Whether the path between steps is the parabola of constant acceleration. For all other
+        systems it counts as the straight segment.
+    """
+
+    A: Matrix
+    B: Matrix
+    position: tuple[int, ...]
+    velocity: tuple[int, ...] | None
+    is_double_integrator: bool = False
+
+    def __post_init__(self) -> None:
+        """Freeze the matrices and check that the indices point into the state."""
+        A = as_matrix(self.A, path=("A",))
+        n = A.shape[0]
+        object.__setattr__(self, "A", as_matrix(A, (n, n), ("A",)))
+        object.__setattr__(self, "B", as_matrix(self.B, (n, None), ("B",)))
+        for name, indices in (("position", self.position), ("velocity", self.velocity)):
+            if indices is None:
+                continue
+            object.__setattr__(self, name, tuple(int(i) for i in indices))
+            if any(not 0 <= i < n for i in indices) or len(set(indices)) != len(indices):
+                raise ScenarioError(
+                    f"must be distinct state indices from 0 to {n - 1}, got {list(indices)}",
+                    (name,),
+                )
+        if len(self.position) not in (2, 3):
+            raise ScenarioError(f"must name 2 or 3 axes, got {len(self.position)}", ("position",))
+        if self.velocity is not None and len(self.velocity) != len(self.position):
+            raise ScenarioError(
+                f"must name as many axes as position ({len(self.position)}), "
+                f"got {len(self.velocity)}",
+                ("velocity",),
+            )
+
+    @property
+    def num_states(self) -> int:
+        """Length n of the state."""
+        return int(self.A.shape[0])
+
+    @property
+    def num_controls(self) -> int:
+        """Length m of the control."""
+        return int(self.B.shape[1])
+
+    @property
+    def dimension(self) -> int:
+        """Number of position axes, 2 or 3."""
+        return len(self.position)
+
+
+def double_integrator(dt: float, dimension: int) -> LinearSystem:
+    """Return the paper's vehicle: position and velocity, driven by acceleration (section Results).
+
+    Parameters
+    ----------
+    dt : float
+        Step [s], > 0.
+    dimension : int
+        2 or 3 axes.
+
+    Returns
+    -------
+    LinearSystem
+        State (positions, velocities), control (accelerations) [m/s²].
+    """
+    eye, zero = np.eye(dimension), np.zeros((dimension, dimension))
+    return LinearSystem(
+        A=np.block([[eye, dt * eye], [zero, eye]]),
+        B=np.vstack([0.5 * dt**2 * eye, dt * eye]),
+        position=tuple(range(dimension)),
+        velocity=tuple(range(dimension, 2 * dimension)),
+        is_double_integrator=True,
+    )
+
+
+def lqr_gain(system: LinearSystem, Q: Matrix, R: Matrix) -> Matrix:
+    """Return the gain K of ``u = ū + K (x − x̄)`` that minimises ``Σ xᵀQx + uᵀRu``.
+
+    Raises
+    ------
+    ScenarioError
+        If Q or R has the wrong shape, or no stabilising gain exists.
+    """
+    state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))
+    control_weight = as_matrix(R, (system.num_controls, system.num_controls), ("R",))
+    try:
+        P = solve_discrete_are(system.A, system.B, state_weight, control_weight)
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise ScenarioError(
+            "no stabilising gain exists for these dynamics and weights; "
+            "Q must be positive semi-definite, R positive definite"
+        ) from error
+    PB = P @ system.B
+    gain: Matrix = -np.linalg.solve(control_weight + system.B.T @ PB, PB.T @ system.A)
+    return frozen(gain)
+
+
+def rollout(system: LinearSystem, start: Vector, controls: Matrix) -> Matrix:
+    """Return the mean states under nominal controls.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        The dynamics.
+    start : (n,) array
+        Mean state at k = 0.
+    controls : (T, m) array
+        Nominal controls.
+
+    Returns
+    -------
+    (T+1, n) array
+        Mean states at k = 0..T.
+    """
+    means = np.empty((len(controls) + 1, system.num_states))
+    means[0] = start
+    for k, control in enumerate(controls):
+        means[k + 1] = system.A @ means[k] + system.B @ control
+    return means
+
+
+def covariances(
+    system: LinearSystem, initial: Matrix, disturbance: Matrix, gain: Matrix | None, horizon: int
+) -> Tensor:
+    """Return the state covariances, open loop or under linear feedback.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        The dynamics.
+    initial : (n, n) array
+        Covariance at k = 0.
+    disturbance : (n, n) array
+        Covariance W added at every step (paper, Eq. 4).
+    gain : (m, n) array or None
+        Feedback K; None is open loop.
+    horizon : int
+        Number of steps T.
+
+    Returns
+    -------
+    (T+1, n, n) array
+        ``Σ⁺ = F Σ Fᵀ + W`` with ``F = A + B K``.
+    """
+    F = system.A if gain is None else system.A + system.B @ gain
+    result = np.empty((horizon + 1, system.num_states, system.num_states))
+    result[0] = initial
+    for k in range(horizon):
+        propagated = F @ result[k] @ F.T + disturbance
+        result[k + 1] = 0.5 * (propagated + propagated.T)
+    return result

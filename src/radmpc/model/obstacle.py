@@ -1,0 +1,146 @@
+"""What stands or moves in the way, as convex pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy.typing as npt
+
+from radmpc.arrays import Matrix, Vector, as_matrix, as_vector
+from radmpc.errors import ScenarioError
+from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
+
+__all__ = ["BoxShape", "HalfspaceShape", "MovingShape", "Obstacle", "PolygonShape", "Shape"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PolygonShape:
+    """A simple polygon (2-D, convex or not) or the hull of points (3-D); vertices (v, d) [m]."""
+
+    vertices: Matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoxShape:
+    """An axis-parallel box between two corners, each (d,) [m]."""
+
+    lower: Vector
+    upper: Vector
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HalfspaceShape:
+    """The set ``normals @ x <= offsets``, (f, d) and (f,) [m], as given."""
+
+    normals: Matrix
+    offsets: Vector
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MovingShape:
+    """One convex polygon (the hull of its points) per step, each (v, d) [m]."""
+
+    outlines: tuple[Matrix, ...]
+
+
+Shape = PolygonShape | BoxShape | HalfspaceShape | MovingShape
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Obstacle:
+    """A named thing to stay out of.
+
+    Between steps a moving obstacle's points move linearly: the path from the piece at k to the
+    one at k+1 lies within their Minkowski interpolation.
+
+    Attributes
+    ----------
+    name : str
+        Unique within its scenario.
+    shape : Shape
+        The description it was made from; files keep this one.
+    steps : tuple of tuple of Polytope
+        Convex pieces: one entry if it stands still, else one per step 0..T.
+    """
+
+    name: str
+    shape: Shape
+    steps: tuple[tuple[Polytope, ...], ...]
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the obstacle changes with time."""
+        return isinstance(self.shape, MovingShape)
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return self.steps[0][0].dimension
+
+    def at(self, step: int) -> tuple[Polytope, ...]:
+        """Return the convex pieces at a step."""
+        return self.steps[step] if self.is_moving else self.steps[0]
+
+    @classmethod
+    def polygon(cls, name: str, vertices: npt.ArrayLike) -> Obstacle:
+        """Make an obstacle of a simple polygon; in 3-D of the hull of points.
+
+        Raises
+        ------
+        ScenarioError
+            If the outline crosses itself or encloses nothing.
+        """
+        points = as_matrix(vertices, path=("vertices",))
+        try:
+            pieces = convex_pieces(points) if points.shape[1] == 2 else (hull(points),)
+        except ScenarioError as error:
+            raise error.under("vertices") from error
+        return cls(name, PolygonShape(points), (pieces,))
+
+    @classmethod
+    def box(cls, name: str, lower: npt.ArrayLike, upper: npt.ArrayLike) -> Obstacle:
+        """Make an obstacle of an axis-parallel box.
+
+        Raises
+        ------
+        ScenarioError
+            If min is not below max on every axis.
+        """
+        low, high = as_vector(lower, path=("min",)), as_vector(upper, path=("max",))
+        if low.size != high.size:
+            raise ScenarioError(f"must have {low.size} coordinates, got {high.size}", ("max",))
+        return cls(name, BoxShape(low, high), ((box(low, high),),))
+
+    @classmethod
+    def halfspaces(cls, name: str, normals: npt.ArrayLike, offsets: npt.ArrayLike) -> Obstacle:
+        """Make an obstacle of the set ``normals @ x <= offsets``.
+
+        Raises
+        ------
+        ScenarioError
+            If the set is empty or unbounded.
+        """
+        rows = as_matrix(normals, path=("normals",))
+        rhs = as_vector(offsets, len(rows), ("offsets",))
+        return cls(name, HalfspaceShape(rows, rhs), ((halfspaces(rows, rhs),),))
+
+    @classmethod
+    def moving(cls, name: str, outlines: Sequence[npt.ArrayLike]) -> Obstacle:
+        """Make an obstacle of one convex outline per step 0..T.
+
+        Raises
+        ------
+        ScenarioError
+            If an outline encloses nothing.
+        """
+        points = tuple(as_matrix(o, path=("moving", k)) for k, o in enumerate(outlines))
+        if not points:
+            raise ScenarioError("needs one outline per step, got none", ("moving",))
+        steps = []
+        for k, outline in enumerate(points):
+            try:
+                steps.append((hull(outline),))
+            except ScenarioError as error:
+                raise error.under("moving", k) from error
+        return cls(name, MovingShape(points), tuple(steps))

@@ -1,0 +1,158 @@
+"""The whole answer: what a plan file holds. No optimiser objects, no file format."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Literal
+
+from radmpc.arrays import Matrix, Tensor, as_array, as_matrix
+from radmpc.model.scenario import Scenario
+
+__all__ = ["Cause", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"]
+
+Cause = Literal["obstacle", "pair", "workspace"]
+
+
+class Status(Enum):
+    """How planning ended; the value is the word in plan files."""
+
+    OPTIMAL = "optimal"
+    FEASIBLE = "feasible"
+    INFEASIBLE = "infeasible"
+    LIMIT = "limit"
+
+    @property
+    def sentence(self) -> str:
+        """What a user needs to know, advice included."""
+        return {
+            Status.OPTIMAL: "plan found, proven optimal within the gap",
+            Status.FEASIBLE: "plan found, without a proof that it is the best",
+            Status.INFEASIBLE: "no plan found within the risk bound",
+            Status.LIMIT: "a limit was hit before any plan was found: raise --time-limit",
+        }[self]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """One vehicle's part of a plan.
+
+    Attributes
+    ----------
+    name : str
+        The vehicle.
+    controls : (T, m) array
+        Nominal controls.
+    means : (T+1, n) array
+        Mean states.
+    covariances : (T+1, n, n) array
+        State covariances.
+    gain : (m, n) array or None
+        Feedback in use.
+    """
+
+    name: str
+    controls: Matrix
+    means: Matrix
+    covariances: Tensor
+    gain: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays."""
+        put = object.__setattr__
+        put(self, "controls", as_matrix(self.controls, path=("controls",)))
+        put(self, "means", as_matrix(self.means, path=("means",)))
+        put(self, "covariances", as_array(self.covariances, (None, None, None), ("covariances",)))
+        if self.gain is not None:
+            put(self, "gain", as_matrix(self.gain, path=("gain",)))
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerRow:
+    """A share of the risk and what it was spent on.
+
+    Attributes
+    ----------
+    cause : {'obstacle', 'pair', 'workspace'}
+        What may be hit or left.
+    vehicle : str
+        Who.
+    other : str or None
+        The obstacle or the other vehicle; None for the workspace.
+    step : int
+        When, 0..T.
+    risk : float
+        Upper bound on the probability [-].
+    """
+
+    cause: Cause
+    vehicle: str
+    other: str | None
+    step: int
+    risk: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Risk:
+    """What was granted and what the certificate says was spent.
+
+    Attributes
+    ----------
+    bound : float
+        The scenario's Δ.
+    certified : float or None
+        Upper bound on the joint collision probability; None without a plan.
+    ledger : tuple of LedgerRow
+        Where it goes; sums to ``certified``.
+    """
+
+    bound: float
+    certified: float | None = None
+    ledger: tuple[LedgerRow, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """Everything a plan file holds; ``trajectories`` is empty where no plan was found.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The question.
+    planner : str
+        The planner's record in one line.
+    seed : int or None
+        Seed of every random choice; None if the caller gave a generator.
+    status : Status
+        How planning ended.
+    cost : float or None
+        ``Σ weight · ‖u‖₁``; None without a plan.
+    lower_bound : float or None
+        Proven least cost, where there is a proof.
+    risk : Risk
+        Bound, certificate and ledger.
+    sets : tuple of tuple of str
+        Which vehicles were planned together.
+    seconds : mapping
+        Seconds per stage and ``total``.
+    versions : mapping
+        Package versions used.
+    explanation : str or None
+        Why there is no plan.
+    trajectories : tuple of Trajectory
+        One per vehicle, in the scenario's order; empty without a plan.
+    """
+
+    scenario: Scenario
+    planner: str
+    seed: int | None
+    status: Status
+    cost: float | None
+    lower_bound: float | None
+    risk: Risk
+    sets: tuple[tuple[str, ...], ...]
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    explanation: str | None = None
+    trajectories: tuple[Trajectory, ...] = ()

@@ -1,0 +1,200 @@
+"""The whole question: vehicles, what is in their way, and one risk bound."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from radmpc.arrays import Vector, as_vector
+from radmpc.errors import ScenarioError
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.vehicle import Vehicle
+
+__all__ = ["Avoidance", "Scenario", "Workspace"]
+
+Avoidance = Literal["steps", "intervals"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Workspace:
+    """The box that holds every vehicle's center; leaving it counts towards the risk bound.
+
+    Attributes
+    ----------
+    lower, upper : (d,) array
+        Corners [m].
+    """
+
+    lower: Vector
+    upper: Vector
+
+    def __post_init__(self) -> None:
+        """Freeze the corners and check their order."""
+        lower = as_vector(self.lower, path=("min",))
+        object.__setattr__(self, "lower", lower)
+        object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
+        if not np.all(self.lower < self.upper):
+            raise ScenarioError(
+                f"min must be below max on every axis, got {list(self.lower)} "
+                f"and {list(self.upper)}"
+            )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario:
+    """A fleet, its surroundings and the chance of any collision it is granted.
+
+    Attributes
+    ----------
+    name : str
+        For titles and files.
+    dt : float
+        Step [s], > 0.
+    horizon : int
+        Number of steps T, >= 1.
+    risk_bound : float
+        Joint bound Δ over all vehicles, obstacles, pairs and times, 0 < Δ < 0.5.
+    vehicles : tuple of Vehicle
+        At least one, names distinct.
+    obstacles : tuple of Obstacle
+        Names distinct.
+    avoidance : {'intervals', 'steps'}
+        Whether collisions count between steps or only at them.
+    pair_faces : int or None
+        Faces around the relative position of a pair; None is 4 in 2-D and 6 in 3-D.
+    workspace : Workspace or None
+        None is unbounded.
+    source : mapping or None
+        Where an imported scenario came from and what was chosen for it; not used in planning.
+    """
+
+    name: str
+    dt: float
+    horizon: int
+    risk_bound: float
+    vehicles: tuple[Vehicle, ...]
+    obstacles: tuple[Obstacle, ...] = ()
+    avoidance: Avoidance = "intervals"
+    pair_faces: int | None = None
+    workspace: Workspace | None = None
+    source: Mapping[str, object] | None = None
+
+    def __post_init__(self) -> None:
+        """Run every check between the parts."""
+        put = object.__setattr__
+        put(self, "vehicles", tuple(self.vehicles))
+        put(self, "obstacles", tuple(self.obstacles))
+        if self.source is not None:
+            # A plain dict, not a proxy, would be shared and mutable; a proxy does not pickle.
+            put(self, "source", dict(self.source))
+        self._check_numbers()
+        if not self.vehicles:
+            raise ScenarioError("needs at least one vehicle, got none", ("vehicles",))
+        _check_distinct([v.name for v in self.vehicles], "vehicles")
+        _check_distinct([o.name for o in self.obstacles], "obstacles")
+        self._check_dimensions()
+        self._check_workspace()
+        self._check_moving()
+
+    def _check_numbers(self) -> None:
+        """Check the scalars."""
+        if not (np.isfinite(self.dt) and self.dt > 0.0):
+            raise ScenarioError(f"must be > 0 s, got {self.dt}", ("dt",))
+        if self.horizon < 1:
+            raise ScenarioError(f"must be at least 1 step, got {self.horizon}", ("horizon",))
+        if not 0.0 < self.risk_bound < 0.5:
+            raise ScenarioError(
+                f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",
+                ("risk_bound",),
+            )
+        if self.avoidance not in ("steps", "intervals"):
+            raise ScenarioError(
+                f"must be 'steps' or 'intervals', got {self.avoidance!r}", ("avoidance",)
+            )
+
+    def _check_dimensions(self) -> None:
+        """Check that all parts live in one plane or space."""
+        d = self.dimension
+        for i, vehicle in enumerate(self.vehicles):
+            if vehicle.system.dimension != d:
+                raise ScenarioError(
+                    f"must be {d}-D like vehicle {self.vehicles[0].name!r}, "
+                    f"got {vehicle.system.dimension}-D",
+                    ("vehicles", i, "goal"),
+                )
+        for i, obstacle in enumerate(self.obstacles):
+            if any(p.dimension != d for pieces in obstacle.steps for p in pieces):
+                raise ScenarioError(
+                    f"must be {d}-D like the vehicles, got {obstacle.dimension}-D",
+                    ("obstacles", i),
+                )
+        least = 3 if d == 2 else 6
+        if self.pair_faces is not None and (
+            self.pair_faces < least or (d == 3 and self.pair_faces % 2)
+        ):
+            kind = "an even number of at least 6" if d == 3 else "at least 3"
+            raise ScenarioError(f"must be {kind} in {d}-D, got {self.pair_faces}", ("pair_faces",))
+
+    def _check_workspace(self) -> None:
+        """Check that every goal can be reached without leaving the workspace."""
+        if self.workspace is None:
+            return
+        if self.workspace.lower.size != self.dimension:
+            raise ScenarioError(
+                f"must have {self.dimension} coordinates like the vehicles, "
+                f"got {self.workspace.lower.size}",
+                ("workspace",),
+            )
+        low, high = self.workspace.lower, self.workspace.upper
+        for i, vehicle in enumerate(self.vehicles):
+            goal = vehicle.goal
+            if np.any(goal.lower > high) or np.any(goal.upper < low):
+                raise ScenarioError(
+                    f"must touch the workspace {low.tolist()} to {high.tolist()}, "
+                    f"got {goal.lower.tolist()} to {goal.upper.tolist()}",
+                    ("vehicles", i, "goal"),
+                )
+
+    def _check_moving(self) -> None:
+        """Check that moving obstacles are given at every step."""
+        for i, obstacle in enumerate(self.obstacles):
+            if obstacle.is_moving and len(obstacle.steps) != self.horizon + 1:
+                raise ScenarioError(
+                    f"must have {self.horizon + 1} outlines, one per step 0..{self.horizon}, "
+                    f"got {len(obstacle.steps)}",
+                    ("obstacles", i, "moving"),
+                )
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates, 2 or 3."""
+        return self.vehicles[0].system.dimension
+
+    @property
+    def num_vehicles(self) -> int:
+        """Fleet size N."""
+        return len(self.vehicles)
+
+    @property
+    def num_pair_faces(self) -> int:
+        """Faces around a pair, the default resolved."""
+        return 2 * self.dimension if self.pair_faces is None else self.pair_faces
+
+    def subset(self, indices: tuple[int, ...], risk_bound: float) -> Scenario:
+        """Return the scenario of some of the vehicles alone, with their share of the risk."""
+        chosen = tuple(self.vehicles[i] for i in indices)
+        return replace(self, vehicles=chosen, risk_bound=risk_bound)
+
+
+def _check_distinct(names: list[str], field: str) -> None:
+    """Refuse a name that stands twice."""
+    seen: set[str] = set()
+    for i, name in enumerate(names):
+        if not name:
+            raise ScenarioError("must not be empty", (field, i, "name"))
+        if name in seen:
+            raise ScenarioError(f"must be unique, got {name!r} twice", (field, i, "name"))
+        seen.add(name)

@@ -1,0 +1,197 @@
+"""A vehicle: what it is and where it must go. Not its plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector, as_array, as_matrix, as_vector, frozen
+from radmpc.errors import ScenarioError
+from radmpc.model.dynamics import LinearSystem, covariances
+
+__all__ = ["Goal", "Vehicle"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Goal:
+    """A box for the mean position at the horizon, and the largest mean speed there.
+
+    Attributes
+    ----------
+    lower, upper : (d,) array
+        Corners of the box [m], ``lower <= upper``.
+    speed : (d,) array or None
+        Largest mean speed per axis at the horizon [m/s]; None leaves it free.
+    """
+
+    lower: Vector
+    upper: Vector
+    speed: Vector | None
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays and check their order."""
+        lower = as_vector(self.lower, path=("min",))
+        object.__setattr__(self, "lower", lower)
+        object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
+        if not np.all(self.lower <= self.upper):
+            raise ScenarioError(
+                f"min must not exceed max, got {list(self.lower)} and {list(self.upper)}"
+            )
+        if self.speed is not None:
+            speed = as_vector(self.speed, lower.size, ("speed",))
+            object.__setattr__(self, "speed", speed)
+            if np.any(speed < 0.0):
+                raise ScenarioError(f"must be >= 0 m/s, got {list(speed)}", ("speed",))
+
+    @property
+    def center(self) -> Vector:
+        """Middle of the box [m]."""
+        return 0.5 * (self.lower + self.upper)
+
+    def contains(self, position: Vector, velocity: Vector | None, tol: float = 1e-6) -> bool:
+        """Whether a mean position and velocity count as arrived."""
+        inside = np.all(position >= self.lower - tol) and np.all(position <= self.upper + tol)
+        if self.speed is None or velocity is None:
+            return bool(inside)
+        return bool(inside and np.all(np.abs(velocity) <= self.speed + tol))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Vehicle:
+    """A disc (a ball in space) that must be carried from a start to a goal.
+
+    Attributes
+    ----------
+    name : str
+        Unique within its scenario; tables, plots and files use it.
+    system : LinearSystem
+        Its dynamics.
+    start : (n,) array
+        Mean state at k = 0.
+    goal : Goal
+        Where its mean must be at the horizon.
+    radius : float
+        Hull radius [m], > 0.
+    control_limit : (m,) array
+        Largest |u| per axis, > 0.
+    initial_covariance : (n, n) array
+        Covariance of the state at k = 0.
+    disturbance_covariance : (n, n) array
+        Covariance of the disturbance of every step.
+    speed_limit : (d,) array or None
+        Largest mean speed per axis [m/s], > 0; None is no limit.
+    gain : (m, n) array or None
+        Feedback K of ``u = ū + K (x − x̄)``; None is open loop.
+    control_sigmas : float
+        Standard deviations of the feedback that the control limit holds in reserve.
+    cost_weight : float
+        Factor of this vehicle's effort in the cost, >= 0.
+    """
+
+    name: str
+    system: LinearSystem
+    start: Vector
+    goal: Goal
+    radius: float
+    control_limit: Vector
+    initial_covariance: Matrix
+    disturbance_covariance: Matrix
+    speed_limit: Vector | None = None
+    gain: Matrix | None = None
+    control_sigmas: float = 3.0
+    cost_weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays and reject what cannot be flown."""
+        n, m, d = self.system.num_states, self.system.num_controls, self.system.dimension
+        put = object.__setattr__
+        put(self, "start", as_vector(self.start, n, ("start",)))
+        put(self, "control_limit", as_vector(self.control_limit, m, ("control_limit",)))
+        for name in ("initial_covariance", "disturbance_covariance"):
+            put(self, name, as_covariance(getattr(self, name), n, (name,)))
+        if self.speed_limit is not None:
+            put(self, "speed_limit", as_vector(self.speed_limit, d, ("speed_limit",)))
+            _check_positive(self.speed_limit, "speed_limit", "m/s")
+        if self.gain is not None:
+            put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
+        _check_positive(self.control_limit, "control_limit", "per axis")
+        _check_positive(np.array([self.radius]), "radius", "m")
+        for name in ("control_sigmas", "cost_weight"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0.0):
+                raise ScenarioError(f"must be >= 0, got {value}", (name,))
+        if self.goal.lower.size != d:
+            raise ScenarioError(
+                f"must have {d} coordinates like the position, got {self.goal.lower.size}",
+                ("goal",),
+            )
+        if self.system.velocity is None:
+            for name, limit in (("speed_limit", self.speed_limit), ("goal", self.goal.speed)):
+                if limit is not None:
+                    raise ScenarioError(
+                        "a speed needs dynamics whose velocity indices are given", (name,)
+                    )
+
+    @property
+    def start_position(self) -> Vector:
+        """Mean position at k = 0 [m]."""
+        return self.start[list(self.system.position)]
+
+    def covariances(self, horizon: int) -> Tensor:
+        """Return the state covariances at k = 0..horizon, (T+1, n, n)."""
+        return covariances(
+            self.system,
+            self.initial_covariance,
+            self.disturbance_covariance,
+            self.gain,
+            horizon,
+        )
+
+    def control_bounds(self, covariances: Tensor) -> Matrix:
+        """Return the largest nominal |ū| at each step, (T, m).
+
+        The limit less ``control_sigmas`` standard deviations of the feedback ``K (x − x̄)``;
+        negative where the reserve eats the limit.
+        """
+        horizon = len(covariances) - 1
+        if self.gain is None:
+            return np.tile(self.control_limit, (horizon, 1))
+        variances = np.einsum("an,knm,am->ka", self.gain, covariances[:horizon], self.gain)
+        return np.asarray(
+            self.control_limit - self.control_sigmas * np.sqrt(np.maximum(variances, 0.0))
+        )
+
+
+def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:
+    """Return a covariance matrix from a scalar, a diagonal or a matrix.
+
+    Raises
+    ------
+    ScenarioError
+        If it is not symmetric positive semi-definite.
+    """
+    array = np.asarray(value, dtype=object)
+    if array.ndim == 0:
+        matrix = as_array(value, (), path) * np.eye(size)  # type: ignore[arg-type] # checked there
+    elif array.ndim == 1:
+        matrix = np.diag(as_vector(value, size, path))  # type: ignore[arg-type] # checked there
+    else:
+        matrix = as_matrix(value, (size, size), path)  # type: ignore[arg-type] # checked there
+    scale = max(float(np.abs(matrix).max()), 1e-300)
+    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * scale):
+        raise ScenarioError("must be symmetric", path)
+    matrix = 0.5 * (matrix + matrix.T)
+    lowest = float(np.linalg.eigvalsh(matrix)[0])
+    if lowest < -1e-9 * scale:
+        raise ScenarioError(
+            f"must be positive semi-definite, got an eigenvalue of {lowest:.6g}", path
+        )
+    return frozen(matrix)
+
+
+def _check_positive(values: Vector, name: str, unit: str) -> None:
+    """Refuse values that are not above zero."""
+    if not np.all(np.isfinite(values) & (values > 0.0)):
+        shown = values.tolist() if values.size > 1 else values.item()
+        raise ScenarioError(f"must be > 0 {unit}, got {shown}", (name,))

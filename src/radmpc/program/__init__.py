@@ -1,0 +1,1 @@
+"""The disjunctive chance-constrained programme."""
