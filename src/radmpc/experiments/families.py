@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
 from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
@@ -111,16 +112,13 @@ def _scattered(
     rng: np.random.Generator, count: int, obstacles: tuple[Obstacle, ...], starts: Matrix | None
 ) -> Matrix:
     """Draw points one by one until each is clear of obstacles, of one another and in reach."""
+    outlines = [shapely.Polygon(o.at(0)[0].vertices) for o in obstacles]
     points: list[Matrix] = []
     for _ in range(_MAX_DRAWS):
         if len(points) == count:
             return np.array(points)
         point = rng.uniform(1.0, 19.0, 2)
-        clear = all(
-            np.max(piece.normals @ point - piece.offsets) >= 1.2
-            for obstacle in obstacles
-            for piece in obstacle.at(0)
-        )
+        clear = all(outline.distance(shapely.Point(point)) >= 1.2 for outline in outlines)
         apart = all(np.linalg.norm(point - other) >= 3.0 for other in points)
         in_reach = starts is None or bool(np.all(np.abs(point - starts[len(points)]) <= 16.0))
         if clear and apart and in_reach:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from radmpc.arrays import Matrix, Tensor, Vector, as_matrix, frozen
+from radmpc.arrays import Matrix, Tensor, Vector, as_matrix
 from radmpc.errors import ScenarioError
 
 __all__ = ["LinearSystem", "covariances", "double_integrator", "lqr_gain", "rollout"]
@@ -121,8 +121,7 @@ def lqr_gain(system: LinearSystem, Q: Matrix, R: Matrix) -> Matrix:
             "Q must be positive semi-definite, R positive definite"
         ) from error
     PB = P @ system.B
-    gain: Matrix = -np.linalg.solve(control_weight + system.B.T @ PB, PB.T @ system.A)
-    return frozen(gain)
+    return as_matrix(-np.linalg.solve(control_weight + system.B.T @ PB, PB.T @ system.A))
 
 
 def rollout(system: LinearSystem, start: Vector, controls: Matrix) -> Matrix:
