@@ -1,0 +1,51 @@
+# Two commands: `make demo` shows what radmpc does, `make check` shows that it is right.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+WORKERS ?= 2
+INSTALLED := $(VENV)/.installed
+INSTALLED_DEV := $(VENV)/.installed-dev
+
+.DEFAULT_GOAL := help
+.PHONY: help demo check format lint types floors test clean
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+demo: $(INSTALLED) ## plan the shipped scenario; plan and picture go to out/
+	$(BIN)/radmpc demo --out out
+
+check: format lint types floors test ## everything that must hold before a commit
+	@echo 'make check: everything holds'
+
+format: $(INSTALLED_DEV) ## is the code formatted
+	$(BIN)/ruff format --check .
+
+lint: $(INSTALLED_DEV) ## what the linter finds
+	$(BIN)/ruff check .
+
+types: $(INSTALLED_DEV) ## mypy --strict on src
+	$(BIN)/mypy
+
+floors: $(INSTALLED_DEV) ## who may import whom
+	$(BIN)/lint-imports
+
+test: $(INSTALLED_DEV) ## all tests, with branch coverage
+	$(BIN)/pytest -n $(WORKERS) --cov --cov-fail-under=90
+
+clean: ## remove the environment and everything made
+	rm -rf $(VENV) out build dist .coverage .coverage.* .mypy_cache .ruff_cache \
+	    .pytest_cache .hypothesis .import_linter_cache
+
+# The stamps make a second run quick; they go stale when a requirement changes.
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) install --quiet -c constraints.txt -e .
+	@touch $@
+
+$(INSTALLED_DEV): pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) install --quiet -c constraints.txt -e '.[dev]'
+	@touch $@ $(INSTALLED)
