@@ -1,0 +1,128 @@
+"""Things to stay out of, as faces over windows: what a window is differs by avoidance.
+
+With avoidance at the steps window j is step j+1 of the programme. With intervals window j is
+[j, j+1] and a face must hold at both ends: ``near`` is its offset at j, ``far`` at j+1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.geometry import Polytope
+from radmpc.model.obstacle import Obstacle
+
+__all__ = ["KeepOut", "obstacle_keepouts", "swept_keepout"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeepOut:
+    """The faces of one convex thing at every window.
+
+    Attributes
+    ----------
+    name : str
+        The obstacle, or the vehicle that a temporal obstacle stands for.
+    normals : (w, f, d) array
+        Outward unit normals.
+    near, far : (w, f) array
+        Offsets at the window's start and end [m]; inf fills up windows with fewer faces.
+    directions : (w, f) int array
+        Equal numbers are equal normals: such faces of neighbouring windows are one event.
+    start : Polytope or None
+        The thing at the programme's first step; None if that is booked elsewhere.
+    """
+
+    name: str
+    normals: Tensor
+    near: Vector
+    far: Vector
+    directions: Indices
+    start: Polytope | None = None
+
+
+def obstacle_keepouts(
+    obstacle: Obstacle, first_step: int, horizon: int, *, intervals: bool
+) -> list[KeepOut]:
+    """Return one keep-out per convex piece of an obstacle.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        Standing or moving.
+    first_step : int
+        Absolute step at which the programme starts.
+    horizon : int
+        Steps of the programme.
+    intervals : bool
+        Whether windows are intervals.
+
+    Returns
+    -------
+    list of KeepOut
+        For a moving obstacle under intervals, the faces of both ends with their supports at
+        each end: they separate from every linear interpolation of the two.
+    """
+    if obstacle.is_moving:
+        pieces = [obstacle.at(first_step + k)[0] for k in range(horizon + 1)]
+        if not intervals:
+            return [swept_keepout(obstacle.name, pieces[1:], start=pieces[0])]
+        return [_moving_keepout(obstacle.name, pieces)]
+    return [_standing_keepout(obstacle.name, piece, horizon) for piece in obstacle.at(0)]
+
+
+def swept_keepout(name: str, pieces: Sequence[Polytope], start: Polytope | None = None) -> KeepOut:
+    """Return a keep-out that is one polytope per window."""
+    offsets = [piece.offsets for piece in pieces]
+    return _assemble(name, [piece.normals for piece in pieces], offsets, offsets, start)
+
+
+def _moving_keepout(name: str, pieces: Sequence[Polytope]) -> KeepOut:
+    """Return the faces that separate from a shape while it moves from window end to end."""
+    normals, near, far = [], [], []
+    for before, after in pairwise(pieces):
+        both: Matrix = np.unique(np.vstack([before.normals, after.normals]).round(12), axis=0)
+        normals.append(both)
+        near.append(before.support(both))
+        far.append(after.support(both))
+    return _assemble(name, normals, near, far, pieces[0])
+
+
+def _standing_keepout(name: str, piece: Polytope, horizon: int) -> KeepOut:
+    """Return the same faces at every window."""
+    num_faces = len(piece.offsets)
+    offsets = np.tile(piece.offsets, (horizon, 1))
+    return KeepOut(
+        name=name,
+        normals=np.broadcast_to(piece.normals, (horizon, *piece.normals.shape)),
+        near=offsets,
+        far=offsets,
+        directions=np.tile(np.arange(num_faces), (horizon, 1)),
+        start=piece,
+    )
+
+
+def _assemble(
+    name: str,
+    normals: list[Tensor],
+    near: list[Vector],
+    far: list[Vector],
+    start: Polytope | None,
+) -> KeepOut:
+    """Stack windows with different numbers of faces and number the distinct directions."""
+    num_faces = max(len(n) for n in normals)
+    dimension = normals[0].shape[1]
+    stacked = np.zeros((len(normals), num_faces, dimension))
+    starts = np.full((len(normals), num_faces), np.inf)
+    ends = np.full((len(normals), num_faces), np.inf)
+    for w, n in enumerate(normals):
+        stacked[w, : len(n)] = n
+        starts[w, : len(n)] = near[w]
+        ends[w, : len(n)] = far[w]
+    flat = np.round(stacked.reshape(-1, dimension), 9)
+    _, directions = np.unique(flat, axis=0, return_inverse=True)
+    return KeepOut(name, stacked, starts, ends, directions.reshape(len(normals), num_faces), start)

@@ -1,0 +1,257 @@
+"""How Δ becomes risks of rows, and risks margins. Arithmetic only; nothing is solved here.
+
+Fixed allocations give a risk to every exposure; all events of the exposure (the faces of one
+thing at one step) get it, and each distinct event that is chosen pays it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.gaussian import clearance_for, tail_probability
+from radmpc.program.program import DisjunctiveProgram
+
+__all__ = [
+    "Ira",
+    "NoRisk",
+    "Policy",
+    "Pool",
+    "Reallocation",
+    "Sigmas",
+    "Uniform",
+    "allocated",
+    "margins_of",
+    "reallocate",
+    "uniform_allocation",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class NoRisk:
+    """Deterministic: noise is ignored."""
+
+    def __str__(self) -> str:
+        return "none"
+
+
+@dataclass(frozen=True, slots=True)
+class Sigmas:
+    """Bounded disturbance as robust MPC treats it: every row keeps a number of deviations.
+
+    Attributes
+    ----------
+    count : float
+        Standard deviations kept, > 0.
+    """
+
+    count: float = 3.0
+
+    def __str__(self) -> str:
+        return f"sigmas({self.count:g})"
+
+
+@dataclass(frozen=True, slots=True)
+class Uniform:
+    """The same risk for every row, decided beforehand (Blackmore, Ono and Williams)."""
+
+    def __str__(self) -> str:
+        return "uniform"
+
+
+@dataclass(frozen=True, slots=True)
+class Ira:
+    """Iterative risk allocation (paper, section Iterative Risk Allocation).
+
+    Attributes
+    ----------
+    active_tol : float
+        η: a row is active if its risk is within this share of its allocation.
+    keep : float
+        α: share of the unused risk that an inactive row keeps.
+    max_iterations : int
+        Solves at the most.
+    """
+
+    active_tol: float = 0.01
+    keep: float = 0.7
+    max_iterations: int = 20
+
+    def __str__(self) -> str:
+        return "ira"
+
+
+@dataclass(frozen=True, slots=True)
+class Pool:
+    """RADMPC's: each subproblem spreads its share of a common pool uniformly.
+
+    Attributes
+    ----------
+    charge : {'allocated', 'used'}
+        What leaves the pool for an executed step: what its rows were allotted (the paper), or
+        only the risk they turned out to run.
+    """
+
+    charge: str = "allocated"
+
+    def __str__(self) -> str:
+        return "pool" if self.charge == "allocated" else f"pool({self.charge})"
+
+
+Policy = NoRisk | Sigmas | Uniform | Ira | Pool
+
+
+def uniform_allocation(program: DisjunctiveProgram, budget: float) -> Vector:
+    """Spread a budget evenly, so that no selection can spend more.
+
+    Exposures whose rows no control moves get the least risk they carry in any case on top.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme.
+    budget : float
+        Risk to spread, > 0.
+
+    Returns
+    -------
+    (x,) array
+        Risk of each event of every exposure.
+    """
+    counts = _largest_counts(program)
+    unavoidable = _unavoidable(program)
+    left = budget - float(unavoidable.sum())
+    if counts.sum() == 0 or left <= 0.0:
+        return unavoidable
+    spread: Vector = unavoidable + left / float(counts.sum())
+    return spread
+
+
+def margins_of(program: DisjunctiveProgram, allocation: Vector) -> Vector:
+    """Return the back-off of every row at an allocation, (r,) [m] (paper, Eq. 7)."""
+    rows = program.rows
+    risks = allocation[rows.exposures[rows.events]]
+    # Nothing allotted means the row may not be chosen; an infinite margin would spoil the sums.
+    floor = np.finfo(np.float64).tiny
+    return rows.deviations * clearance_for(np.clip(risks, floor, 0.5))
+
+
+def allocated(program: DisjunctiveProgram, allocation: Vector, selection: Indices) -> float:
+    """Return what a selection pays: the allocation of its distinct events."""
+    events = np.unique(program.rows.events[program.selected_rows(selection)])
+    return float(allocation[program.rows.exposures[events]].sum())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reallocation:
+    """One upper stage of IRA.
+
+    Attributes
+    ----------
+    allocation : (x,) array
+        The next allocation.
+    num_active : int
+        Exposures that use what they were given.
+    num_chosen : int
+        Exposures with a chosen row.
+    used : float
+        True risk of the chosen rows at the solution.
+    """
+
+    allocation: Vector
+    num_active: int
+    num_chosen: int
+    used: float
+
+
+def reallocate(
+    program: DisjunctiveProgram,
+    allocation: Vector,
+    selection: Indices,
+    z: Vector,
+    budget: float,
+    policy: Ira,
+) -> Reallocation:
+    """Move risk from rows that do not use theirs to those that do.
+
+    The paper states both directions; this one lowers the cost, because a row that uses all it
+    was given is one that holds the solution back.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme.
+    allocation : (x,) array
+        Allocation of the last solve.
+    selection : (v,) int array
+        Its selection.
+    z : (n,) array
+        Its point.
+    budget : float
+        What the next allocation may sum to over the selection.
+    policy : Ira
+        η and α.
+
+    Returns
+    -------
+    Reallocation
+        The next allocation and what it was made from.
+    """
+    rows = program.rows
+    chosen_rows = program.selected_rows(selection)
+    event_risk = np.zeros(rows.exposures.size)
+    risks = tail_probability(program.clearances(z)[chosen_rows])
+    np.maximum.at(event_risk, rows.events[chosen_rows], risks)
+    events = np.unique(rows.events[chosen_rows])
+    paid = np.bincount(rows.exposures[events], minlength=allocation.size)
+    needed = np.zeros(allocation.size)
+    np.maximum.at(needed, rows.exposures[events], event_risk[events])
+    chosen = paid > 0
+    active = chosen & (np.abs(allocation - needed) <= policy.active_tol * allocation)
+    result = allocation.copy()
+    giving = chosen & ~active
+    result[giving] = policy.keep * allocation[giving] + (1.0 - policy.keep) * needed[giving]
+    residual = budget - float((paid * result).sum())
+    if active.any() and residual > 0.0:
+        result[active] += residual / float(paid[active].sum())
+    return Reallocation(
+        allocation=np.minimum(result, 0.5),
+        num_active=int(active.sum()),
+        num_chosen=int(chosen.sum()),
+        used=float(event_risk.sum()),
+    )
+
+
+def _largest_counts(program: DisjunctiveProgram) -> Indices:
+    """Return how many distinct events of each exposure a selection can choose at most."""
+    rows = program.rows
+    num = len(program.exposures)
+    if rows.count == 0:
+        return np.zeros(num, dtype=np.int64)
+    sizes = np.diff(program.alternative_starts)
+    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts)).repeat(
+        sizes
+    )
+    exposure = rows.exposures[rows.events[program.alternative_rows]]
+    touching = np.unique(owner * num + exposure) % num
+    by_avoidance = np.bincount(touching, minlength=num)
+    by_event = np.bincount(rows.exposures, minlength=num)
+    return np.minimum(by_avoidance, by_event)
+
+
+def _unavoidable(program: DisjunctiveProgram) -> Vector:
+    """Return the least risk each exposure carries through rows that no control moves."""
+    rows = program.rows
+    fixed = program.fixed_rows()
+    least = np.zeros(len(program.exposures))
+    if not fixed.any():
+        return least
+    risk = tail_probability(program.clearances(np.zeros(program.num_columns)))
+    exposure = rows.exposures[rows.events]
+    best = np.full(least.size, np.inf)
+    np.minimum.at(best, exposure[fixed], risk[fixed])
+    found = np.isfinite(best)
+    least[found] = best[found]
+    return least

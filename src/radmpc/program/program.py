@@ -1,0 +1,201 @@
+"""The disjunctive chance-constrained programme as a value: what every planner builds and solves.
+
+Minimise ``cost @ z`` over hard rows and, for every avoidance, at least one alternative whose
+chance rows all hold. The chance rows are written over *outputs* ``y = outputs @ z + constant``
+(mean positions and controls), few per row, so that rating thousands of rows is one short
+product; a row's dense form over ``z`` is made only for the few that enter a solver.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Indices, Vector
+from radmpc.model.plan import Cause
+
+__all__ = ["SETTLED_RISK", "ChanceRows", "DisjunctiveProgram", "Exposure"]
+
+SETTLED_RISK = 1e-12
+"""Avoidances that no admissible control violates with more chance than this are charged at that
+chance and leave the programme."""
+
+
+class Exposure(NamedTuple):
+    """One danger at one step: the unit in which risk is allotted and booked.
+
+    Attributes
+    ----------
+    cause : {'obstacle', 'pair', 'workspace'}
+        What may happen.
+    vehicle : str
+        To whom.
+    other : str or None
+        The obstacle or the other vehicle.
+    step : int
+        Absolute step 0..T.
+    """
+
+    cause: Cause
+    vehicle: str
+    other: str | None
+    step: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChanceRows:
+    """Rows ``normals @ y <= offsets`` whose left sides carry Gaussian noise.
+
+    Rows of one *event* look along the same direction at the same step and differ only in their
+    offsets, so their violations are nested: together they are charged once, at the largest risk.
+
+    Attributes
+    ----------
+    normals : (r, p) sparse array
+        Coefficients over the outputs.
+    offsets : (r,) array
+        Right sides [m].
+    deviations : (r,) array
+        Standard deviations of the left sides [m]; 0 makes a hard row.
+    events : (r,) int array
+        The event each row belongs to.
+    exposures : (e,) int array
+        The exposure each event belongs to.
+    """
+
+    normals: csr_array
+    offsets: Vector
+    deviations: Vector
+    events: Indices
+    exposures: Indices
+
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return int(self.offsets.size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DisjunctiveProgram:
+    """The one mathematical object of this package.
+
+    Attributes
+    ----------
+    cost : (n,) array
+        Cost of the decision variables.
+    lower, upper : (n,) array
+        Their bounds.
+    hard : (h, n) sparse array
+        Coefficients of the hard rows.
+    hard_lower, hard_upper : (h,) array
+        Bounds of the hard rows.
+    outputs : (p, n) sparse array
+        What the chance rows see, without its constant.
+    constant : (p,) array
+        Constant part of the outputs.
+    output_lower, output_upper : (p,) array
+        Bounds of the outputs over all points that satisfy the hard rows.
+    rows : ChanceRows
+        All chance rows.
+    alternative_starts : (a+1,) int array
+        Alternative i owns ``alternative_rows[starts[i]:starts[i+1]]``.
+    alternative_rows : int array
+        Row numbers.
+    avoidance_starts : (v+1,) int array
+        Avoidance i owns alternatives ``starts[i]..starts[i+1]-1``; none is a contradiction.
+    avoidances : tuple of Exposure
+        What each avoidance avoids, with the step its window starts at.
+    exposures : tuple of Exposure
+        The dangers that risk is allotted to.
+    risk_bound : float
+        Δ for this programme.
+    initial_risk : float
+        Risk no control can change, charged to Δ first: at k = 0, and of settled avoidances.
+    initial : tuple of (Exposure, float)
+        The parts of the initial risk at k = 0 that are not negligible.
+    """
+
+    cost: Vector
+    lower: Vector
+    upper: Vector
+    hard: csr_array
+    hard_lower: Vector
+    hard_upper: Vector
+    outputs: csr_array
+    constant: Vector
+    output_lower: Vector
+    output_upper: Vector
+    rows: ChanceRows
+    alternative_starts: Indices
+    alternative_rows: Indices
+    avoidance_starts: Indices
+    avoidances: tuple[Exposure, ...]
+    exposures: tuple[Exposure, ...]
+    risk_bound: float
+    initial_risk: float
+    initial: tuple[tuple[Exposure, float], ...]
+
+    @property
+    def num_columns(self) -> int:
+        """Number of decision variables n."""
+        return int(self.cost.size)
+
+    @property
+    def num_avoidances(self) -> int:
+        """Number of avoidances."""
+        return len(self.avoidances)
+
+    @property
+    def num_alternatives(self) -> int:
+        """Number of alternatives of all avoidances."""
+        return int(self.alternative_starts.size - 1)
+
+    @property
+    def budget(self) -> float:
+        """What is left of Δ for the rows; negative where the start alone exceeds it."""
+        return self.risk_bound - self.initial_risk
+
+    def alternatives_of(self, avoidance: int) -> range:
+        """Return the alternatives of an avoidance."""
+        return range(
+            int(self.avoidance_starts[avoidance]), int(self.avoidance_starts[avoidance + 1])
+        )
+
+    def rows_of(self, alternative: int) -> Indices:
+        """Return the rows of an alternative."""
+        start, stop = self.alternative_starts[alternative : alternative + 2]
+        return self.alternative_rows[start:stop]
+
+    def slacks(self, z: Vector) -> Vector:
+        """Return ``offset − normal @ y`` of every row at a point, (r,) [m]."""
+        outputs = self.outputs @ z + self.constant
+        slacks: Vector = self.rows.offsets - self.rows.normals @ outputs
+        return slacks
+
+    def clearances(self, z: Vector) -> Vector:
+        """Return every row's slack in standard deviations; ±inf for rows without noise."""
+        slacks = self.slacks(z)
+        deviations = self.rows.deviations
+        noisy = deviations > 0.0
+        # A hard row holds up to the solver's own feasibility tolerance.
+        certain = np.where(slacks >= -1e-9, np.inf, -np.inf)
+        return np.where(noisy, slacks / np.where(noisy, deviations, 1.0), certain)
+
+    def fixed_rows(self) -> np.ndarray:
+        """Return which rows no control can move, (r,) bool: those at the first step."""
+        touched = abs(self.rows.normals) @ (abs(self.outputs) @ np.ones(self.num_columns))
+        return np.asarray(touched == 0.0)
+
+    def column_rows(self, rows: Indices) -> tuple[csr_array, Vector]:
+        """Return chosen rows over the decision variables: coefficients and right sides."""
+        normals = self.rows.normals[rows]
+        return csr_array(normals @ self.outputs), self.rows.offsets[rows] - normals @ self.constant
+
+    def selected_rows(self, selection: Indices) -> Indices:
+        """Return the distinct rows of one alternative per avoidance."""
+        if selection.size == 0:
+            return np.zeros(0, dtype=np.int64)
+        return np.unique(np.concatenate([self.rows_of(int(a)) for a in selection]))

@@ -1,0 +1,171 @@
+"""A vehicle as the programme sees it: its response to controls, its noise and its reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.model.dynamics import LinearSystem
+from radmpc.model.vehicle import Vehicle
+
+__all__ = ["Response", "Subject", "make_subject"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Response:
+    """How positions and velocities answer to the controls of earlier steps.
+
+    Attributes
+    ----------
+    powers : (T+1, n, n) array
+        ``A^k``.
+    position : (T+1, d, T*m) array
+        Position at k per control, controls step by step.
+    velocity : (T+1, d, T*m) array or None
+        Velocity at k per control.
+    """
+
+    powers: Tensor
+    position: Tensor
+    velocity: Tensor | None
+
+    @classmethod
+    def of(cls, system: LinearSystem, horizon: int) -> Response:
+        """Compute the response over a horizon; its first steps serve shorter ones."""
+        n, m = system.num_states, system.num_controls
+        powers = np.empty((horizon + 1, n, n))
+        powers[0] = np.eye(n)
+        for k in range(horizon):
+            powers[k + 1] = system.A @ powers[k]
+        impulses = powers @ system.B
+        states = np.zeros((horizon + 1, n, horizon * m))
+        for k in range(1, horizon + 1):
+            for j in range(k):
+                states[k, :, j * m : (j + 1) * m] = impulses[k - 1 - j]
+        velocity = None if system.velocity is None else states[:, list(system.velocity), :]
+        return cls(powers, states[:, list(system.position), :], velocity)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Subject:
+    """One vehicle over the horizon of one programme.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        Who.
+    horizon : int
+        Steps of the programme.
+    control_bounds : (T, m) array
+        Largest nominal |ū|; negative where feedback needs more than the limit.
+    position_covariances : (T+1, d, d) array
+        Position covariance at each step [m²].
+    position, velocity : (T+1, d, T*m) array
+        Response to the controls; velocity None where the model has none.
+    drift_position, drift_velocity : (T+1, d) array
+        Positions and velocities without control.
+    reach_lower, reach_upper : (T+1, d) array
+        Box that holds the mean position under every admissible control [m].
+    """
+
+    vehicle: Vehicle
+    horizon: int
+    control_bounds: Matrix
+    position_covariances: Tensor
+    position: Tensor
+    velocity: Tensor | None
+    drift_position: Matrix
+    drift_velocity: Matrix | None
+    reach_lower: Matrix
+    reach_upper: Matrix
+
+
+def make_subject(
+    vehicle: Vehicle, response: Response, start: Vector, covariances: Tensor, bounds: Matrix
+) -> Subject:
+    """Return a vehicle that starts somewhere with some steps to go.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Who.
+    response : Response
+        Of its system, over at least this horizon.
+    start : (n,) array
+        Mean state at the programme's first step.
+    covariances : (T+1, n, n) array
+        State covariances from the first step on.
+    bounds : (T, m) array
+        Largest nominal |ū|, see `Vehicle.control_bounds`.
+
+    Returns
+    -------
+    Subject
+        With its reach computed.
+    """
+    horizon, num_controls = bounds.shape
+    system = vehicle.system
+    span = horizon * num_controls
+    axes = list(system.position)
+    states = response.powers[: horizon + 1] @ start
+    position = response.position[: horizon + 1, :, :span]
+    velocity = None if response.velocity is None else response.velocity[: horizon + 1, :, :span]
+    drift = states[:, axes]
+    drift_velocity = None if system.velocity is None else states[:, list(system.velocity)]
+    lower, upper = _reach_by_boxes(vehicle, position, drift, np.maximum(bounds, 0.0).ravel())
+    if system.is_double_integrator:
+        low, high = _reach_by_speeds(vehicle, start, np.maximum(bounds, 0.0))
+        lower, upper = np.maximum(lower, low), np.minimum(upper, high)
+    return Subject(
+        vehicle=vehicle,
+        horizon=horizon,
+        control_bounds=bounds,
+        position_covariances=covariances[:, axes, :][:, :, axes],
+        position=position,
+        velocity=velocity,
+        drift_position=drift,
+        drift_velocity=drift_velocity,
+        reach_lower=lower,
+        reach_upper=upper,
+    )
+
+
+def _reach_by_boxes(
+    vehicle: Vehicle, position: Tensor, drift: Matrix, bounds: Vector
+) -> tuple[Matrix, Matrix]:
+    """Bound positions from the start forward and from the goal backward, any dynamics."""
+    spread = np.abs(position) @ bounds
+    to_goal = np.abs(position[-1] - position) @ bounds
+    still = drift[-1] - drift
+    lower = np.maximum(drift - spread, vehicle.goal.lower - still - to_goal)
+    upper = np.minimum(drift + spread, vehicle.goal.upper - still + to_goal)
+    return lower, upper
+
+
+def _reach_by_speeds(vehicle: Vehicle, start: Vector, bounds: Matrix) -> tuple[Matrix, Matrix]:
+    """Bound a double integrator's positions by full throttle from both ends, speed limits held."""
+    system = vehicle.system
+    d, horizon = system.dimension, len(bounds)
+    dt = float(system.B[d, 0])
+    limit = np.full(d, np.inf) if vehicle.speed_limit is None else vehicle.speed_limit
+    goal_speed = limit if vehicle.goal.speed is None else np.minimum(vehicle.goal.speed, limit)
+    forward_up = _full_throttle(start[d:], bounds, limit, dt)
+    forward_down = _full_throttle(-start[d:], bounds, limit, dt)
+    # Seen backwards in time the vehicle leaves its goal at most at the goal speed.
+    backward = _full_throttle(goal_speed, bounds[::-1], limit, dt)[::-1]
+    lower = np.maximum(start[:d] - forward_down, vehicle.goal.lower - backward)
+    upper = np.minimum(start[:d] + forward_up, vehicle.goal.upper + backward)
+    return lower.reshape(horizon + 1, d), upper.reshape(horizon + 1, d)
+
+
+def _full_throttle(speed: Vector, bounds: Matrix, limit: Vector, dt: float) -> Matrix:
+    """Return how far each axis gets at most by each step, (T+1, d) [m]."""
+    speeds = [speed]
+    for bound in bounds:
+        speeds.append(np.minimum(speeds[-1] + dt * bound, limit))
+    pace = np.array(speeds)
+    distance = np.zeros_like(pace)
+    np.cumsum(0.5 * dt * (pace[:-1] + pace[1:]), axis=0, out=distance[1:])
+    return distance

@@ -1,0 +1,1 @@
+"""Mixed-integer solvers behind one small protocol, one file each."""

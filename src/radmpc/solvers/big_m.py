@@ -1,0 +1,161 @@
+r"""The paper's encoding: one binary per alternative, rows switched off by a large M.
+
+.. math:: h^\top y \le g - m + M b,\qquad \sum_j b_j \le \mathrm{card}(O) - 1
+
+(paper, section Avoidance Constraints.) M is as small as reach allows, row by row: solvers accept
+1e-6 of integrality slack, which a large M turns into metres.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, hstack, vstack
+
+from radmpc.arrays import Indices, Vector
+from radmpc.errors import ScenarioError
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.backends.gurobi import GurobiBackend
+from radmpc.solvers.backends.highs import HighsBackend
+from radmpc.solvers.backends.scip import ScipBackend
+from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.milp import Backend, MilpModel
+from radmpc.solvers.selection import least_violated, violations_of
+from radmpc.solvers.solution import Limits, Outcome, Solution, relative_gap
+
+__all__ = ["BACKENDS", "BigM"]
+
+BACKENDS: dict[str, type[Backend]] = {
+    "highs": HighsBackend,
+    "scip": ScipBackend,
+    "gurobi": GurobiBackend,
+}
+"""Backends by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class BigM:
+    """The disjunctions as a mixed-integer programme.
+
+    Attributes
+    ----------
+    backend : {'highs', 'scip', 'gurobi'}
+        Who solves it.
+    """
+
+    backend: str = "highs"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown backends."""
+        if self.backend not in BACKENDS:
+            raise ScenarioError(f"backend must be one of {', '.join(BACKENDS)}, got {self.backend}")
+
+    def __str__(self) -> str:
+        return "big_m" if self.backend == "highs" else f"big_m({self.backend})"
+
+    def solve(
+        self,
+        program: DisjunctiveProgram,
+        margins: Vector,
+        *,
+        gap: float,
+        limits: Limits,
+        start: Indices | None = None,
+    ) -> Solution:
+        """Minimise the cost at fixed margins; see `radmpc.solvers.solution.Solver`.
+
+        ``start`` is not used: the paper's method starts every solve afresh.
+        """
+        del start
+        begun = time.perf_counter()
+        nothing = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
+        if np.any(program.upper < program.lower) or np.any(np.diff(program.avoidance_starts) == 0):
+            return nothing
+        answer = BACKENDS[self.backend]().minimize(encode(program, margins), gap, limits)
+        seconds = time.perf_counter() - begun
+        if answer.x is None:
+            return Solution(
+                answer.outcome, None, None, float("inf"), answer.bound, answer.nodes, 0, seconds
+            )
+        z = answer.x[: program.num_columns]
+        selection = least_violated(program, violations_of(program, margins, z))
+        cost, z = _polished(program, margins, selection, z)
+        bound = min(answer.bound, cost)
+        closed = relative_gap(cost, bound) <= gap * (1.0 + 1e-6) + 1e-9
+        return Solution(
+            outcome=Outcome.OPTIMAL if closed else Outcome.FEASIBLE,
+            z=z,
+            selection=selection,
+            cost=cost,
+            bound=bound,
+            nodes=answer.nodes,
+            lps=0,
+            seconds=time.perf_counter() - begun,
+        )
+
+
+def encode(program: DisjunctiveProgram, margins: Vector) -> MilpModel:
+    """Return the mixed-integer programme of a disjunctive one at fixed margins.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme; no avoidance without alternatives.
+    margins : (r,) array
+        Back-off of each row [m].
+
+    Returns
+    -------
+    MilpModel
+        Columns z, then one binary ``is_off`` per alternative.
+    """
+    rows = program.rows
+    matrix, right = program.column_rows(np.arange(rows.count))
+    right = right - margins
+    owner = np.repeat(np.arange(program.num_alternatives), np.diff(program.alternative_starts))
+    big_m = _largest_excess(program, margins)
+    num_off = program.num_alternatives
+    switch = coo_array((-big_m, (program.alternative_rows, owner)), shape=(rows.count, num_off))
+    sizes = np.diff(program.avoidance_starts)
+    cover = coo_array(
+        (np.ones(num_off), (np.repeat(np.arange(sizes.size), sizes), np.arange(num_off))),
+        shape=(sizes.size, num_off),
+    )
+    blocks = [
+        hstack([program.hard, csr_array((program.hard.shape[0], num_off))]),
+        hstack([matrix, switch]),
+        hstack([csr_array((sizes.size, program.num_columns)), cover]),
+    ]
+    unbounded = np.full(rows.count + sizes.size, -np.inf)
+    return MilpModel(
+        cost=np.concatenate([program.cost, np.zeros(num_off)]),
+        lower=np.concatenate([program.lower, np.zeros(num_off)]),
+        upper=np.concatenate([program.upper, np.ones(num_off)]),
+        num_continuous=program.num_columns,
+        matrix=csr_array(vstack(blocks)),
+        row_lower=np.concatenate([program.hard_lower, unbounded]),
+        row_upper=np.concatenate([program.hard_upper, right, sizes - 1.0]),
+    )
+
+
+def _largest_excess(program: DisjunctiveProgram, margins: Vector) -> Vector:
+    """Return by how much each row can be violated within reach: the least valid M, (r,) [m]."""
+    normals = program.rows.normals
+    up, down = normals.maximum(0.0), normals.minimum(0.0)
+    largest = up @ program.output_upper + down @ program.output_lower
+    excess: Vector = largest - program.rows.offsets + margins
+    return np.maximum(excess, 0.0)
+
+
+def _polished(
+    program: DisjunctiveProgram, margins: Vector, selection: Indices, z: Vector
+) -> tuple[float, Vector]:
+    """Solve the linear programme of the selection, free of the backend's integrality slack."""
+    lp = WarmLp(program, margins)
+    lp.activate(program.selected_rows(selection))
+    outcome, cost = lp.solve()
+    if outcome is LpOutcome.OPTIMAL:
+        return cost, lp.point()
+    return float(program.cost @ z), z

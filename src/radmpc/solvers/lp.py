@@ -1,0 +1,175 @@
+"""One linear programme kept alive: rows are added once and switched by their bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+
+import highspy
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.errors import SolverError
+from radmpc.program.program import DisjunctiveProgram
+
+__all__ = ["LpOutcome", "WarmLp", "quiet_highs"]
+
+FEASIBILITY_TOL = 1e-9
+
+
+class LpOutcome(Enum):
+    """How a linear programme ended."""
+
+    OPTIMAL = "optimal"
+    INFEASIBLE = "infeasible"
+    CUTOFF = "worse than the cutoff"
+
+
+def quiet_highs() -> highspy.Highs:
+    """Return a HiGHS instance that is silent, single-threaded and repeatable."""
+    highs = highspy.Highs()
+    for name, value in (
+        ("output_flag", False),
+        ("threads", 1),
+        ("random_seed", 0),
+    ):
+        highs.setOptionValue(name, value)
+    return highs
+
+
+class WarmLp:
+    """The programme's hard rows plus the chance rows seen so far, solved warm by dual simplex.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme; its chance rows are numbered as there.
+    margins : (r,) array
+        Back-off of each chance row [m].
+    """
+
+    def __init__(self, program: DisjunctiveProgram, margins: Vector) -> None:
+        self._program = program
+        self._right = program.rows.offsets - program.rows.normals @ program.constant - margins
+        self._place: dict[int, int] = {}
+        self._active: frozenset[int] = frozenset()
+        self.solves = 0
+        highs = quiet_highs()
+        for name, value in (
+            ("presolve", "off"),
+            ("solver", "simplex"),
+            ("simplex_strategy", 1),
+            ("primal_feasibility_tolerance", FEASIBILITY_TOL),
+            ("dual_feasibility_tolerance", FEASIBILITY_TOL),
+        ):
+            highs.setOptionValue(name, value)
+        empty = np.zeros(0, dtype=np.int32)
+        n = program.num_columns
+        _check(
+            highs.addCols(
+                n, program.cost, program.lower, program.upper, 0, empty, empty, np.zeros(0)
+            )
+        )
+        hard = program.hard
+        _check(
+            highs.addRows(
+                hard.shape[0],
+                program.hard_lower,
+                program.hard_upper,
+                hard.nnz,
+                hard.indptr[:-1].astype(np.int32),
+                hard.indices.astype(np.int32),
+                hard.data,
+            )
+        )
+        self._num_hard = int(hard.shape[0])
+        self._highs = highs
+        self._cutoff = float("inf")
+
+    def set_margins(self, margins: Vector) -> None:
+        """Change every row's margin; the basis stays."""
+        rows = self._program.rows
+        self._right = rows.offsets - rows.normals @ self._program.constant - margins
+        active, self._active = self._active, frozenset()
+        self.activate(active)
+
+    def activate(self, rows: Iterable[int]) -> None:
+        """Switch exactly these chance rows on, adding those that are new."""
+        wanted = frozenset(int(r) for r in rows)
+        new = [r for r in wanted if r not in self._place]
+        if new:
+            self._add(sorted(new))
+        off = [self._place[r] for r in self._active - wanted]
+        on = sorted(wanted - self._active)
+        index = np.array(off + [self._place[r] for r in on], dtype=np.int32)
+        if index.size:
+            upper = np.full(index.size, np.inf)
+            upper[len(off) :] = self._right[on]
+            lower = np.full(index.size, -np.inf)
+            _check(self._highs.changeRowsBounds(index.size, index, lower, upper))
+        self._active = wanted
+
+    def _add(self, rows: list[int]) -> None:
+        """Append chance rows, switched off."""
+        matrix, _ = self._program.column_rows(np.array(rows))
+        count = len(rows)
+        infinite = np.full(count, np.inf)
+        _check(
+            self._highs.addRows(
+                count,
+                -infinite,
+                infinite,
+                matrix.nnz,
+                matrix.indptr[:-1].astype(np.int32),
+                matrix.indices.astype(np.int32),
+                matrix.data,
+            )
+        )
+        base = self._num_hard + len(self._place)
+        for i, row in enumerate(rows):
+            self._place[row] = base + i
+
+    def solve(self, cutoff: float = float("inf")) -> tuple[LpOutcome, float]:
+        """Minimise over the active rows.
+
+        Parameters
+        ----------
+        cutoff : float
+            Give up as soon as the cost is known to be above this.
+
+        Returns
+        -------
+        (LpOutcome, float)
+            The outcome and the least cost (inf where infeasible).
+
+        Raises
+        ------
+        SolverError
+            If HiGHS fails twice, the second time from scratch.
+        """
+        if cutoff != self._cutoff:
+            self._highs.setOptionValue("objective_bound", cutoff)
+            self._cutoff = cutoff
+        for attempt in range(2):
+            self.solves += 1
+            self._highs.run()
+            status = self._highs.getModelStatus()
+            if status == highspy.HighsModelStatus.kOptimal:
+                return LpOutcome.OPTIMAL, float(self._highs.getInfo().objective_function_value)
+            if status == highspy.HighsModelStatus.kInfeasible:
+                return LpOutcome.INFEASIBLE, float("inf")
+            if status == highspy.HighsModelStatus.kObjectiveBound:
+                return LpOutcome.CUTOFF, cutoff
+            if attempt == 0:
+                self._highs.clearSolver()
+        raise SolverError(f"HiGHS stopped with {self._highs.modelStatusToString(status)}")
+
+    def point(self) -> Vector:
+        """Return the columns of the last optimal solve."""
+        return np.array(self._highs.getSolution().col_value)
+
+
+def _check(status: highspy.HighsStatus) -> None:
+    """Turn a failed call into an error."""
+    if status == highspy.HighsStatus.kError:
+        raise SolverError("HiGHS refused a row or a bound")

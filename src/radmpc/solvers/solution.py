@@ -1,0 +1,132 @@
+"""What a solver is asked for besides the programme, and what it answers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Protocol
+
+from radmpc.arrays import Indices, Vector
+from radmpc.program.program import DisjunctiveProgram
+
+__all__ = ["Limits", "Outcome", "Solution", "Solver", "relative_gap"]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When to stop early.
+
+    Attributes
+    ----------
+    deadline : float
+        Value of ``time.monotonic()`` at which to stop; inf is never.
+    is_stopped : callable
+        Returns True once the user asked to stop.
+    """
+
+    deadline: float = float("inf")
+    is_stopped: Callable[[], bool] = field(default=lambda: False)
+
+    @property
+    def reached(self) -> bool:
+        """Whether it is time to stop."""
+        return self.is_stopped() or time.monotonic() >= self.deadline
+
+    @property
+    def seconds_left(self) -> float:
+        """Seconds until the deadline, never negative."""
+        return max(0.0, self.deadline - time.monotonic())
+
+
+class Outcome(Enum):
+    """How a solve ended."""
+
+    OPTIMAL = "solved within the gap"
+    FEASIBLE = "a limit was hit with a solution at hand"
+    INFEASIBLE = "no point satisfies the programme"
+    LIMIT = "a limit was hit before any solution was found"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """Answer to a programme at fixed margins.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        How the solve ended.
+    z : (n,) array or None
+        The best point found.
+    selection : (v,) int array or None
+        The alternative chosen for each avoidance.
+    cost : float
+        Its cost; inf without a point.
+    bound : float
+        Proven lower bound on the cost; inf where infeasible.
+    nodes : int
+        Nodes of the search tree.
+    lps : int
+        Linear programmes solved; 0 where the backend does not tell.
+    seconds : float
+        Time taken.
+    """
+
+    outcome: Outcome
+    z: Vector | None
+    selection: Indices | None
+    cost: float
+    bound: float
+    nodes: int = 0
+    lps: int = 0
+    seconds: float = 0.0
+
+    @property
+    def gap(self) -> float:
+        """Relative distance between cost and bound."""
+        return relative_gap(self.cost, self.bound)
+
+
+def relative_gap(cost: float, bound: float) -> float:
+    """Return ``(cost − bound) / |cost|``; 0 where they agree, inf without a cost."""
+    if cost <= bound:
+        return 0.0
+    if cost == float("inf"):
+        return float("inf")
+    return (cost - bound) / max(abs(cost), 1e-9)
+
+
+class Solver(Protocol):
+    """Searches the disjunctions of a programme whose rows have fixed margins."""
+
+    def solve(
+        self,
+        program: DisjunctiveProgram,
+        margins: Vector,
+        *,
+        gap: float,
+        limits: Limits,
+        start: Indices | None = None,
+    ) -> Solution:
+        """Minimise the cost with every chosen row held back by its margin.
+
+        Parameters
+        ----------
+        program : DisjunctiveProgram
+            The programme.
+        margins : (r,) array
+            Back-off of each row [m].
+        gap : float
+            Relative gap at which to stop.
+        limits : Limits
+            When to stop early.
+        start : (v,) int array or None
+            A selection to try first.
+
+        Returns
+        -------
+        Solution
+            Infeasible is an answer.
+        """
+        ...
