@@ -1,0 +1,108 @@
+"""The curves of a picture, as points. No matplotlib."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.plan import Trajectory
+from radmpc.model.vehicle import Vehicle
+
+__all__ = ["confidence_ellipses", "ellipsoid_rings", "mean_path", "point_along", "positions"]
+
+_POINTS_PER_STEP = 10
+_POINTS_PER_RING = 48
+
+
+def positions(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
+    """Return the mean positions at the steps, (T+1, d) [m]."""
+    return trajectory.means[:, list(vehicle.system.position)]
+
+
+def mean_path(vehicle: Vehicle, trajectory: Trajectory, dt: float) -> Matrix:
+    """Return the mean path with the points between steps.
+
+    Double integrators fly the parabola of constant acceleration, all others count as flying
+    straight from step to step.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose dynamics.
+    trajectory : Trajectory
+        Its means and controls.
+    dt : float
+        Step [s].
+
+    Returns
+    -------
+    (p, d) array
+        Points in order [m].
+    """
+    at_steps = positions(vehicle, trajectory)
+    system = vehicle.system
+    if not system.is_double_integrator or system.velocity is None:
+        return at_steps
+    time = np.linspace(0.0, dt, _POINTS_PER_STEP, endpoint=False)[:, None]
+    velocities = trajectory.means[:, list(system.velocity)]
+    pieces = [
+        at_steps[k] + velocities[k] * time + 0.5 * control * time**2
+        for k, control in enumerate(trajectory.controls)
+    ]
+    return np.vstack([*pieces, at_steps[-1:]])
+
+
+def confidence_ellipses(
+    vehicle: Vehicle, trajectory: Trajectory, sigmas: float = 3.0
+) -> tuple[Matrix, ...]:
+    """Return the outline of the position's confidence ellipse at every step, each (p, 2) [m]."""
+    angles = np.linspace(0.0, 2.0 * np.pi, _POINTS_PER_RING, endpoint=False)
+    circle = np.stack([np.cos(angles), np.sin(angles)])
+    roots = _roots(vehicle, trajectory)
+    centers = positions(vehicle, trajectory)
+    return tuple(
+        center + sigmas * (root @ circle).T for center, root in zip(centers, roots, strict=True)
+    )
+
+
+def ellipsoid_rings(
+    vehicle: Vehicle, trajectory: Trajectory, sigmas: float = 3.0
+) -> tuple[Matrix, ...]:
+    """Return the three principal rings of the confidence ellipsoid at every step [m]."""
+    angles = np.linspace(0.0, 2.0 * np.pi, _POINTS_PER_RING)
+    circle = np.stack([np.cos(angles), np.sin(angles)])
+    roots = _roots(vehicle, trajectory)
+    return tuple(
+        center + sigmas * (root[:, list(plane)] @ circle).T
+        for center, root in zip(positions(vehicle, trajectory), roots, strict=True)
+        for plane in ((0, 1), (1, 2), (0, 2))
+    )
+
+
+def point_along(path: Matrix, share: float) -> tuple[Vector, Vector] | None:
+    """Return the point at a share of the path's length and the direction there.
+
+    Returns
+    -------
+    tuple or None
+        Point and unit direction; None for a path that does not move.
+    """
+    pieces = np.diff(path, axis=0)
+    lengths = np.linalg.norm(pieces, axis=1)
+    total = float(lengths.sum())
+    if total < 1e-9:
+        return None
+    ends = np.cumsum(lengths)
+    i = min(int(np.searchsorted(ends, share * total)), len(lengths) - 1)
+    # A piece may be a standstill: searchsorted never stops at one unless share is 0.
+    direction = pieces[i] / max(float(lengths[i]), 1e-12)
+    point = path[i] + direction * (share * total - (ends[i] - lengths[i]))
+    return point, direction
+
+
+def _roots(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
+    """Return square roots of the position covariances, principal axes as columns, (T+1, d, d)."""
+    axes = list(vehicle.system.position)
+    covariances = trajectory.covariances[:, axes][:, :, axes]
+    values, vectors = np.linalg.eigh(covariances)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :])

@@ -1,0 +1,74 @@
+"""Figures and axes without global state."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+
+from radmpc.arrays import Matrix
+from radmpc.plotting.style import COLUMN_WIDTH, LABEL_SIZE, TICK_SIZE
+
+__all__ = ["DPI", "new_axes", "settle_axes", "settle_layout"]
+
+DPI = 300  # of files and of the layout
+
+_BESIDE_AXES = 0.32  # ticks and label of the y axis [in]
+_BELOW_AXES = 0.30  # ticks and label of the x axis [in]
+_LINE = 0.125  # a line of text [in]
+
+
+def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
+    """Return axes in a figure of their own, one column wide, as high as the extent asks.
+
+    The figure belongs to no window and to no list of figures: it goes when the axes go.
+
+    Parameters
+    ----------
+    extent : (2, d) array
+        Corners of what will be shown [m].
+    num_lines : int
+        Lines of text above and below the axes.
+
+    Returns
+    -------
+    Axes
+        Three-dimensional where the extent is.
+    """
+    width, height = (extent[1] - extent[0])[:2]
+    is_flat = extent.shape[1] == 2
+    ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else 0.82
+    inches = (COLUMN_WIDTH - _BESIDE_AXES) * ratio + _BELOW_AXES + _LINE * num_lines
+    figure = Figure(figsize=(COLUMN_WIDTH, inches), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    # Axes in space read the grid's looks only when they are made.
+    with rc_context({"grid.color": "#D0D0D0", "grid.linewidth": 0.4}):
+        return figure.add_subplot(projection=None if is_flat else "3d")
+
+
+def settle_axes(ax: Axes, extent: Matrix) -> None:
+    """Set limits, equal aspect and the axes' labels."""
+    ax.set_xlim(*extent[:, 0])
+    ax.set_ylim(*extent[:, 1])
+    ax.set_xlabel("x [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+    ax.set_ylabel("y [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+    ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    if isinstance(ax, Axes3D):
+        ax.set_zlim(*extent[:, 2])
+        ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-6.0)
+        ax.tick_params(pad=-2.0)
+        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=1.05)
+        return
+    ax.set_aspect("equal", adjustable="box")
+    for spine in ax.spines.values():
+        spine.set_linewidth(0.5)
+
+
+def settle_layout(ax: Axes) -> None:
+    """Fix where the axes end up, so that sizes of texts can be told in meters."""
+    figure = ax.get_figure(root=True)
+    if figure is not None:
+        figure.draw_without_rendering()

@@ -1,0 +1,72 @@
+"""Pictures as files."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+from matplotlib import rc_context
+
+from radmpc.errors import FileFormatError
+from radmpc.model.plan import Plan
+from radmpc.plotting.figure import DPI
+from radmpc.plotting.plan import plot_plan
+
+__all__ = ["FIGURE_SUFFIXES", "check_figure_path", "save_figure"]
+
+FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
+
+
+def check_figure_path(path: Path) -> None:
+    """Refuse a figure file of an unknown kind.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends in none of `FIGURE_SUFFIXES`.
+    """
+    if path.suffix.lower() not in FIGURE_SUFFIXES:
+        known = ", ".join(FIGURE_SUFFIXES)
+        raise FileFormatError(f"{path}: a figure must end in {known}")
+
+
+def save_figure(plan: Plan, path: str | os.PathLike[str]) -> None:
+    """Write the picture of a plan; an interrupted write leaves an old file as it was.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to draw.
+    path : path
+        Ends in ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends otherwise.
+    """
+    target = Path(path)
+    check_figure_path(target)
+    figure = plot_plan(plan).get_figure(root=True)
+    if figure is None:
+        raise RuntimeError("axes without a figure cannot be saved")
+    kind = target.suffix.lower()[1:]
+    # Dates and random ids would make every file differ from the last.
+    undated: dict[str, object] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    os.close(handle)
+    try:
+        with rc_context({"svg.hashsalt": "radmpc"}):
+            figure.savefig(name, format=kind, dpi=DPI, metadata=undated[kind])
+        os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, target)
+    finally:
+        Path(name).unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    """Return the process's file mode mask, which can only be read by setting it."""
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask

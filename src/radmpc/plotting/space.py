@@ -1,0 +1,138 @@
+"""The artists of a picture in space."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from matplotlib.patheffects import withStroke
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from scipy.spatial import ConvexHull
+
+from radmpc.arrays import Matrix
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Trajectory
+from radmpc.model.scenario import Workspace
+from radmpc.model.vehicle import Vehicle
+from radmpc.plotting.curves import ellipsoid_rings, mean_path, point_along, positions
+from radmpc.plotting.flat import Color
+from radmpc.plotting.style import LABEL_SIZE, MUTED, OBSTACLE_EDGE, OBSTACLE_FILL
+
+__all__ = [
+    "draw_ends_3d",
+    "draw_name_3d",
+    "draw_obstacle_3d",
+    "draw_trajectory_3d",
+    "draw_workspace_3d",
+]
+
+
+def draw_workspace_3d(ax: Axes3D, workspace: Workspace) -> None:
+    """Draw the twelve edges of the workspace."""
+    corners = np.array(
+        np.meshgrid(*zip(workspace.lower, workspace.upper, strict=True), indexing="ij")
+    ).reshape(3, -1)
+    edges = [
+        np.stack([a, b])
+        for i, a in enumerate(corners.T)
+        for b in corners.T[i + 1 :]
+        if np.count_nonzero(a != b) == 1
+    ]
+    ax.add_collection3d(
+        Line3DCollection(edges, colors=MUTED, linewidths=0.5, linestyles="dashed", gid="workspace")
+    )
+
+
+def draw_obstacle_3d(ax: Axes3D, obstacle: Obstacle) -> None:
+    """Draw an obstacle and its name; a moving one fades in from its first step to its last."""
+    last = len(obstacle.steps) - 1
+    for step, pieces in enumerate(obstacle.steps):
+        alpha = 0.45 if last == 0 else 0.03 + 0.3 * (step / last) ** 2
+        for piece in pieces:
+            # A facet's corners in order would need more than its triangles do; edges are left
+            # out because those of the triangles would show.
+            triangles = piece.vertices[ConvexHull(piece.vertices).simplices]
+            ax.add_collection3d(
+                Poly3DCollection(
+                    triangles,
+                    facecolors=OBSTACLE_FILL,
+                    alpha=alpha,
+                    linewidths=0.0,
+                    gid=f"obstacle:{obstacle.name}",
+                )
+            )
+            ax.add_collection3d(
+                Line3DCollection(
+                    _edges(piece.normals, piece.offsets, piece.vertices),
+                    colors=OBSTACLE_EDGE,
+                    linewidths=0.5,
+                    alpha=min(1.0, 2.0 * alpha),
+                )
+            )
+    top = np.vstack([piece.vertices for piece in obstacle.steps[-1]])
+    place = (*top.mean(axis=0)[:2], float(top[:, 2].max()))
+    draw_name_3d(ax, obstacle.name, np.asarray(place), MUTED)
+
+
+def _edges(normals: Matrix, offsets: Matrix, vertices: Matrix) -> list[Matrix]:
+    """Return the segments between corners that lie on two faces at once."""
+    scale = max(float(np.abs(vertices).max()), 1.0)
+    on_face = np.abs(vertices @ normals.T - offsets) <= 1e-7 * scale
+    return [
+        np.stack([vertices[i], vertices[j]])
+        for i in range(len(vertices))
+        for j in range(i + 1, len(vertices))
+        if np.count_nonzero(on_face[i] & on_face[j]) >= 2
+    ]
+
+
+def draw_ends_3d(ax: Axes3D, vehicle: Vehicle, color: Color) -> None:
+    """Draw the hull at the start as three open rings, the goal as a star."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 33)
+    circle = vehicle.radius * np.stack([np.cos(angles), np.sin(angles), np.zeros(33)])
+    for turn in range(3):
+        ring = vehicle.start_position[:, None] + np.roll(circle, turn, axis=0)
+        ax.plot(*ring, color=color, linewidth=0.7, gid=f"start:{vehicle.name}")
+    ax.plot(
+        *vehicle.goal.center[:, None],
+        linestyle="none",
+        marker="*",
+        markersize=6.0,
+        color=color,
+        gid=f"goal:{vehicle.name}",
+    )
+
+
+def draw_trajectory_3d(
+    ax: Axes3D, vehicle: Vehicle, trajectory: Trajectory, dt: float, color: Color
+) -> None:
+    """Draw the 3σ ellipsoids as rings, the mean path, its steps and its direction."""
+    name, path = vehicle.name, mean_path(vehicle, trajectory, dt)
+    rings = list(ellipsoid_rings(vehicle, trajectory))
+    ax.add_collection3d(
+        Line3DCollection(rings, colors=[(*color, 0.35)], linewidths=0.3, gid=f"ellipses:{name}")
+    )
+    ax.plot(*path.T, color=color, linewidth=1.1, gid=f"path:{name}")
+    steps = positions(vehicle, trajectory)[1:]
+    ax.plot(
+        *steps.T, linestyle="none", marker=".", markersize=3.0, color=color, gid=f"steps:{name}"
+    )
+    found = point_along(path, 0.5)
+    if found is not None:
+        point, direction = found
+        length = 0.08 * float(np.ptp(path, axis=0).max())
+        ax.quiver(
+            *(point - 0.5 * length * direction), *(length * direction),
+            color=color, linewidth=1.1, arrow_length_ratio=0.9, gid=f"arrow:{name}",
+        )  # fmt: skip
+
+
+def draw_name_3d(ax: Axes3D, name: str, place: Matrix, color: object) -> None:
+    """Write a name above a point."""
+    text = ax.text(
+        float(place[0]), float(place[1]), float(place[2]), f"{name}\n",
+        color=cast("str", color), fontsize=LABEL_SIZE, linespacing=0.7, ha="center", va="bottom",
+        zorder=20, path_effects=[withStroke(linewidth=1.4, foreground="white")],
+    )  # fmt: skip
+    text.set_gid(f"label:{name}")
