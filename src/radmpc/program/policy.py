@@ -201,9 +201,7 @@ def reallocate(
     """
     rows = program.rows
     chosen_rows = program.selected_rows(selection)
-    event_risk = np.zeros(rows.exposures.size)
-    risks = tail_probability(program.clearances(z)[chosen_rows])
-    np.maximum.at(event_risk, rows.events[chosen_rows], risks)
+    event_risk = program.event_risks(z, selection)
     events = np.unique(rows.events[chosen_rows])
     paid = np.bincount(rows.exposures[events], minlength=allocation.size)
     needed = np.zeros(allocation.size)

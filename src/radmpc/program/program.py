@@ -15,6 +15,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
+from radmpc.gaussian import tail_probability
 from radmpc.model.plan import Cause
 
 __all__ = ["SETTLED_RISK", "ChanceRows", "DisjunctiveProgram", "Exposure"]
@@ -193,6 +194,13 @@ class DisjunctiveProgram:
         """Return chosen rows over the decision variables: coefficients and right sides."""
         normals = self.rows.normals[rows]
         return csr_array(normals @ self.outputs), self.rows.offsets[rows] - normals @ self.constant
+
+    def event_risks(self, z: Vector, selection: Indices) -> Vector:
+        """Return the risk each event runs at a point, (e,); 0 for events that are not chosen."""
+        rows = self.selected_rows(selection)
+        risks = np.zeros(self.rows.exposures.size)
+        np.maximum.at(risks, self.rows.events[rows], tail_probability(self.clearances(z)[rows]))
+        return risks
 
     def selected_rows(self, selection: Indices) -> Indices:
         """Return the distinct rows of one alternative per avoidance."""

@@ -21,13 +21,16 @@ class Response:
     ----------
     powers : (T+1, n, n) array
         ``A^k``.
+    states : (T+1, n, T*m) array
+        State at k per control, controls step by step.
     position : (T+1, d, T*m) array
-        Position at k per control, controls step by step.
+        Its position part.
     velocity : (T+1, d, T*m) array or None
-        Velocity at k per control.
+        Its velocity part.
     """
 
     powers: Tensor
+    states: Tensor
     position: Tensor
     velocity: Tensor | None
 
@@ -45,7 +48,7 @@ class Response:
             for j in range(k):
                 states[k, :, j * m : (j + 1) * m] = impulses[k - 1 - j]
         velocity = None if system.velocity is None else states[:, list(system.velocity), :]
-        return cls(powers, states[:, list(system.position), :], velocity)
+        return cls(powers, states, states[:, list(system.position), :], velocity)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

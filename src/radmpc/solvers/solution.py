@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
@@ -12,6 +12,11 @@ from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 
 __all__ = ["Limits", "Outcome", "Solution", "Solver", "relative_gap"]
+
+
+def never() -> bool:
+    """Return False: nobody asked to stop."""
+    return False
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +32,7 @@ class Limits:
     """
 
     deadline: float = float("inf")
-    is_stopped: Callable[[], bool] = field(default=lambda: False)
+    is_stopped: Callable[[], bool] = never
 
     @property
     def reached(self) -> bool:

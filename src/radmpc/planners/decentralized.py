@@ -1,0 +1,329 @@
+"""RADMPC (paper, Algorithm 2): one vehicle at a time, from a common pool of risk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.planners.coupling import face_risk
+from radmpc.planners.ira import Solved, solve_under_policy
+from radmpc.planners.planner import Receding
+from radmpc.planners.result import Event, Step
+from radmpc.planners.temporal import (
+    TemporalObstacle,
+    make_temporal_obstacle,
+    standing_obstacle,
+)
+from radmpc.program.build import build_program, controls_of, responses
+from radmpc.program.keepout import swept_keepout
+from radmpc.program.policy import Policy, Pool
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.subject import Subject, make_subject
+from radmpc.solvers.solution import Limits, Solver
+
+__all__ = ["Approximation", "approximate"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Approximation:
+    """What RADMPC found.
+
+    Attributes
+    ----------
+    controls : tuple of (T, m) array or None
+        Executed controls per vehicle; None if some vehicle has no plan even alone, or a limit
+        was hit.
+    pair_risk : (N, N) array
+        Entry (i, j): largest collision probability of i with j's temporal obstacle at the first
+        step of i's subproblems.
+    forced : tuple of (int, int)
+        Couplings of vehicles whose subproblem had no solution with those in their way.
+    pool : tuple of float
+        The risk pool Δ# after each subproblem.
+    steps : tuple of Step
+        The subproblems.
+    events : tuple of Event
+        Subproblems without a solution.
+    stuck : tuple of int
+        Vehicles without any plan.
+    is_limited : bool
+        Whether a limit ended it.
+    """
+
+    controls: tuple[Matrix, ...] | None
+    pair_risk: Matrix
+    forced: tuple[tuple[int, int], ...]
+    pool: tuple[float, ...]
+    steps: tuple[Step, ...]
+    events: tuple[Event, ...]
+    stuck: tuple[int, ...] = ()
+    is_limited: bool = False
+
+
+def approximate(
+    scenario: Scenario,
+    policy: Policy,
+    solver: Solver,
+    receding: Receding,
+    *,
+    gap: float,
+    rng: np.random.Generator,
+    limits: Limits,
+    progress: Callable[[int, int], None],
+) -> Approximation:
+    """Run Algorithm 2.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The question; its Δ fills the pool.
+    policy : Policy
+        Pool, or one that needs no risk.
+    solver : Solver
+        For the subproblems.
+    receding : Receding
+        Options.
+    gap : float
+        Relative gap of the subproblems.
+    rng : Generator
+        For the order of the vehicles at every step.
+    limits : Limits
+        When to stop early.
+    progress : callable
+        Told how many subproblems are done, of how many at most.
+
+    Returns
+    -------
+    Approximation
+        Executed controls, couplings, pool.
+    """
+    run = _Radmpc(scenario, policy, solver, receding, gap, limits)
+    total = scenario.horizon * scenario.num_vehicles
+    for k in range(scenario.horizon):
+        for done, i in enumerate(rng.permutation(scenario.num_vehicles)):
+            if limits.reached:
+                return run.finish(is_limited=True)
+            run.advance(k, int(i))
+            progress(k * scenario.num_vehicles + done + 1, total)
+            if run.stuck:
+                return run.finish()
+            if run.num_traveling == 0:
+                return run.finish()
+    return run.finish()
+
+
+class _Radmpc:
+    """The running state of Algorithm 2, named as there."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        policy: Policy,
+        solver: Solver,
+        receding: Receding,
+        gap: float,
+        limits: Limits,
+    ) -> None:
+        self.scenario = scenario
+        self.policy = policy
+        self.solver = solver
+        self.gap = gap
+        self.limits = limits
+        self.resets = receding.covariances == "reset"
+        T, N = scenario.horizon, scenario.num_vehicles
+        self.responses = responses(scenario)
+        self.covariances = [v.covariances(T) for v in scenario.vehicles]
+        self.bounds = [
+            v.control_bounds(c) for v, c in zip(scenario.vehicles, self.covariances, strict=True)
+        ]
+        # O <- initTemporalObstacles(V): nobody has a plan yet.
+        self.obstacles: list[TemporalObstacle] = [
+            standing_obstacle(v, c)
+            for v, c in zip(scenario.vehicles, self.covariances, strict=True)
+        ]
+        self.risk_pool = scenario.risk_bound
+        self.num_traveling = N
+        self.has_arrived = [False] * N
+        self.means = [v.start for v in scenario.vehicles]
+        self.controls = [np.zeros((T, v.system.num_controls)) for v in scenario.vehicles]
+        self.has_plan = [False] * N
+        self.pair_risk = np.zeros((N, N))
+        self.forced: list[tuple[int, int]] = []
+        self.pools: list[float] = []
+        self.steps: list[Step] = []
+        self.events: list[Event] = []
+        self.stuck: list[int] = []
+
+    def advance(self, k: int, i: int) -> None:
+        """Solve vehicle i's subproblem at step k and execute its first control."""
+        vehicle = self.scenario.vehicles[i]
+        subject = self._subject(k, i)
+        share = self.risk_pool / max(self.num_traveling, 1)
+        program = self._program(subject, k, share, self._others(k, i))
+        solved = self._solve(program, k, i)
+        if solved.solution.z is not None:
+            self.controls[i][k:] = controls_of([subject], solved.solution.z)[0]
+            self.has_plan[i] = True
+            self.risk_pool -= self._charge(program, solved, k)
+        else:
+            self._fall_back(subject, k, i, share)
+            if self.stuck:
+                return
+        self.pools.append(self.risk_pool)
+        plan = self._planned(k, i)
+        self._record_risks(k, i, plan)
+        self.means[i] = plan[1]
+        if not self.has_arrived[i] and vehicle.goal.contains(*self._place(i, plan[1])):
+            # Once, when it first enters its goal; the pseudo-code would subtract it every step.
+            self.has_arrived[i] = True
+            self.num_traveling -= 1
+        self.obstacles[i] = make_temporal_obstacle(vehicle, plan, self._noise(k, i), k)
+
+    def finish(self, *, is_limited: bool = False) -> Approximation:
+        """Return what was executed; vehicles that all arrived early keep their last plans."""
+        complete = not is_limited and not self.stuck
+        return Approximation(
+            controls=tuple(self.controls) if complete else None,
+            pair_risk=self.pair_risk,
+            forced=tuple(self.forced),
+            pool=tuple(self.pools),
+            steps=tuple(self.steps),
+            events=tuple(self.events),
+            stuck=tuple(self.stuck),
+            is_limited=is_limited,
+        )
+
+    def _subject(self, k: int, i: int) -> Subject:
+        """Return vehicle i from its present mean on."""
+        return make_subject(
+            self.scenario.vehicles[i],
+            self.responses[i],
+            self.means[i],
+            self._noise(k, i),
+            self.bounds[i][k:],
+        )
+
+    def _noise(self, k: int, i: int) -> Tensor:
+        """Return the covariances from step k on: of the final plan, or as if just measured."""
+        whole = self.covariances[i]
+        return whole[: len(whole) - k] if self.resets else whole[k:]
+
+    def _others(self, k: int, i: int) -> list[TemporalObstacle]:
+        """Return the other vehicles' temporal obstacles."""
+        del k
+        return [o for j, o in enumerate(self.obstacles) if j != i]
+
+    def _program(
+        self, subject: Subject, k: int, share: float, others: list[TemporalObstacle]
+    ) -> DisjunctiveProgram:
+        """Build the subproblem: one vehicle, the others as temporal obstacles."""
+        last = self.scenario.horizon
+        intervals = self.scenario.avoidance == "intervals"
+        # The piece at k covers the way to k+1.
+        windows = range(k, last) if intervals else range(k + 1, last + 1)
+        temporal = [swept_keepout(o.name, [o.at(w) for w in windows]) for o in others]
+        return build_program(
+            self.scenario, [subject], risk_bound=share, first_step=k, temporal=temporal
+        )
+
+    def _solve(self, program: DisjunctiveProgram, k: int, i: int) -> Solved:
+        """Solve a subproblem: fastIRA is one pass at uniform risk."""
+        name = self.scenario.vehicles[i].name
+        solved = solve_under_policy(
+            program,
+            self.policy,
+            self.solver,
+            gap=self.gap,
+            limits=self.limits,
+            stage="radmpc",
+            vehicles=(name,),
+        )
+        self.steps += solved.steps
+        return solved
+
+    def _charge(self, program: DisjunctiveProgram, solved: Solved, k: int) -> float:
+        """Return what the executed step takes out of the pool."""
+        solution = solved.solution
+        if not isinstance(self.policy, Pool) or solved.allocation is None:
+            return 0.0
+        if solution.selection is None or solution.z is None:
+            return 0.0
+        steps = np.array([e.step for e in program.exposures], dtype=np.int64)
+        executed = np.where(steps <= k + 1, 1.0, 0.0)
+        events = np.unique(program.rows.events[program.selected_rows(solution.selection)])
+        exposures = program.rows.exposures[events]
+        risks = solved.allocation[exposures]
+        if self.policy.charge == "used":
+            risks = np.minimum(risks, program.event_risks(solution.z, solution.selection)[events])
+        at_start = program.initial_risk if k == 0 else 0.0
+        return min(at_start + float((executed[exposures] * risks).sum()), program.risk_bound)
+
+    def _fall_back(self, subject: Subject, k: int, i: int, share: float) -> None:
+        """Keep the tail of the last plan; at k = 0 plan without the other vehicles.
+
+        The paper is silent about subproblems without a solution.
+        """
+        if not self.has_plan[i]:
+            alone = self._solve(self._program(subject, k, share, []), k, i)
+            if alone.solution.z is None:
+                self.stuck.append(i)
+                return
+            self.controls[i][k:] = controls_of([subject], alone.solution.z)[0]
+            self.has_plan[i] = True
+        blocking = self._blocking(k, i, share)
+        self.forced += [(i, j) for j in blocking]
+        names = tuple(self.scenario.vehicles[j].name for j in blocking)
+        self.events.append(Event(k, self.scenario.vehicles[i].name, names))
+
+    def _blocking(self, k: int, i: int, share: float) -> list[int]:
+        """Return the vehicles whose temporal obstacles the kept plan comes too close to."""
+        plan = self._planned(k, i)
+        risks = np.zeros(self.scenario.num_vehicles)
+        for j in range(self.scenario.num_vehicles):
+            if j != i:
+                windows = range(len(plan) - 1)
+                risks[j] = max(self._window_risk(i, j, k, plan, w) for w in windows)
+        # A uniform share is at least this much; whoever exceeds it stands in the way.
+        least = share / max(len(plan) * self.scenario.num_vehicles, 1)
+        found = np.flatnonzero(risks > least)
+        if found.size == 0 and self.scenario.num_vehicles > 1:
+            found = np.array([int(np.argmax(risks))])
+        return [int(j) for j in found if j != i]
+
+    def _record_risks(self, k: int, i: int, plan: Matrix) -> None:
+        """Note the collision probabilities at the subproblem's first step."""
+        for j in range(self.scenario.num_vehicles):
+            if j != i:
+                risk = self._window_risk(i, j, k, plan, 0)
+                self.pair_risk[i, j] = max(self.pair_risk[i, j], risk)
+
+    def _window_risk(self, i: int, j: int, k: int, plan: Matrix, window: int) -> float:
+        """Return the risk of i with j's temporal obstacle in one window after step k."""
+        noise = self._noise(k, i)
+        vehicle = self.scenario.vehicles[i]
+        axes = list(vehicle.system.position)
+        if self.scenario.avoidance == "steps":
+            piece, steps = self.obstacles[j].at(k + window + 1), [window + 1]
+        else:
+            piece, steps = self.obstacles[j].at(k + window), [window, window + 1]
+        return max(
+            face_risk(piece, vehicle.radius, plan[s][axes], noise[s][axes][:, axes]) for s in steps
+        )
+
+    def _planned(self, k: int, i: int) -> Matrix:
+        """Return vehicle i's planned means from step k to the horizon."""
+        controls = self.controls[i][k:].ravel()
+        response = self.responses[i]
+        steps = self.scenario.horizon - k
+        states = response.powers[: steps + 1] @ self.means[i]
+        return np.asarray(states + response.states[: steps + 1, :, : controls.size] @ controls)
+
+    def _place(self, i: int, mean: Vector) -> tuple[Vector, Vector | None]:
+        """Return position and velocity of a state."""
+        system = self.scenario.vehicles[i].system
+        velocity = None if system.velocity is None else mean[list(system.velocity)]
+        return mean[list(system.position)], velocity

@@ -1,0 +1,181 @@
+"""Why there is no plan, in the words of whoever drew the scenario."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from radmpc.model.plan import Cause
+from radmpc.model.scenario import Scenario
+from radmpc.planners.ira import solve_under_policy
+from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.policy import NoRisk, Policy, Sigmas
+from radmpc.program.program import DisjunctiveProgram, Exposure
+from radmpc.program.subject import Subject
+from radmpc.solvers.branch import Branch
+from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.solution import Limits, Outcome
+
+__all__ = ["explain_infeasible"]
+
+_MAX_NODES = 2_000
+
+
+def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: Limits) -> str:
+    """Find the plainest reason why vehicles cannot be planned.
+
+    Tried in this order: feedback that needs more control than there is, goals out of reach,
+    risk at the start, things that cannot be avoided wherever the vehicles may be, single
+    vehicles, pairs.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Vehicles that could not be planned, with their Δ.
+    policy : Policy
+        The risk policy they were planned under.
+    gap : float
+        Relative gap of the solves.
+    limits : Limits
+        When to stop looking.
+
+    Returns
+    -------
+    str
+        One or two sentences, naming vehicles, obstacles and times.
+    """
+    subjects = whole_subjects(scenario)
+    for subject in subjects:
+        reason = _unable_alone(scenario, subject)
+        if reason:
+            return reason
+    program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
+    deterministic = isinstance(policy, NoRisk | Sigmas)
+    if program.budget <= 0.0 and not deterministic:
+        return _start_too_risky(program)
+    hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
+    if hopeless.size:
+        return _cannot_avoid(scenario, [program.avoidances[int(i)] for i in hopeless])
+    for size in (1, 2):
+        for members in combinations(range(len(subjects)), size):
+            if limits.reached:
+                return _GENERAL
+            if not _solves(scenario, members, policy, gap, limits):
+                return _cannot_be_planned(scenario, members)
+    return _GENERAL
+
+
+_GENERAL = (
+    "Each vehicle and each pair can be planned, but not all together within the risk bound: "
+    "raise risk_bound, lengthen the horizon, or reduce the noise."
+)
+
+
+def _unable_alone(scenario: Scenario, subject: Subject) -> str | None:
+    """Say if a vehicle cannot even fly through empty space."""
+    name = subject.vehicle.name
+    short = np.argwhere(subject.control_bounds < 0.0)
+    if short.size:
+        step, axis = (int(i) for i in short[0])
+        return (
+            f"Vehicle {name!r}: at step {step} the feedback alone takes more than control axis "
+            f"{axis} allows ({subject.vehicle.control_sigmas:g} standard deviations exceed the "
+            f"limit {subject.vehicle.control_limit[axis]:g}): raise control_limit, lower the "
+            "gain, the noise or control_sigmas."
+        )
+    empty = build_program(
+        _without_dangers(scenario, subject), [subject], risk_bound=scenario.risk_bound
+    )
+    outcome, _ = WarmLp(empty, np.zeros(empty.rows.count)).solve()
+    if outcome is LpOutcome.INFEASIBLE:
+        seconds = scenario.horizon * scenario.dt
+        return (
+            f"Vehicle {name!r} cannot reach its goal within {scenario.horizon} steps "
+            f"({seconds:g} s) under its control and speed limits, obstacles aside: lengthen the "
+            "horizon or raise its limits."
+        )
+    return None
+
+
+def _without_dangers(scenario: Scenario, subject: Subject) -> Scenario:
+    """Return the scenario of one vehicle in empty space."""
+    return Scenario(
+        name=scenario.name,
+        dt=scenario.dt,
+        horizon=scenario.horizon,
+        risk_bound=scenario.risk_bound,
+        vehicles=(subject.vehicle,),
+        avoidance=scenario.avoidance,
+    )
+
+
+def _start_too_risky(program: DisjunctiveProgram) -> str:
+    """Name what is too close at k = 0."""
+    ranked = sorted(program.initial, key=lambda item: -item[1])
+    parts = [f"{_danger(exposure)} (risk {risk:.3g})" for exposure, risk in ranked[:3]]
+    return (
+        f"The starts alone carry a collision risk of {program.initial_risk:.3g}, above the "
+        f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
+        "initial_covariance."
+    )
+
+
+def _cannot_avoid(scenario: Scenario, exposures: list[Exposure]) -> str:
+    """Name dangers that exist wherever the vehicles may be at that time."""
+    first = exposures[0]
+    last = scenario.horizon if scenario.avoidance == "steps" else scenario.horizon - 1
+    at_goal = [e for e in exposures if e.step == last]
+    if at_goal and at_goal[0].cause == "pair":
+        e = at_goal[0]
+        return (
+            f"The goals of vehicles {e.vehicle!r} and {e.other!r} are too close to each other: "
+            "both cannot be in their goals at the horizon without touching. Move a goal."
+        )
+    if at_goal and at_goal[0].cause == "obstacle":
+        e = at_goal[0]
+        return (
+            f"The goal of vehicle {e.vehicle!r} lies within obstacle {e.other!r} grown by the "
+            "vehicle's radius. Move the goal."
+        )
+    when = f"step {first.step}" + ("" if scenario.avoidance == "steps" else " and after")
+    return (
+        f"{_danger(first)} cannot be avoided at {when}: wherever limits and goals let the "
+        "vehicles be at that time, they collide."
+    )
+
+
+def _danger(exposure: Exposure) -> str:
+    """Name a danger."""
+    cause: Cause = exposure.cause
+    if cause == "pair":
+        return f"vehicles {exposure.vehicle!r} and {exposure.other!r}"
+    if cause == "obstacle":
+        return f"vehicle {exposure.vehicle!r} and obstacle {exposure.other!r}"
+    return f"vehicle {exposure.vehicle!r} and the workspace border"
+
+
+def _solves(
+    scenario: Scenario, members: tuple[int, ...], policy: Policy, gap: float, limits: Limits
+) -> bool:
+    """Whether some of the vehicles can be planned alone with the whole Δ."""
+    alone = scenario.subset(members, scenario.risk_bound)
+    program = build_program(alone, whole_subjects(alone), risk_bound=scenario.risk_bound)
+    solved = solve_under_policy(
+        program, policy, Branch(_MAX_NODES), gap=gap, limits=limits, stage="explain", vehicles=()
+    )
+    return solved.solution.outcome is not Outcome.INFEASIBLE
+
+
+def _cannot_be_planned(scenario: Scenario, members: tuple[int, ...]) -> str:
+    """Name vehicles that have no plan even with the whole Δ to themselves."""
+    names = [repr(scenario.vehicles[i].name) for i in members]
+    if len(names) == 1:
+        return (
+            f"Vehicle {names[0]} alone cannot pass the obstacles within the risk bound "
+            f"{scenario.risk_bound:g}: raise risk_bound, lengthen the horizon, or widen its way."
+        )
+    return (
+        f"Vehicles {names[0]} and {names[1]} alone cannot be kept apart within the risk bound "
+        f"{scenario.risk_bound:g}: raise risk_bound, lengthen the horizon, or move their goals."
+    )

@@ -1,0 +1,177 @@
+"""A programme under a risk policy: one solve, or IRA's alternation of solving and reallocating."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from radmpc.arrays import Indices, Vector
+from radmpc.planners.result import Step
+from radmpc.program.policy import (
+    Ira,
+    NoRisk,
+    Policy,
+    Sigmas,
+    allocated,
+    margins_of,
+    reallocate,
+    uniform_allocation,
+)
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.frozen import solve_selection
+from radmpc.solvers.solution import Limits, Outcome, Solution, Solver
+
+__all__ = ["Solved", "solve_under_policy"]
+
+_RESERVE = 1e-7
+"""Share of the budget left over for the linear solver's feasibility tolerance."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solved:
+    """Answer to a programme under a policy.
+
+    Attributes
+    ----------
+    solution : Solution
+        The best solve.
+    allocation : (x,) array or None
+        The allocation it was made at; None where the policy allots none.
+    steps : tuple of Step
+        Every solve.
+    """
+
+    solution: Solution
+    allocation: Vector | None
+    steps: tuple[Step, ...]
+
+
+def solve_under_policy(
+    program: DisjunctiveProgram,
+    policy: Policy,
+    solver: Solver,
+    *,
+    gap: float,
+    limits: Limits,
+    stage: str,
+    vehicles: tuple[str, ...],
+) -> Solved:
+    """Solve a programme under a risk policy.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme.
+    policy : Policy
+        How its Δ becomes margins.
+    solver : Solver
+        How its disjunctions are searched.
+    gap : float
+        Relative gap of each solve.
+    limits : Limits
+        When to stop early.
+    stage : str
+        For the steps' record.
+    vehicles : tuple of str
+        For the steps' record.
+
+    Returns
+    -------
+    Solved
+        Infeasible where the risk at k = 0 alone is beyond Δ.
+    """
+    if isinstance(policy, NoRisk | Sigmas):
+        count = policy.count if isinstance(policy, Sigmas) else 0.0
+        margins = count * program.rows.deviations
+        solution = solver.solve(program, margins, gap=gap, limits=limits)
+        step = _step(stage, vehicles, 0, solution, (0, 0, 0.0, 0.0))
+        return Solved(solution, None, (step,) if solution.z is not None else ())
+    budget = program.budget * (1.0 - _RESERVE)
+    if budget <= 0.0:
+        nothing = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
+        return Solved(nothing, None, ())
+    allotment = uniform_allocation(program, budget)
+    if isinstance(policy, Ira):
+        ira = _Ira(program, policy, solver, gap, limits, budget, stage, vehicles)
+        return ira.run(allotment)
+    solution = solver.solve(program, margins_of(program, allotment), gap=gap, limits=limits)
+    if solution.selection is None or solution.z is None:
+        return Solved(solution, allotment, ())
+    paid = allocated(program, allotment, solution.selection)
+    return Solved(
+        solution, allotment, (_step(stage, vehicles, 0, solution, (0, 0, paid, float("nan"))),)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Ira:
+    """The loop of IRA (paper, section Iterative Risk Allocation)."""
+
+    program: DisjunctiveProgram
+    policy: Ira
+    solver: Solver
+    gap: float
+    limits: Limits
+    budget: float
+    stage: str
+    vehicles: tuple[str, ...]
+
+    def run(self, allocation: Vector) -> Solved:
+        """Alternate until the cost stops falling, none or all are active, or a limit."""
+        best: Solution | None = None
+        best_allocation = allocation
+        steps: list[Step] = []
+        for iteration in range(self.policy.max_iterations):
+            solution = self._solve(allocation, None if best is None else best.selection)
+            if solution.z is None or solution.selection is None:
+                return Solved(best or solution, best_allocation, tuple(steps))
+            upper = reallocate(
+                self.program, allocation, solution.selection, solution.z, self.budget, self.policy
+            )
+            paid = allocated(self.program, allocation, solution.selection)
+            counts = (upper.num_active, upper.num_chosen, paid, upper.used)
+            steps.append(_step(self.stage, self.vehicles, iteration, solution, counts))
+            fell = best is None or solution.cost < best.cost - self.gap * abs(best.cost)
+            if best is None or solution.cost < best.cost:
+                best, best_allocation = solution, allocation
+            if not fell or upper.num_active in {0, upper.num_chosen} or self.limits.reached:
+                break
+            allocation = upper.allocation
+        if best is None:  # max_iterations < 1
+            return Solved(self._solve(allocation, None), allocation, ())
+        return Solved(best, best_allocation, tuple(steps))
+
+    def _solve(self, allocation: Vector, start: Indices | None) -> Solution:
+        """Run the lower stage; the sides of the last solve stay if new ones would pay more than Δ.
+
+        An allocation is made for the sides of the last solve. Under intervals other sides may
+        use more distinct rows, and so be allotted more in total than the budget.
+        """
+        margins = margins_of(self.program, allocation)
+        solution = self.solver.solve(
+            self.program, margins, gap=self.gap, limits=self.limits, start=start
+        )
+        if start is None or solution.selection is None:
+            return solution
+        if allocated(self.program, allocation, solution.selection) <= self.budget * (1 + 1e-12):
+            return solution
+        return solve_selection(self.program, margins, start)
+
+
+def _step(
+    stage: str,
+    vehicles: tuple[str, ...],
+    iteration: int,
+    solution: Solution,
+    counts: tuple[int, int, float, float],
+) -> Step:
+    """Return the record of a solve."""
+    return Step(
+        stage,
+        vehicles,
+        iteration,
+        solution.cost,
+        *counts,
+        gap=solution.gap,
+        nodes=solution.nodes,
+        seconds=solution.seconds,
+    )

@@ -1,0 +1,193 @@
+"""The paper's Algorithm 1 and, alone, its first stage."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+
+import numpy as np
+
+from radmpc.model.plan import Status
+from radmpc.model.scenario import Scenario
+from radmpc.planners.coupling import connected_sets
+from radmpc.planners.decentralized import Approximation, approximate
+from radmpc.planners.explain import explain_infeasible
+from radmpc.planners.planner import Couplings, Planner, Receding
+from radmpc.planners.result import Draft
+from radmpc.planners.sets import SetPlan, SetTask, plan_sets
+from radmpc.program.policy import Policy
+from radmpc.solvers.solution import Limits, Outcome
+
+__all__ = ["plan_multi_vehicle", "plan_receding"]
+
+Progress = Callable[[str, int, int | None], None]
+
+
+def plan_receding(
+    scenario: Scenario,
+    planner: Planner,
+    receding: Receding,
+    rng: np.random.Generator,
+    limits: Limits,
+    progress: Progress,
+) -> Draft:
+    """Run Algorithm 2 alone: its executed controls are the plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    planner : Planner
+        Policy, solver and gap.
+    receding : Receding
+        Options.
+    rng : Generator
+        For the order of the vehicles.
+    limits : Limits
+        When to stop early.
+    progress : callable
+        Told stage, subproblems done, and of how many.
+
+    Returns
+    -------
+    Draft
+        One set per vehicle.
+    """
+    begun = time.perf_counter()
+    run = _approximate(scenario, planner.policy, receding, planner, rng, limits, progress)
+    return Draft(
+        status=_status(run),
+        controls=run.controls or (),
+        sets=tuple((i,) for i in range(scenario.num_vehicles)),
+        steps=run.steps,
+        events=run.events,
+        seconds={"radmpc": time.perf_counter() - begun},
+        explanation=_explanation(scenario, planner.policy, planner.gap, run, limits),
+    )
+
+
+def plan_multi_vehicle(
+    scenario: Scenario,
+    planner: Planner,
+    couplings: Couplings,
+    rng: np.random.Generator,
+    limits: Limits,
+    executor: Executor | None,
+    progress: Progress,
+) -> Draft:
+    """Run Algorithm 1: approximate, find couplings, plan every set with its share of Δ.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    planner : Planner
+        Policy, solver and gap for the sets.
+    couplings : Couplings
+        Ψ and how the approximation is made.
+    rng : Generator
+        For the order of the vehicles.
+    limits : Limits
+        When to stop early.
+    executor : Executor or None
+        Where the sets are planned.
+    progress : callable
+        Told stage, parts done, and of how many.
+
+    Returns
+    -------
+    Draft
+        Its sets are the connected components of the coupling graph.
+    """
+    begun = time.perf_counter()
+    run = _approximate(
+        scenario,
+        couplings.approximation_policy,
+        couplings.approximation,
+        planner,
+        rng,
+        limits,
+        progress,
+    )
+    approximated = time.perf_counter()
+    seconds = {"radmpc": approximated - begun}
+    if run.controls is None:
+        explanation = _explanation(scenario, planner.policy, planner.gap, run, limits)
+        return Draft(_status(run), (), (), run.steps, run.events, seconds, explanation)
+    sets = connected_sets(run.pair_risk, couplings.threshold, run.forced)
+    plans = plan_sets(
+        scenario,
+        sets,
+        lambda part: SetTask(part, planner.policy, planner.solver, planner.gap, "sets"),
+        limits,
+        executor,
+        lambda done, total: progress("sets", done, total),
+    )
+    seconds["sets"] = time.perf_counter() - approximated
+    steps = run.steps + tuple(step for plan in plans for step in plan.steps)
+    status, explanation = _verdict(scenario, sets, plans)
+    controls = {
+        i: c for s, p in zip(sets, plans, strict=True) for i, c in zip(s, p.controls, strict=False)
+    }
+    ordered = tuple(controls[i] for i in sorted(controls)) if status is Status.FEASIBLE else ()
+    return Draft(status, ordered, sets, steps, run.events, seconds, explanation)
+
+
+def _approximate(
+    scenario: Scenario,
+    policy: Policy,
+    receding: Receding,
+    planner: Planner,
+    rng: np.random.Generator,
+    limits: Limits,
+    progress: Progress,
+) -> Approximation:
+    """Run RADMPC with the planner's solver."""
+    return approximate(
+        scenario,
+        policy,
+        planner.solver,
+        receding,
+        gap=planner.gap,
+        rng=rng,
+        limits=limits,
+        progress=lambda done, total: progress("radmpc", done, total),
+    )
+
+
+def _status(run: Approximation) -> Status:
+    """Return how an approximation ended."""
+    if run.controls is not None:
+        return Status.FEASIBLE
+    return Status.LIMIT if run.is_limited else Status.INFEASIBLE
+
+
+def _explanation(
+    scenario: Scenario, policy: Policy, gap: float, run: Approximation, limits: Limits
+) -> str | None:
+    """Say why an approximation found nothing."""
+    if not run.stuck:
+        return None
+    alone = scenario.subset(run.stuck, scenario.risk_bound)
+    return explain_infeasible(alone, policy, gap, limits)
+
+
+def _verdict(
+    scenario: Scenario, sets: tuple[tuple[int, ...], ...], plans: list[SetPlan]
+) -> tuple[Status, str | None]:
+    """Return the status of the whole from those of the sets, and what failed."""
+    reasons = []
+    status = Status.FEASIBLE
+    for members, plan in zip(sets, plans, strict=True):
+        if plan.controls:
+            continue
+        limited = plan.outcome is Outcome.LIMIT
+        if not limited:
+            status = Status.INFEASIBLE
+        elif status is Status.FEASIBLE:
+            status = Status.LIMIT
+        names = ", ".join(repr(scenario.vehicles[i].name) for i in members)
+        why = "no plan within the limit." if limited else plan.explanation or "no plan."
+        reasons.append(f"Set of {names}: {why}" if len(sets) > 1 else why)
+    return status, " ".join(reasons) or None

@@ -1,0 +1,129 @@
+"""The named methods: each a record of three choices, each from the paper's text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from radmpc.errors import ScenarioError
+from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
+from radmpc.program.policy import Ira, NoRisk, Pool, Sigmas, Uniform
+from radmpc.solvers.big_m import BigM
+from radmpc.solvers.branch import Branch
+
+__all__ = ["DEFAULT", "PRESETS", "Preset", "parse_planner"]
+
+DEFAULT = "multi-vehicle"
+"""The planner used when none is named."""
+
+
+@dataclass(frozen=True, slots=True)
+class Preset:
+    """A named planner.
+
+    Attributes
+    ----------
+    name : str
+        What users type.
+    summary : str
+        One line for lists.
+    planner : Planner
+        Its record.
+    argument : callable or None
+        Makes the planner from the number in ``name(number)``; None takes no number.
+    """
+
+    name: str
+    summary: str
+    planner: Planner
+    argument: Callable[[float], Planner] | None = None
+
+
+def _multi_vehicle(threshold: float = 1e-6) -> Planner:
+    """Algorithm 1 at a coupling threshold Ψ."""
+    return Planner(Ira(), Branch(), Couplings(threshold))
+
+
+_ALL = (
+    Preset(
+        "milp",
+        "Deterministic: noise ignored, one mixed-integer programme for the fleet.",
+        Planner(NoRisk(), BigM(), Centralized()),
+    ),
+    Preset(
+        "dlp",
+        "Deterministic, the disjunctions searched directly instead of by binaries.",
+        Planner(NoRisk(), Branch(), Centralized()),
+    ),
+    Preset(
+        "rmpc",
+        "Robust: every constraint keeps 3 standard deviations; one mixed-integer programme.",
+        Planner(Sigmas(3.0), BigM(), Centralized()),
+        lambda count: Planner(Sigmas(count), BigM(), Centralized()),
+    ),
+    Preset(
+        "dmpc",
+        "Robust and decentralized: one vehicle at a time in a receding horizon.",
+        Planner(Sigmas(3.0), BigM(), Receding()),
+        lambda count: Planner(Sigmas(count), BigM(), Receding()),
+    ),
+    Preset(
+        "uniform",
+        "Chance-constrained with the same risk for every constraint (Blackmore, Ono, Williams).",
+        Planner(Uniform(), BigM(), Centralized()),
+    ),
+    Preset(
+        "ira",
+        "Iterative risk allocation over the whole fleet: the paper's reference.",
+        Planner(Ira(), BigM(), Centralized()),
+    ),
+    Preset(
+        "radmpc",
+        "Algorithm 2 alone: fast, decentralized, from a common pool of risk; an approximation.",
+        Planner(Pool(), Branch(), Receding()),
+    ),
+    Preset(
+        "multi-vehicle",
+        "Algorithm 1: RADMPC finds who interacts, then IRA plans each set.",
+        _multi_vehicle(),
+        _multi_vehicle,
+    ),
+)
+
+PRESETS: Mapping[str, Preset] = MappingProxyType({preset.name: preset for preset in _ALL})
+"""Every named planner, in the order of the paper's review."""
+
+
+def parse_planner(text: str) -> Planner:
+    """Return the planner that a name stands for.
+
+    Parameters
+    ----------
+    text : str
+        ``name`` or ``name(number)``, as in ``multi-vehicle(1e-4)``.
+
+    Returns
+    -------
+    Planner
+        Its record.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such planner or it takes no number.
+    """
+    match = re.fullmatch(r"\s*([a-z-]+)\s*(?:\(\s*([^()]*?)\s*\))?\s*", text)
+    if match is None or match[1] not in PRESETS:
+        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {text!r}")
+    preset = PRESETS[match[1]]
+    if match[2] is None:
+        return preset.planner
+    if preset.argument is None:
+        raise ScenarioError(f"planner {preset.name!r} takes no argument, got {text!r}")
+    try:
+        number = float(match[2])
+    except ValueError as error:
+        raise ScenarioError(f"planner {preset.name!r} takes a number, got {text!r}") from error
+    return preset.argument(number)

@@ -1,0 +1,183 @@
+"""What planning returns. Knows no algorithm."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from radmpc.arrays import Matrix
+from radmpc.errors import NoPlanError
+from radmpc.model.plan import Plan, Status
+from radmpc.referee import Certificate
+
+__all__ = ["Draft", "Event", "Result", "Step"]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One solve on the way to a plan.
+
+    Attributes
+    ----------
+    stage : str
+        Which stage made it.
+    vehicles : tuple of str
+        Who was planned.
+    iteration : int
+        Counts from 0 within the stage and set.
+    cost : float
+        Cost of the solve.
+    num_active, num_chosen : int
+        Exposures that used all their risk, and exposures with a chosen row.
+    allocated : float
+        Risk that the chosen rows were allotted.
+    used : float
+        Risk that they run.
+    gap : float
+        Relative gap of the solve.
+    nodes : int
+        Nodes of its search tree.
+    seconds : float
+        Time taken.
+    """
+
+    stage: str
+    vehicles: tuple[str, ...]
+    iteration: int
+    cost: float
+    num_active: int
+    num_chosen: int
+    allocated: float
+    used: float
+    gap: float
+    nodes: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that went another way than the paper's pseudo-code.
+
+    Attributes
+    ----------
+    step : int
+        When.
+    vehicle : str
+        Whose subproblem had no solution.
+    blocked_by : tuple of str
+        The vehicles in its way; it is coupled with them.
+    """
+
+    step: int
+    vehicle: str
+    blocked_by: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Draft:
+    """What a decomposition hands back before the referee sees it.
+
+    Attributes
+    ----------
+    status : Status
+        How it ended.
+    controls : tuple of (T, m) array
+        Nominal controls, in the scenario's order; empty without a plan.
+    sets : tuple of tuple of int
+        Vehicles planned together.
+    steps : tuple of Step
+        The solves.
+    events : tuple of Event
+        What went another way.
+    seconds : mapping
+        Seconds per stage.
+    explanation : str or None
+        Why there is no plan.
+    """
+
+    status: Status
+    controls: tuple[Matrix, ...]
+    sets: tuple[tuple[int, ...], ...]
+    steps: tuple[Step, ...]
+    events: tuple[Event, ...]
+    seconds: Mapping[str, float]
+    explanation: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Result:
+    """The answer to `radmpc.plan`.
+
+    Attributes
+    ----------
+    record : Plan
+        What a plan file holds, also where no plan was found.
+    certificate : Certificate or None
+        The referee's word on the plan.
+    steps : tuple of Step
+        Every solve, in order.
+    events : tuple of Event
+        Subproblems without a solution on the way.
+    """
+
+    record: Plan
+    certificate: Certificate | None
+    steps: tuple[Step, ...] = ()
+    events: tuple[Event, ...] = ()
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan, or None."""
+        return self.record if self.record.trajectories else None
+
+    @property
+    def status(self) -> Status:
+        """How planning ended."""
+        return self.record.status
+
+    @property
+    def cost(self) -> float | None:
+        """``Σ weight · ‖u‖₁``."""
+        return self.record.cost
+
+    @property
+    def lower_bound(self) -> float | None:
+        """Proven least cost, where there is a proof."""
+        return self.record.lower_bound
+
+    @property
+    def sets(self) -> tuple[tuple[str, ...], ...]:
+        """Who was planned together."""
+        return self.record.sets
+
+    @property
+    def seconds(self) -> Mapping[str, float]:
+        """Seconds per stage and ``total``."""
+        return self.record.seconds
+
+    @property
+    def explanation(self) -> str | None:
+        """Why there is no plan."""
+        return self.record.explanation
+
+    @property
+    def is_certified(self) -> bool:
+        """Whether there is a plan and the referee holds it to be within Δ."""
+        return self.certificate is not None and self.certificate.holds
+
+    def require(self) -> Plan:
+        """Return the plan.
+
+        Returns
+        -------
+        Plan
+            As in `plan`.
+
+        Raises
+        ------
+        NoPlanError
+            If there is none; the message explains why.
+        """
+        if self.plan is None:
+            raise NoPlanError(self.explanation or self.status.sentence)
+        return self.plan

@@ -1,0 +1,169 @@
+"""Planning independent sets of vehicles, here or on an executor."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import dataclass
+
+from radmpc.arrays import Matrix
+from radmpc.model.scenario import Scenario
+from radmpc.planners.explain import explain_infeasible
+from radmpc.planners.ira import solve_under_policy
+from radmpc.planners.planner import SolverChoice
+from radmpc.planners.result import Step
+from radmpc.program.build import build_program, controls_of, whole_subjects
+from radmpc.program.policy import Policy
+from radmpc.solvers.solution import Limits, Outcome
+
+__all__ = ["SetPlan", "SetTask", "plan_sets", "run_sets"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SetTask:
+    """A set of vehicles to be planned together; pickles.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        These vehicles alone, with their share of Δ.
+    policy : Policy
+        Risk policy.
+    solver : BigM or Branch
+        Solver.
+    gap : float
+        Relative gap of each solve.
+    stage : str
+        For the steps' record.
+    """
+
+    scenario: Scenario
+    policy: Policy
+    solver: SolverChoice
+    gap: float
+    stage: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SetPlan:
+    """What planning a set gave.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        How it ended.
+    controls : tuple of (T, m) array
+        Empty without a plan.
+    steps : tuple of Step
+        Every solve.
+    explanation : str or None
+        Why there is no plan.
+    """
+
+    outcome: Outcome
+    controls: tuple[Matrix, ...]
+    steps: tuple[Step, ...]
+    explanation: str | None = None
+
+
+def plan_set(task: SetTask, limits: Limits) -> SetPlan:
+    """Plan one set of vehicles together.
+
+    Parameters
+    ----------
+    task : SetTask
+        The set.
+    limits : Limits
+        When to stop early.
+
+    Returns
+    -------
+    SetPlan
+        Infeasible is an answer, with its reason.
+    """
+    scenario = task.scenario
+    subjects = whole_subjects(scenario)
+    program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
+    solved = solve_under_policy(
+        program,
+        task.policy,
+        task.solver,
+        gap=task.gap,
+        limits=limits,
+        stage=task.stage,
+        vehicles=tuple(v.name for v in scenario.vehicles),
+    )
+    solution = solved.solution
+    if solution.z is not None:
+        controls = tuple(controls_of(subjects, solution.z))
+        return SetPlan(solution.outcome, controls, solved.steps)
+    explanation = None
+    if solution.outcome is Outcome.INFEASIBLE:
+        explanation = explain_infeasible(scenario, task.policy, task.gap, limits)
+    return SetPlan(solution.outcome, (), solved.steps, explanation)
+
+
+def plan_sets(
+    scenario: Scenario,
+    sets: Sequence[tuple[int, ...]],
+    task: Callable[[Scenario], SetTask],
+    limits: Limits,
+    executor: Executor | None,
+    progress: Callable[[int, int], None],
+) -> list[SetPlan]:
+    """Plan every set with its share of Δ by head count (paper, Algorithm 1, line 5).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The whole fleet.
+    sets : sequence of tuple of int
+        A partition of its vehicles.
+    task : callable
+        Makes the task of a set from its scenario.
+    limits : Limits
+        When to stop early.
+    executor : Executor or None
+        None plans in this thread, one after the other.
+    progress : callable
+        Told how many sets are done, of how many.
+
+    Returns
+    -------
+    list of SetPlan
+        In the order of the sets, whatever the executor.
+    """
+    share = scenario.risk_bound / scenario.num_vehicles
+    tasks = [task(scenario.subset(members, share * len(members))) for members in sets]
+    return run_sets(tasks, limits, executor, progress)
+
+
+def run_sets(
+    tasks: Sequence[SetTask],
+    limits: Limits,
+    executor: Executor | None,
+    progress: Callable[[int, int], None],
+) -> list[SetPlan]:
+    """Run tasks; see `plan_sets`."""
+    if executor is None:
+        plans = []
+        for done, one in enumerate(tasks):
+            plans.append(plan_set(one, limits))
+            progress(done + 1, len(tasks))
+        return plans
+    # Clocks and stop flags of this process mean nothing in another: send the seconds left.
+    futures: dict[Future[SetPlan], int] = {
+        executor.submit(_plan_set_within, one, limits.seconds_left): i
+        for i, one in enumerate(tasks)
+    }
+    answers: dict[int, SetPlan] = {}
+    for done, future in enumerate(as_completed(futures)):
+        answers[futures[future]] = future.result()
+        progress(done + 1, len(tasks))
+    return [answers[i] for i in range(len(tasks))]
+
+
+def _plan_set_within(task: SetTask, seconds: float) -> SetPlan:
+    """Plan a set with its own clock."""
+    return plan_set(task, Limits(deadline=time.monotonic() + seconds))

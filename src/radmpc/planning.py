@@ -1,0 +1,172 @@
+"""The front door: a scenario in, a judged plan out."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from importlib.metadata import PackageNotFoundError, version
+
+import numpy as np
+
+from radmpc.model.dynamics import rollout
+from radmpc.model.plan import Plan, Risk, Trajectory
+from radmpc.model.scenario import Scenario
+from radmpc.planners.centralized import plan_centralized
+from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
+from radmpc.planners.planner import Couplings, Planner, Receding
+from radmpc.planners.presets import DEFAULT, parse_planner
+from radmpc.planners.result import Draft, Result
+from radmpc.referee import Certificate, certify
+from radmpc.solvers.solution import Limits, never
+from radmpc.version import __version__
+
+__all__ = ["plan"]
+
+
+def plan(
+    scenario: Scenario,
+    planner: str | Planner = DEFAULT,
+    *,
+    rng: np.random.Generator | int | None = None,
+    time_limit: float | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[str, int, int | None], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Result:
+    """Plan a fleet, and have the plan judged by the referee.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    planner : str or Planner
+        A preset's name, with an argument where it takes one, or a record of choices.
+    rng : Generator or int or None
+        Source of every random choice; an int is kept in the plan as its seed, None is seed 0.
+    time_limit : float or None
+        Seconds after which planning returns what it has.
+    executor : Executor or None
+        Where independent sets are planned; None plans them here. The plan is the same.
+    progress : callable or None
+        Called with the stage, the parts done and their number.
+    stop : callable or None
+        Asked often; planning ends with what it has once it returns True.
+
+    Returns
+    -------
+    Result
+        With a plan also when its certificate exceeds Δ; without one, an explanation.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such planner.
+
+    References
+    ----------
+    Paper, Algorithm 1 (`multi-vehicle`), Algorithm 2 (`radmpc`).
+    """
+    begun = time.perf_counter()
+    record = parse_planner(planner) if isinstance(planner, str) else planner
+    seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
+    generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
+    deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
+    limits = Limits(deadline, never if stop is None else stop)
+    draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
+    judging = time.perf_counter()
+    trajectories = _trajectories(scenario, draft)
+    unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
+    certificate = certify(unjudged) if trajectories else None
+    ended = time.perf_counter()
+    seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
+    judged = _plan(scenario, record, seed, draft, trajectories, certificate, seconds)
+    return Result(judged, certificate, draft.steps, draft.events)
+
+
+def _silent(stage: str, done: int, total: int | None) -> None:
+    """Take progress without showing it."""
+    del stage, done, total
+
+
+def _draft(
+    scenario: Scenario,
+    planner: Planner,
+    rng: np.random.Generator,
+    limits: Limits,
+    executor: Executor | None,
+    progress: Callable[[str, int, int | None], None],
+) -> Draft:
+    """Run the planner's decomposition."""
+    decomposition = planner.decomposition
+    if isinstance(decomposition, Receding):
+        return plan_receding(scenario, planner, decomposition, rng, limits, progress)
+    if isinstance(decomposition, Couplings):
+        return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
+    return plan_centralized(scenario, planner, limits, progress)
+
+
+def _trajectories(scenario: Scenario, draft: Draft) -> tuple[Trajectory, ...]:
+    """Return what follows from the controls."""
+    if not draft.controls:
+        return ()
+    return tuple(
+        Trajectory(
+            name=vehicle.name,
+            controls=controls,
+            means=rollout(vehicle.system, vehicle.start, controls),
+            covariances=vehicle.covariances(scenario.horizon),
+            gain=vehicle.gain,
+        )
+        for vehicle, controls in zip(scenario.vehicles, draft.controls, strict=True)
+    )
+
+
+def _plan(
+    scenario: Scenario,
+    planner: Planner,
+    seed: int | None,
+    draft: Draft,
+    trajectories: tuple[Trajectory, ...],
+    certificate: Certificate | None,
+    seconds: Mapping[str, float],
+) -> Plan:
+    """Return the content of the plan file."""
+    risk = Risk(scenario.risk_bound)
+    if certificate is not None:
+        risk = Risk(scenario.risk_bound, certificate.certified, certificate.ledger)
+    return Plan(
+        scenario=scenario,
+        planner=str(planner),
+        seed=seed,
+        status=draft.status,
+        cost=_cost(scenario, trajectories) if trajectories else None,
+        lower_bound=None,
+        risk=risk,
+        sets=tuple(tuple(scenario.vehicles[i].name for i in s) for s in draft.sets),
+        seconds=seconds,
+        versions=_versions(),
+        explanation=draft.explanation,
+        trajectories=trajectories,
+    )
+
+
+def _cost(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:
+    """Return ``Σ weight · ‖u‖₁``."""
+    efforts = [
+        vehicle.cost_weight * float(np.abs(trajectory.controls).sum())
+        for vehicle, trajectory in zip(scenario.vehicles, trajectories, strict=True)
+    ]
+    return float(np.sum(efforts))
+
+
+def _versions() -> dict[str, str]:
+    """Return the versions a plan depends on."""
+    found = {"radmpc": __version__, "python": platform.python_version()}
+    for package in ("highspy", "numpy", "scipy"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:  # pragma: no cover - a vendored copy without metadata
+            found[package] = "unknown"
+    return found

@@ -1,0 +1,41 @@
+"""The linear programme of one selection."""
+
+from __future__ import annotations
+
+import time
+
+from radmpc.arrays import Indices, Vector
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.solution import Outcome, Solution
+
+__all__ = ["solve_selection"]
+
+
+def solve_selection(program: DisjunctiveProgram, margins: Vector, selection: Indices) -> Solution:
+    """Minimise the cost with every avoidance's alternative given.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme.
+    margins : (r,) array
+        Back-off of each row [m].
+    selection : (v,) int array
+        One alternative per avoidance.
+
+    Returns
+    -------
+    Solution
+        Its bound holds for these sides only.
+    """
+    begun = time.perf_counter()
+    lp = WarmLp(program, margins)
+    lp.activate(program.selected_rows(selection))
+    outcome, cost = lp.solve()
+    seconds = time.perf_counter() - begun
+    if outcome is not LpOutcome.OPTIMAL:
+        return Solution(
+            Outcome.INFEASIBLE, None, None, float("inf"), float("inf"), 1, lp.solves, seconds
+        )
+    return Solution(Outcome.OPTIMAL, lp.point(), selection, cost, cost, 1, lp.solves, seconds)
