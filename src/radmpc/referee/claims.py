@@ -1,0 +1,189 @@
+"""What a plan says about itself, compared with what follows from its scenario and controls."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.plan import Plan, Trajectory
+from radmpc.model.vehicle import Vehicle
+from radmpc.referee.motion import FleetMotion
+
+__all__ = ["claim_problems", "cost_of", "limit_problems", "shape_problems"]
+
+_TOL = 1e-6
+
+
+def shape_problems(plan: Plan) -> list[str]:
+    """Return why a plan cannot be judged at all: vehicles or arrays that do not fit."""
+    if not plan.trajectories:
+        return ["plan: holds no trajectories"]
+    problems = []
+    wanted = [v.name for v in plan.scenario.vehicles]
+    given = [t.name for t in plan.trajectories]
+    problems += [f"vehicle {name!r}: missing from the plan" for name in wanted if name not in given]
+    problems += [f"vehicle {name!r}: not in the scenario" for name in given if name not in wanted]
+    problems += [
+        f"vehicle {name!r}: stands {given.count(name)} times in the plan, allowed is once"
+        for name in dict.fromkeys(given)
+        if name in wanted and given.count(name) > 1
+    ]
+    if problems:
+        return problems
+    if given != wanted:
+        problems.append(f"plan: vehicles stand in the order {given}, the scenario's is {wanted}")
+    for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=True):
+        if trajectory.name == vehicle.name:
+            problems += _array_problems(plan.scenario.horizon, vehicle, trajectory)
+    return problems
+
+
+def _array_problems(horizon: int, vehicle: Vehicle, trajectory: Trajectory) -> list[str]:
+    """Return which of a vehicle's arrays have the wrong shape or numbers that are not finite."""
+    n, m = vehicle.system.num_states, vehicle.system.num_controls
+    wanted = {
+        "controls": (horizon, m),
+        "means": (horizon + 1, n),
+        "covariances": (horizon + 1, n, n),
+        "gain": (m, n),
+    }
+    problems = []
+    for field, shape in wanted.items():
+        array: npt.NDArray[np.float64] | None = getattr(trajectory, field)
+        if array is not None and array.shape != shape:
+            problems.append(
+                f"vehicle {vehicle.name!r}: {field} have shape {array.shape}, must be {shape}"
+            )
+    return problems
+
+
+def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
+    """Return where stated means, covariances, gains, cost or bound are not the true ones.
+
+    Numbers may differ by 1e-6, or by 1e-6 of the larger where they exceed one.
+    """
+    problems = []
+    for i, (vehicle, stated) in enumerate(
+        zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+    ):
+        problems += _difference(vehicle.name, "mean", stated.means, motion.states[i])
+        problems += _difference(
+            vehicle.name, "covariance", stated.covariances, motion.covariances[i]
+        )
+        problems += _gain_problems(vehicle, stated)
+    if plan.risk.bound != plan.scenario.risk_bound:
+        problems.append(
+            f"plan: states a risk bound of {plan.risk.bound:.9g}, "
+            f"the scenario's is {plan.scenario.risk_bound:.9g}"
+        )
+    cost = cost_of(plan)
+    if plan.cost is None or abs(plan.cost - cost) > _TOL * max(1.0, cost):
+        stated_cost = "no cost" if plan.cost is None else f"a cost of {plan.cost:.9g}"
+        problems.append(f"plan: states {stated_cost}, its controls cost {cost:.9g}")
+    return problems
+
+
+def cost_of(plan: Plan) -> float:
+    """Return ``Σ weight · ‖u‖₁`` over vehicles and steps."""
+    return float(
+        sum(
+            vehicle.cost_weight * np.abs(trajectory.controls).sum()
+            for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+        )
+    )
+
+
+def _difference(
+    name: str, field: str, stated: npt.NDArray[np.float64], true: npt.NDArray[np.float64]
+) -> list[str]:
+    """Name the first step at which a stated array leaves the true one."""
+    excess = np.abs(stated - true) > _TOL * np.maximum(1.0, np.abs(true))
+    if not excess.any():
+        return []
+    step, *entry = (int(i) for i in np.argwhere(excess)[0])
+    at = (step, *entry)
+    return [
+        f"vehicle {name!r}: {field} {entry} at step {step} is stated as {stated[at]:.9g}, "
+        f"start, controls and noise give {true[at]:.9g}"
+    ]
+
+
+def _gain_problems(vehicle: Vehicle, stated: Trajectory) -> list[str]:
+    """Name a feedback gain that is not the scenario's."""
+    if vehicle.gain is None or stated.gain is None:
+        if vehicle.gain is stated.gain:
+            return []
+        has, wants = ("a", "none") if vehicle.gain is None else ("no", "one")
+        return [f"vehicle {vehicle.name!r}: the plan has {has} feedback gain, the scenario {wants}"]
+    off = np.abs(stated.gain - vehicle.gain) > _TOL * np.maximum(1.0, np.abs(vehicle.gain))
+    if not off.any():
+        return []
+    row, column = (int(i) for i in np.argwhere(off)[0])
+    return [
+        f"vehicle {vehicle.name!r}: gain [{row}, {column}] is stated as "
+        f"{stated.gain[row, column]:.9g}, the scenario's is {vehicle.gain[row, column]:.9g}"
+    ]
+
+
+def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
+    """Return which limits and goals the mean does not keep, beyond 1e-6.
+
+    Speeds are checked at k = 1..T: the start is the scenario's, not the plan's.
+    """
+    problems = []
+    for i, (vehicle, trajectory) in enumerate(
+        zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+    ):
+        bounds = _control_bounds(vehicle, motion.covariances[i][:-1])
+        problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
+        problems += _arrival_problems(vehicle, motion.states[i])
+    return problems
+
+
+def _control_bounds(vehicle: Vehicle, covariances: npt.NDArray[np.float64]) -> Matrix:
+    """Return the limit less the reserve for the feedback ``K (x − x̄)``, (T, m)."""
+    bounds = np.tile(vehicle.control_limit, (len(covariances), 1))
+    if vehicle.gain is not None:
+        spread = (vehicle.gain @ covariances) * vehicle.gain
+        bounds = bounds - vehicle.control_sigmas * np.sqrt(spread.sum(axis=2).clip(min=0.0))
+    return bounds
+
+
+def _arrival_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
+    """Name speeds above the limit, and a goal that is missed or passed too fast."""
+    problems = []
+    if vehicle.system.velocity is not None:
+        speeds = states[:, list(vehicle.system.velocity)]
+        if vehicle.speed_limit is not None:
+            limits = np.broadcast_to(vehicle.speed_limit, speeds[1:].shape)
+            problems += _excess(vehicle.name, "speed", speeds[1:], limits, 1)
+        if vehicle.goal.speed is not None:
+            last = len(states) - 1
+            goal_speed = vehicle.goal.speed[None, :]
+            problems += _excess(vehicle.name, "goal speed", speeds[-1:], goal_speed, last)
+    return problems + _goal_problems(vehicle, states[-1, list(vehicle.system.position)])
+
+
+def _goal_problems(vehicle: Vehicle, position: Vector) -> list[str]:
+    """Name the axes on which the mean ends outside the goal."""
+    lower, upper = vehicle.goal.lower, vehicle.goal.upper
+    missed = (position < lower - _TOL) | (position > upper + _TOL)
+    return [
+        f"vehicle {vehicle.name!r}: ends at {position[a]:.9g} on axis {a}, "
+        f"its goal is {lower[a]:.9g} to {upper[a]:.9g}"
+        for a in np.flatnonzero(missed)
+    ]
+
+
+def _excess(name: str, field: str, values: Matrix, limits: Matrix, first: int) -> list[str]:
+    """Name the first value per axis whose size exceeds its limit."""
+    over = np.abs(values) > limits + _TOL * np.maximum(1.0, np.abs(limits))
+    problems = []
+    for axis in np.flatnonzero(over.any(axis=0)):
+        k = int(over[:, axis].argmax())
+        problems.append(
+            f"vehicle {name!r}: {field} on axis {axis} at step {first + k} is "
+            f"{values[k, axis]:.9g}, allowed is up to {limits[k, axis]:.9g} in size"
+        )
+    return problems

@@ -1,0 +1,166 @@
+"""From a scenario and its motion to batches of encounters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.geometry import Polytope
+from radmpc.model.scenario import Scenario
+from radmpc.referee.encounters import Encounters
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
+
+__all__ = ["Gathered", "gather_obstacles", "gather_pairs"]
+
+# Fleets up to this many encounters are looked at one by one; beyond, an index skips the far ones.
+_EXPLICIT = 2_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gathered:
+    """What to look at, and how often each vehicle was found far from something.
+
+    Attributes
+    ----------
+    batches : tuple of Encounters
+        To be rated.
+    skipped : (N,) int array
+        Encounters that are charged the cut-off in every window, booked with the first vehicle.
+    """
+
+    batches: tuple[Encounters, ...]
+    skipped: Indices
+
+
+def gather_pairs(scenario: Scenario, motion: FleetMotion, *, intervals: bool) -> Gathered:
+    """Return all pairs as relative motions against the origin."""
+    count = scenario.num_vehicles
+    if count * (count - 1) // 2 <= _EXPLICIT:
+        pairs = np.column_stack(np.triu_indices(count, 1))
+    else:
+        pairs = near_pairs(motion_balls(motion, intervals=intervals))
+    i, j = pairs[:, 0], pairs[:, 1]
+    skipped = count - 1 - np.arange(count) - np.bincount(i, minlength=count)
+    if not pairs.size:
+        return Gathered((), skipped)
+    d = scenario.dimension
+    faces = _pair_directions(scenario.num_pair_faces, d)
+    batch = Encounters(
+        first=i,
+        other=j,
+        means=motion.positions[i] - motion.positions[j],
+        covariances=motion.position_covariances[i] + motion.position_covariances[j],
+        bows=motion.bows[i] - motion.bows[j],
+        radii=motion.radii[i] + motion.radii[j],
+        vertices=np.zeros((len(pairs), 1, 1, d)),
+        directions=np.broadcast_to(faces, (len(pairs), *faces.shape)),
+    )
+    return Gathered((batch,), skipped)
+
+
+def _pair_directions(count: int, dimension: int) -> Matrix:
+    """Return the axes and the directions in which planners may keep pairs apart."""
+    axes = np.concatenate([np.eye(dimension), -np.eye(dimension)])
+    if count == 2 * dimension:
+        return axes
+    if dimension == 2:
+        angles = 2.0 * np.pi * np.arange(count) / count
+        return np.vstack([axes, np.column_stack([np.cos(angles), np.sin(angles)])])
+    half = count // 2
+    height = (np.arange(half) + 0.5) / half
+    turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(half)
+    flat = np.sqrt(1.0 - height**2)
+    upper = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), height])
+    return np.vstack([axes, upper, -upper])
+
+
+def gather_obstacles(scenario: Scenario, motion: FleetMotion, *, intervals: bool) -> Gathered:
+    """Return all vehicles against all convex pieces of obstacles."""
+    count = scenario.num_vehicles
+    skipped = np.zeros(count, dtype=np.int64)
+    if not scenario.obstacles:
+        return Gathered((), skipped)
+    balls = motion_balls(motion, intervals=intervals)
+    num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
+    explicit = count * num_pieces <= _EXPLICIT
+    chosen: dict[bool, list[tuple[int, Indices, Sequence[Polytope]]]] = {False: [], True: []}
+    for number, pieces in _pieces(scenario):
+        lower, upper = _boxes(pieces, balls, intervals=intervals)
+        far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
+        skipped += far
+        near = np.flatnonzero(~far)
+        if near.size:
+            chosen[len(pieces) > 1].append((number, near, pieces))
+    batches = tuple(_obstacle_batch(motion, group) for group in chosen.values() if group)
+    return Gathered(batches, skipped)
+
+
+def _pieces(scenario: Scenario) -> Iterator[tuple[int, Sequence[Polytope]]]:
+    """Yield each convex piece with its obstacle's number: once, or once per step if it moves."""
+    for number, obstacle in enumerate(scenario.obstacles):
+        if obstacle.is_moving:
+            yield number, [obstacle.at(k)[0] for k in range(scenario.horizon + 1)]
+        else:
+            for piece in obstacle.at(0):
+                yield number, [piece]
+
+
+def _boxes(pieces: Sequence[Polytope], balls: Balls, *, intervals: bool) -> tuple[Matrix, Matrix]:
+    """Return the corners of the box around a piece in each window."""
+    lower = np.array([p.vertices.min(axis=0) for p in pieces])
+    upper = np.array([p.vertices.max(axis=0) for p in pieces])
+    if len(pieces) == 1:
+        shape = balls.centers.shape[1:]
+        return np.broadcast_to(lower, shape), np.broadcast_to(upper, shape)
+    if intervals:
+        lower = np.minimum(lower[:-1], lower[1:])
+        upper = np.maximum(upper[:-1], upper[1:])
+    return lower, upper
+
+
+def _obstacle_batch(
+    motion: FleetMotion, group: Sequence[tuple[int, Indices, Sequence[Polytope]]]
+) -> Encounters:
+    """Stack pieces of unequal size, padded by repeating a corner or a face."""
+    first = np.concatenate([near for _, near, _ in group])
+    sizes = [len(near) for _, near, _ in group]
+    return Encounters(
+        first=first,
+        other=np.repeat([number for number, _, _ in group], sizes),
+        means=motion.positions[first],
+        covariances=motion.position_covariances[first],
+        bows=motion.bows[first],
+        radii=motion.radii[first],
+        vertices=np.repeat(_padded_vertices([pieces for _, _, pieces in group]), sizes, axis=0),
+        directions=np.repeat(_padded_normals([pieces for _, _, pieces in group]), sizes, axis=0),
+    )
+
+
+def _padded_vertices(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
+    """Return the corners of each piece at each step, (p, steps, V, d)."""
+    largest = max(len(piece.vertices) for steps in pieces for piece in steps)
+    return np.array([[_padded(piece.vertices, largest) for piece in steps] for steps in pieces])
+
+
+def _padded_normals(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
+    """Return the axes and the distinct normals of each piece over all steps, (p, G, d)."""
+    d = pieces[0][0].dimension
+    axes = np.concatenate([np.eye(d), -np.eye(d)])
+    normals = []
+    for steps in pieces:
+        faces = np.vstack([piece.normals for piece in steps])
+        if len(steps) > 1:
+            _, kept = np.unique(faces.round(12), axis=0, return_index=True)
+            faces = faces[kept]
+        normals.append(np.vstack([axes, faces]))
+    largest = max(len(faces) for faces in normals)
+    return np.array([_padded(faces, largest) for faces in normals])
+
+
+def _padded(rows: Matrix, count: int) -> Vector:
+    """Repeat the first row until there are enough."""
+    return np.concatenate([rows, np.repeat(rows[:1], count - len(rows), axis=0)])

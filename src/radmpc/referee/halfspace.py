@@ -1,0 +1,163 @@
+r"""Probability of leaving a half-space, and the direction that makes it small.
+
+A convex set P grown by a radius r lies in ``n·y <= c(n) = max over P of n·y + r`` for every unit
+n. Whoever keeps ``n·x >= c(n)`` does not touch it, so for a Gaussian x and *any* n
+
+.. math:: \Pr[x \in P \oplus B_r] \le Q\left(
+          \frac{n^\top \bar x - c(n)}{\sqrt{n^\top \Sigma n}}\right).
+
+Search for n may therefore stop anywhere: it makes the bound tight, never wrong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+
+__all__ = ["CONTACT_TOL", "Sites", "end_risks", "refine", "unit"]
+
+# Touching is no collision. Without noise that must not hang on the last bit of a sum.
+CONTACT_TOL = 1e-9
+
+# Rounds of the search and how its step shrinks, by dimension. In space a polytope's edges are
+# ridges of the clearance that few moves follow, so the pattern turns and shrinks slowly.
+_SEARCH = {2: (9, 0.4), 3: (26, 0.7)}
+_FIRST_STEP = 0.4
+_GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sites:
+    """Places where one half-space must hold, at one step (E = 1) or both ends of an interval.
+
+    Attributes
+    ----------
+    means : (S, E, d) array
+        Mean (relative) positions [m].
+    covariances : (S, E, d, d) array
+        Their covariances [m²].
+    bows : (S, d) array
+        ``a dt²/8`` of the interval, 0 at steps [m].
+    radii : (S,) array
+        Radius that grows the set [m].
+    vertices : (S, 1 or E, V, d) array
+        Corners of the set, at each end where it moves; the origin for pairs [m].
+    """
+
+    means: Tensor
+    covariances: Tensor
+    bows: Matrix
+    radii: Vector
+    vertices: Tensor
+
+    def take(self, chosen: Indices) -> Sites:
+        """Return some of the sites."""
+        return Sites(
+            self.means[chosen],
+            self.covariances[chosen],
+            self.bows[chosen],
+            self.radii[chosen],
+            self.vertices[chosen],
+        )
+
+
+def end_risks(sites: Sites, directions: Tensor) -> Tensor:
+    """Return the probability that each half-space fails at each end.
+
+    The mean curve is ``chord − a τ(dt−τ)/2``, so along n it falls short of its chord by at most
+    ``max(0, n·a) dt²/8``: a margin held at both ends holds in between.
+
+    Parameters
+    ----------
+    sites : Sites
+        S places with E ends.
+    directions : (S, C, d) array
+        Unit normals that point away from the set [-].
+
+    Returns
+    -------
+    (S, C, E) array
+        ``Q(q)``; without noise exactly 0 or 1.
+    """
+    along = np.einsum("scd,sed->sce", directions, sites.means)
+    support = np.einsum("scd,sevd->scev", directions, sites.vertices).max(axis=3)
+    sag = np.maximum(np.einsum("scd,sd->sc", directions, sites.bows), 0.0)
+    slack = along - support - (sag + sites.radii[:, None])[:, :, None]
+    spread = np.einsum("scd,sedf->scef", directions, sites.covariances)
+    variance = np.einsum("scef,scf->sce", spread, directions)
+    noisy = variance > 0.0
+    deviation = np.sqrt(np.where(noisy, variance, 1.0))
+    certain = (slack < -CONTACT_TOL).astype(np.float64)
+    with np.errstate(over="ignore"):  # a slack of meters over a deviation of 1e-160
+        risks: Tensor = np.where(noisy, ndtr(-slack / deviation), certain)
+    return risks
+
+
+def unit(vectors: Tensor) -> Tensor:
+    """Return vectors scaled to length one; zero becomes the first axis."""
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    axis = np.zeros(vectors.shape[-1])
+    axis[0] = 1.0
+    good = np.isfinite(lengths) & (lengths > 1e-150)
+    return np.where(good, vectors / np.where(good, lengths, 1.0), axis)
+
+
+def refine(sites: Sites, directions: Matrix, risks: Vector) -> tuple[Matrix, Vector]:
+    """Turn each direction downhill: a pattern search over the sphere, all sites at once.
+
+    At one end the clearance is a concave over a convex function of n, both homogeneous, so it has
+    no local maximum but the global one while the mean is outside.
+
+    Parameters
+    ----------
+    sites : Sites
+        S places.
+    directions : (S, d) array
+        Where to start.
+    risks : (S,) array
+        Sum over ends there.
+
+    Returns
+    -------
+    directions : (S, d) array
+        Where the search ended.
+    risks : (S,) array
+        Never above those given.
+    """
+    rounds, shrink = _SEARCH[directions.shape[1]]
+    best, lowest = directions.copy(), risks.copy()
+    rows = np.arange(len(best))
+    step = _FIRST_STEP
+    for turn in range(rounds):
+        pattern = _pattern(directions.shape[1], turn * _GOLDEN_ANGLE)
+        offsets = np.einsum("pt,std->spd", pattern, _tangents(best))
+        trial = unit(best[:, None, :] + step * offsets)
+        found = end_risks(sites, trial).sum(axis=2)
+        choice = found.argmin(axis=1)
+        better = found[rows, choice] < lowest
+        best[better] = trial[rows, choice][better]
+        lowest[better] = found[rows, choice][better]
+        step *= shrink
+    return best, lowest
+
+
+def _pattern(dimension: int, turn: float) -> Matrix:
+    """Return the moves to try, in tangent coordinates; those in space turned about the normal."""
+    if dimension == 2:
+        return np.array([[-1.0], [-0.5], [-0.25], [0.25], [0.5], [1.0]])
+    angles = turn + np.arange(8) * np.pi / 4.0
+    ring = np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.vstack([ring, 0.5 * ring])
+
+
+def _tangents(normals: Matrix) -> Tensor:
+    """Return an orthonormal basis of each tangent plane, (S, d-1, d)."""
+    if normals.shape[1] == 2:
+        return np.stack([-normals[:, 1], normals[:, 0]], axis=1)[:, None, :]
+    helper = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    first = unit(np.cross(normals, helper))
+    return np.stack([first, np.cross(normals, first)], axis=1)

@@ -1,0 +1,57 @@
+"""Where the risk goes: by cause, vehicle, partner and step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.model.plan import Cause, LedgerRow
+
+__all__ = ["Account", "total_risk"]
+
+# Steps below this risk share one row per vehicle and partner.
+_SMALL = 1e-12
+
+
+@dataclass(slots=True, eq=False)
+class Account:
+    """Collects risks per step; several pieces of one obstacle end up in one entry."""
+
+    entries: dict[tuple[Cause, int, int | None], Vector] = field(default_factory=dict)
+
+    def charge(self, cause: Cause, first: Indices, other: Indices | None, risks: Vector) -> None:
+        """Add the risks of many encounters, (B, T+1)."""
+        for b in np.flatnonzero(risks.any(axis=1)):
+            key = (cause, int(first[b]), None if other is None else int(other[b]))
+            known = self.entries.get(key)
+            self.entries[key] = risks[b].copy() if known is None else known + risks[b]
+
+    def rows(self, vehicles: tuple[str, ...], obstacles: tuple[str, ...]) -> tuple[LedgerRow, ...]:
+        """Return the ledger: nothing is dropped, small steps are merged into the worst."""
+        rows = []
+        for (cause, vehicle, other), risks in self.entries.items():
+            names = vehicles if cause == "pair" else obstacles
+            partner = None if other is None else names[other]
+            for step, risk in _merged(risks):
+                rows.append(LedgerRow(cause, vehicles[vehicle], partner, step, risk))
+        return tuple(rows)
+
+
+def _merged(risks: Vector) -> list[tuple[int, float]]:
+    """Return steps and risks, those below a limit added to the step of their largest."""
+    large = risks >= _SMALL
+    result = {int(k): float(risks[k]) for k in np.flatnonzero(large)}
+    small = np.where(large, 0.0, risks)
+    rest = float(small.sum())
+    if rest > 0.0:
+        worst = int(small.argmax())
+        result[worst] = rest
+    return sorted(result.items())
+
+
+def total_risk(rows: tuple[LedgerRow, ...]) -> float:
+    """Return the sum over the ledger, rounded once."""
+    return math.fsum(row.risk for row in rows)

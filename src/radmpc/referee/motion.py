@@ -1,0 +1,153 @@
+"""The referee's own propagation: where every vehicle is, and how uncertain that is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+
+__all__ = ["FleetMotion", "Group", "propagate"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """Vehicles with states of equal length, stacked for one batch of matrix products.
+
+    Attributes
+    ----------
+    members : (g,) int array
+        Their numbers in the scenario.
+    transitions : (g, n, n) array
+        Closed loop ``A + B K``; ``A`` where there is no feedback.
+    initial, disturbance : (g, n, n) array
+        Covariance at k = 0, and added at every step.
+    position : (g, d) int array
+        State indices of the position.
+    """
+
+    members: Indices
+    transitions: Tensor
+    initial: Tensor
+    disturbance: Tensor
+    position: Indices
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FleetMotion:
+    """Means and covariances that follow from a scenario and nominal controls.
+
+    Attributes
+    ----------
+    groups : tuple of Group
+        The closed loops.
+    states : tuple of (T+1, n) array
+        Mean states, per vehicle.
+    covariances : tuple of (T+1, n, n) array
+        State covariances, per vehicle.
+    positions : (N, T+1, d) array
+        Mean positions [m].
+    position_covariances : (N, T+1, d, d) array
+        Position covariances [m²].
+    bows : (N, T, d) array
+        ``a dt²/8`` for a double integrator under acceleration a, else 0: how far the mean curve
+        hangs off its chord in the middle of each interval, against a [m].
+    radii : (N,) array
+        Hull radii [m].
+    """
+
+    groups: tuple[Group, ...]
+    states: tuple[Matrix, ...]
+    covariances: tuple[Tensor, ...]
+    positions: Tensor
+    position_covariances: Tensor
+    bows: Tensor
+    radii: Vector
+
+
+def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
+    r"""Return the motion of a fleet under given nominal controls.
+
+    .. math:: \bar x^+ = A \bar x + B \bar u, \qquad
+              \Sigma^+ = (A + BK) \Sigma (A + BK)^\top + W
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Starts, dynamics, feedback and noise are taken from here.
+    controls : sequence of (T, m) array
+        Nominal controls in the scenario's order.
+
+    Returns
+    -------
+    FleetMotion
+        Per vehicle, and positions stacked.
+    """
+    vehicles, horizon, d = scenario.vehicles, scenario.horizon, scenario.dimension
+    states = [_mean_states(v, u) for v, u in zip(vehicles, controls, strict=True)]
+    groups = _grouped(vehicles)
+    covariances: list[Tensor] = [np.empty(0)] * len(vehicles)
+    for group in groups:
+        for member, tensor in zip(group.members, _covariances(group, horizon), strict=True):
+            covariances[member] = tensor
+    bows = np.zeros((len(vehicles), horizon, d))
+    for i, vehicle in enumerate(vehicles):
+        if vehicle.system.is_double_integrator:
+            bows[i] = controls[i] * scenario.dt**2 / 8.0
+    axes = [list(v.system.position) for v in vehicles]
+    return FleetMotion(
+        groups=groups,
+        states=tuple(states),
+        covariances=tuple(covariances),
+        positions=np.stack([x[:, a] for x, a in zip(states, axes, strict=True)]),
+        position_covariances=np.stack(
+            [c[:, a][:, :, a] for c, a in zip(covariances, axes, strict=True)]
+        ),
+        bows=bows,
+        radii=np.array([v.radius for v in vehicles]),
+    )
+
+
+def _mean_states(vehicle: Vehicle, controls: Matrix) -> Matrix:
+    """Return the mean states at k = 0..T."""
+    pushes = controls @ vehicle.system.B.T
+    A = vehicle.system.A
+    states = [vehicle.start]
+    for push in pushes:
+        states.append(A @ states[-1] + push)
+    return np.array(states)
+
+
+def _grouped(vehicles: Sequence[Vehicle]) -> tuple[Group, ...]:
+    """Stack the closed loops of vehicles with states of equal length."""
+    by_size: dict[int, list[int]] = {}
+    for i, vehicle in enumerate(vehicles):
+        by_size.setdefault(vehicle.system.num_states, []).append(i)
+    groups = []
+    for members in by_size.values():
+        chosen = [vehicles[i] for i in members]
+        loops = [v.system.A if v.gain is None else v.system.A + v.system.B @ v.gain for v in chosen]
+        groups.append(
+            Group(
+                np.array(members),
+                np.stack(loops),
+                np.stack([v.initial_covariance for v in chosen]),
+                np.stack([v.disturbance_covariance for v in chosen]),
+                np.array([v.system.position for v in chosen]),
+            )
+        )
+    return tuple(groups)
+
+
+def _covariances(group: Group, horizon: int) -> Tensor:
+    """Return the state covariances of a group, (g, T+1, n, n)."""
+    result = np.empty((len(group.members), horizon + 1, *group.initial.shape[1:]))
+    result[:, 0] = group.initial
+    turned = group.transitions.transpose(0, 2, 1)
+    for k in range(horizon):
+        result[:, k + 1] = group.transitions @ result[:, k] @ turned + group.disturbance
+    return 0.5 * (result + result.transpose(0, 1, 3, 2))

@@ -1,0 +1,97 @@
+"""Who is worth a closer look: everyone else is charged a bound that distance alone gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+from scipy.special import ndtr
+
+from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.referee.motion import FleetMotion
+
+__all__ = ["CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
+
+# Standard deviations from which an encounter is far, and the risk of one half-space there.
+_CUTOFF = 9.0
+CUTOFF_RISK = float(ndtr(-_CUTOFF))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Balls:
+    """Where each vehicle is during each window (a step, or an interval), generously.
+
+    Attributes
+    ----------
+    centers : (N, K, d) array
+        Middle of the mean positions [m].
+    reaches : (N, K) array
+        Half the chord, the bow, the radius and 9 standard deviations together [m].
+    """
+
+    centers: Tensor
+    reaches: Vector
+
+
+def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
+    """Return the balls of all vehicles.
+
+    Two vehicles whose balls do not meet in a window are separated there by the half-space across
+    the line of centers, with at least 9 standard deviations to spare at every end:
+    ``|cᵢ − cⱼ| >= Rᵢ + Rⱼ`` and ``sqrt(a + b) <= sqrt(a) + sqrt(b)``.
+    """
+    deviations = np.sqrt(np.linalg.eigvalsh(motion.position_covariances)[..., -1].clip(min=0.0))
+    radii = motion.radii[:, None]
+    if not intervals:
+        return Balls(motion.positions, radii + _CUTOFF * deviations)
+    before, after = motion.positions[:, :-1], motion.positions[:, 1:]
+    half_chord = 0.5 * np.linalg.norm(after - before, axis=2)
+    bow = np.linalg.norm(motion.bows, axis=2)
+    deviations = np.maximum(deviations[:, :-1], deviations[:, 1:])
+    return Balls(0.5 * (before + after), radii + half_chord + bow + _CUTOFF * deviations)
+
+
+def near_pairs(balls: Balls) -> Indices:
+    """Return the pairs whose balls meet in some window.
+
+    Returns
+    -------
+    (P, 2) int array
+        First below second, sorted.
+    """
+    count = len(balls.centers)
+    found: list[Indices] = []
+    for k in range(balls.centers.shape[1]):
+        centers, reaches = balls.centers[:, k], balls.reaches[:, k]
+        # The larger of two balls that meet reaches the other's center within twice its radius.
+        tree = cKDTree(centers)
+        lists = tree.query_ball_point(centers, 2.0 * reaches)
+        sizes = np.array([len(near) for near in lists])
+        i = np.repeat(np.arange(count), sizes)
+        j = np.concatenate([np.asarray(near, dtype=np.int64) for near in lists])
+        low, high = np.minimum(i, j), np.maximum(i, j)
+        gap = np.linalg.norm(centers[low] - centers[high], axis=1)
+        meet = (low < high) & (gap <= reaches[low] + reaches[high])
+        found.append(np.unique(low[meet] * count + high[meet]))
+    keys = np.unique(np.concatenate(found))
+    return np.column_stack([keys // count, keys % count])
+
+
+def far_from_box(balls: Balls, lower: Vector, upper: Vector) -> npt.NDArray[np.bool_]:
+    """Return which vehicles' balls stay clear of a box in all windows, (N,) bool.
+
+    An axis that separates ball and box is a half-space with 9 standard deviations to spare.
+
+    Parameters
+    ----------
+    balls : Balls
+        Of all vehicles.
+    lower, upper : (K, d) array
+        Corners of the box in each window [m].
+    """
+    reaches = balls.reaches[:, :, None]
+    beside = (balls.centers - reaches >= upper) | (balls.centers + reaches <= lower)
+    clear: npt.NDArray[np.bool_] = np.all(np.any(beside, axis=2), axis=1)
+    return clear

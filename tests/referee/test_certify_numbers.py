@@ -1,0 +1,247 @@
+"""Bounds that can be computed by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from referee_scenes import glider, make_plan, straight_plan, walk, walk_plan
+from scipy.special import ndtr
+from scipy.stats import chi2
+
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario, Workspace
+from radmpc.referee import certify
+
+
+def row_risks(certificate):
+    return {(r.cause, r.vehicle, r.other, r.step): r.risk for r in certificate.ledger}
+
+
+def test_a_resting_pair_is_charged_one_half_space_per_step():
+    plan = walk_plan(
+        walk("a", [[0, 0], [0, 0]], sigma=0.1), walk("b", [[1.2, 0], [1.2, 0]], sigma=0.1)
+    )
+    risks = row_risks(certify(plan))
+    expected = ndtr(-(1.2 - 0.8) / np.sqrt(0.02))
+    for step in (0, 1):
+        assert risks["pair", "a", "b", step] <= expected * (1 + 1e-9)
+        # The half-space is a bound on a disc, and no worse than it by more than a few times.
+        assert risks["pair", "a", "b", step] > 0.2 * expected
+    assert set(risks) == {("pair", "a", "b", 0), ("pair", "a", "b", 1)}
+
+
+def test_interval_bound_of_a_resting_pair_pays_each_step_once():
+    horizon = 6
+    plan = walk_plan(
+        walk("a", np.zeros((horizon + 1, 2))),
+        walk("b", np.tile([1.2, 0.0], (horizon + 1, 1))),
+        avoidance="intervals",
+    )
+    each = ndtr(-0.4 / np.sqrt(0.02))
+    assert certify(plan).certified == pytest.approx((horizon + 1) * each, rel=1e-9)
+
+
+def test_interval_bound_charges_the_shared_step_twice_when_the_side_changes():
+    # Past a corner: first left of the wall, then above it, no half-space serves both intervals.
+    wall = Obstacle.box("wall", [0.0, -10.0], [10.0, 0.0])
+    walker = walk("a", [[-0.7, -5.0], [-0.7, 0.7], [5.0, 0.7]], sigma=0.1)
+    plan = walk_plan(walker, avoidance="intervals", obstacles=(wall,))
+    each = ndtr(-(0.7 - 0.4) / 0.1)
+    certified = certify(plan).certified
+    assert certified <= 4 * each * (1 + 1e-9)
+    # Slanted half-spaces at the corner save something, but never a whole payment there.
+    assert certified > 2.5 * each
+
+
+def test_an_obstacle_is_charged_by_its_best_face():
+    box = Obstacle.box("box", [1.0, -5.0], [2.0, 5.0])
+    plan = walk_plan(walk("a", [[0, 0], [0, 0]], sigma=0.2), obstacles=(box,))
+    risks = row_risks(certify(plan))
+    expected = ndtr(-(1.0 - 0.4) / 0.2)
+    assert risks["obstacle", "a", "box", 0] == pytest.approx(expected, rel=1e-3)
+    assert risks["obstacle", "a", "box", 0] <= expected * (1 + 1e-9)
+
+
+def test_pieces_of_one_obstacle_share_a_row():
+    corner = [[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]]
+    obstacle = Obstacle.polygon("corner", corner)
+    assert len(obstacle.at(0)) == 2
+    plan = walk_plan(walk("a", [[2, 2], [2, 2]], sigma=0.2), obstacles=(obstacle,))
+    risks = row_risks(certify(plan))
+    each = ndtr(-(1.0 - 0.4) / 0.2)
+    assert risks["obstacle", "a", "corner", 0] == pytest.approx(2 * each, rel=2e-2)
+
+
+def test_step_zero_counts():
+    plan = walk_plan(walk("a", [[0, 0], [-50, 0]]), walk("b", [[0.9, 0], [50, 0]]))
+    risks = row_risks(certify(plan))
+    assert risks["pair", "a", "b", 0] > 0.1
+    assert not certify(plan).holds
+
+
+def test_without_noise_touching_is_free_and_overlap_is_certain():
+    still = {"sigma": 0.0, "radius": 0.4}
+    touching = walk_plan(
+        walk("a", [[0, 0], [0, 0]], **still), walk("b", [[0.8, 0], [0.8, 0]], **still)
+    )
+    assert certify(touching).certified == 0.0
+    assert certify(touching).ledger == ()
+    assert certify(touching).holds
+    overlap = walk_plan(
+        walk("a", [[0, 0], [0, 0]], **still), walk("b", [[0.799, 0], [0.799, 0]], **still)
+    )
+    assert certify(overlap).certified == 2.0
+
+
+def test_a_mean_inside_is_charged_at_most_one():
+    box = Obstacle.box("box", [-5.0, -5.0], [5.0, 5.0])
+    plan = walk_plan(walk("a", [[0, 0], [0, 0]], sigma=0.1), obstacles=(box,))
+    assert certify(plan).certified == pytest.approx(2.0)
+
+
+def test_the_direction_follows_an_anisotropic_covariance():
+    # The wide axis points at the other vehicle's flank: the best normal is tilted off the line.
+    covariance = np.array([[0.2, 0.19], [0.19, 0.2]])
+    plan = walk_plan(
+        walk("a", [[0, 0], [0, 0]], covariance=0.5 * covariance),
+        walk("b", [[1.6, 0.0], [1.6, 0.0]], covariance=0.5 * covariance),
+    )
+    angles = np.linspace(0, 2 * np.pi, 100_001)
+    n = np.column_stack([np.cos(angles), np.sin(angles)])
+    clearance = (n @ [-1.6, 0.0] - 0.8) / np.sqrt(np.einsum("na,ab,nb->n", n, covariance, n))
+    best = ndtr(-clearance.max())
+    along_the_line = ndtr(-0.8 / np.sqrt(0.2))
+    certified = certify(plan).certified / 2
+    assert certified <= best * (1 + 1e-6)
+    assert certified < along_the_line / 10
+
+
+def test_a_double_integrator_keeps_the_bow_of_its_curve_in_reserve():
+    # Straight up, braking away from a wall on the right: the curve bulges toward it.
+    vehicle = glider("a", [0, 0], [0, 0], dt=2.0, noise=0.0, initial_covariance=np.eye(4) * 0.01)
+    controls = np.array([[-1.0, 0.0], [1.0, 0.0]])
+    vehicle = replace(vehicle, start=np.array([0.0, 0.0, 1.0, 0.0]))
+    wall = Obstacle.box("wall", [1.5, -50.0], [2.0, 50.0])
+    scenario = Scenario(
+        "bow", 2.0, 2, 0.05, (vehicle,), (wall,), avoidance="intervals", workspace=None
+    )
+    plan = make_plan(scenario, [controls])
+    # Positions 0, 0, -2·... : x(2) = 2 - 2 = 0, x(4) = 0 - 2 + 2 = 0, bow 1·4/8 = 0.5.
+    np.testing.assert_allclose(plan.trajectories[0].means[:, 0], [0.0, 0.0, 0.0], atol=1e-12)
+    sigma = np.sqrt(plan.trajectories[0].covariances[:, 0, 0])
+    toward = 1.5 - 0.4 - 0.5
+    expected = [
+        ndtr(-toward / sigma[0]),
+        ndtr(-toward / sigma[1]),
+        ndtr(-1.1 / sigma[2]),
+    ]
+    assert certify(plan).certified == pytest.approx(sum(expected), rel=1e-6)
+
+
+def test_acceleration_towards_an_obstacle_needs_no_reserve():
+    vehicle = glider("a", [0, 0], [0, 0], dt=2.0, noise=0.0, initial_covariance=np.eye(4) * 0.01)
+    vehicle = replace(vehicle, start=np.array([0.0, 0.0, -1.0, 0.0]))
+    wall = Obstacle.box("wall", [1.5, -50.0], [2.0, 50.0])
+    scenario = Scenario("bow", 2.0, 1, 0.05, (vehicle,), (wall,), avoidance="intervals")
+    plan = make_plan(scenario, [np.array([[1.0, 0.0]])])
+    sigma = np.sqrt(plan.trajectories[0].covariances[:, 0, 0])
+    assert certify(plan).certified == pytest.approx(ndtr(-1.1 / sigma).sum(), rel=1e-6)
+
+
+def test_workspace_is_charged_per_face_and_step():
+    plan = walk_plan(
+        walk("a", [[0.3, 5.0], [0.5, 5.0]], sigma=0.2),
+        workspace=Workspace([0.0, 0.0], [10.0, 10.0]),
+    )
+    risks = row_risks(certify(plan))
+    assert risks["workspace", "a", None, 0] == pytest.approx(ndtr(-1.5), rel=1e-12)
+    assert risks["workspace", "a", None, 1] == pytest.approx(ndtr(-2.5), rel=1e-12)
+
+
+def test_workspace_keeps_the_larger_of_two_bows_and_pays_a_step_once():
+    vehicle = glider("a", [0, 0], [0, 0], dt=2.0, noise=0.0, initial_covariance=np.eye(4) * 0.01)
+    vehicle = replace(vehicle, start=np.array([0.0, 0.0, 1.0, 0.0]))
+    scenario = Scenario(
+        "bow",
+        2.0,
+        2,
+        0.05,
+        (vehicle,),
+        avoidance="intervals",
+        workspace=Workspace([-50.0, -50.0], [1.0, 50.0]),
+    )
+    plan = make_plan(scenario, [np.array([[-1.0, 0.0], [1.0, 0.0]])])
+    sigma = np.sqrt(plan.trajectories[0].covariances[:, 0, 0])
+    expected = ndtr(-0.5 / sigma[0]) + ndtr(-0.5 / sigma[1]) + ndtr(-1.0 / sigma[2])
+    assert certify(plan).certified == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_moving_obstacle_is_judged_where_it_is_at_each_step():
+    square = np.array([[1, -5], [2, -5], [2, 5], [1, 5]], dtype=float)
+    ferry = Obstacle.moving("ferry", [square, square + np.array([1.0, 0.0])])
+    plan = walk_plan(walk("a", [[0, 0], [0, 0]], sigma=0.3), obstacles=(ferry,))
+    risks = row_risks(certify(plan))
+    assert risks["obstacle", "a", "ferry", 0] == pytest.approx(ndtr(-0.6 / 0.3), rel=1e-3)
+    assert risks["obstacle", "a", "ferry", 1] == pytest.approx(ndtr(-1.6 / 0.3), rel=1e-3)
+
+
+def test_a_moving_obstacle_is_judged_at_both_ends_of_an_interval():
+    square = np.array([[1, -5], [2, -5], [2, 5], [1, 5]], dtype=float)
+    ferry = Obstacle.moving("ferry", [square, square + np.array([1.0, 0.0]), square])
+    plan = walk_plan(
+        walk("a", [[0, 0], [0, 0], [0, 0]], sigma=0.3), obstacles=(ferry,), avoidance="intervals"
+    )
+    expected = 2 * ndtr(-0.6 / 0.3) + ndtr(-1.6 / 0.3)
+    assert certify(plan).certified == pytest.approx(expected, rel=1e-6)
+
+
+def test_swapping_places_between_steps_is_seen_by_intervals_only():
+    walks = walk("a", [[0, 0], [5, 0]], sigma=0.01), walk("b", [[5, 0], [0, 0]], sigma=0.01)
+    assert certify(walk_plan(*walks, avoidance="steps")).certified < 1e-12
+    assert certify(walk_plan(*walks, avoidance="intervals")).certified > 0.5
+
+
+def test_a_ball_in_space_is_bounded_from_above_by_one_half_space():
+    plan = walk_plan(
+        walk("a", [[0, 0, 0], [0, 0, 0]], sigma=0.1),
+        walk("b", [[0.8, 0.8, 0.8], [0.8, 0.8, 0.8]], sigma=0.1),
+    )
+    gap = 0.8 * np.sqrt(3.0) - 0.8
+    expected = ndtr(-gap / np.sqrt(0.02))
+    assert certify(plan).certified / 2 <= expected * (1 + 1e-6)
+    # At least the ball itself: the half-space cannot be below the mass near the contact point.
+    assert certify(plan).certified / 2 > expected * chi2.cdf(1.0, 2)
+
+
+def test_a_polytope_in_space_is_charged_by_its_nearest_edge():
+    box = Obstacle.box("box", [1.0, 1.0, -5.0], [3.0, 3.0, 5.0])
+    plan = walk_plan(walk("a", [[0, 0, 0], [0, 0, 0]], sigma=0.2), obstacles=(box,))
+    expected = ndtr(-(np.sqrt(2.0) - 0.4) / 0.2)
+    assert certify(plan).certified / 2 <= expected * (1 + 1e-6)
+
+
+def test_the_ledger_sums_to_the_certificate():
+    scenario = Scenario(
+        "sum",
+        1.0,
+        10,
+        0.05,
+        (glider("a", [0, 0], [10, 0]), glider("b", [10, 1.4], [0, 1.4])),
+        (Obstacle.box("box", [4, -3], [6, -1.0]),),
+        workspace=Workspace([-1, -5], [11, 5]),
+    )
+    certificate = certify(straight_plan(scenario))
+    assert {row.cause for row in certificate.ledger} == {"pair", "obstacle", "workspace"}
+    total = sum(row.risk for row in certificate.ledger)
+    assert total == pytest.approx(certificate.certified, rel=1e-12)
+    assert certificate.certified > 0.0
+
+
+def test_the_bound_is_compared_without_tolerance():
+    walks = walk("a", [[0, 0], [0, 0]]), walk("b", [[1.2, 0], [1.2, 0]])
+    risk = certify(walk_plan(*walks)).certified
+    assert certify(walk_plan(*walks, risk_bound=risk)).holds
+    below = certify(walk_plan(*walks, risk_bound=float(np.nextafter(risk, 0.0))))
+    assert not below.holds
+    assert below.problems == ()
+    assert "does not hold" in below.summary

@@ -1,0 +1,147 @@
+"""Laws that hold for every scene."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from referee_scenes import make_plan, straight_plan, walk, walk_plan
+
+from radmpc.experiments.families import paper
+from radmpc.geometry import hull
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Workspace
+from radmpc.referee import certify, gather
+from radmpc.referee.encounters import Encounters, step_risks
+
+QUICK = settings(max_examples=25, deadline=None, derandomize=True)
+AVOIDANCES = st.sampled_from(["steps", "intervals"])
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def random_scene(seed, dimension=2):
+    """Return a few walkers and convex obstacles that come close to one another."""
+    rng = np.random.default_rng(seed)
+    count, steps = int(rng.integers(2, 5)), int(rng.integers(2, 5))
+    paths = rng.uniform(0.0, 6.0, (count, steps, dimension))
+    spreads = 0.2 * rng.standard_normal((count, dimension, dimension))
+    covariances = spreads @ spreads.transpose(0, 2, 1)
+    clouds = rng.uniform(0.0, 1.5, (2, 6, dimension)) + rng.uniform(0, 5, (2, 1, dimension))
+    return paths, covariances, clouds
+
+
+def scene_plan(paths, covariances, clouds, *, radius=0.3, **options):
+    walks = [
+        walk(f"v{i}", path, radius=radius, covariance=covariance, growth=0.05)
+        for i, (path, covariance) in enumerate(zip(paths, covariances, strict=True))
+    ]
+    hulls = [Obstacle.halfspaces(f"o{i}", *faces_of(c)) for i, c in enumerate(clouds)]
+    return walk_plan(*walks, obstacles=tuple(hulls), **options)
+
+
+def faces_of(cloud):
+    shape = hull(cloud)
+    return shape.normals, shape.offsets
+
+
+@QUICK
+@given(SEEDS, AVOIDANCES)
+def test_moving_the_scene_leaves_the_bound_alone(seed, avoidance):
+    paths, covariances, clouds = random_scene(seed)
+    shift = np.random.default_rng(seed + 1).uniform(-100, 100, 2)
+    here = certify(scene_plan(paths, covariances, clouds, avoidance=avoidance))
+    there = certify(scene_plan(paths + shift, covariances, clouds + shift, avoidance=avoidance))
+    assert there.certified == pytest.approx(here.certified, rel=1e-5, abs=1e-12)
+
+
+@QUICK
+@given(SEEDS, AVOIDANCES)
+def test_a_quarter_turn_of_the_scene_leaves_the_bound_alone(seed, avoidance):
+    paths, covariances, clouds = random_scene(seed)
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+    turned = turn @ covariances @ turn.T
+    here = certify(scene_plan(paths, covariances, clouds, avoidance=avoidance))
+    there = certify(scene_plan(paths @ turn.T, turned, clouds @ turn.T, avoidance=avoidance))
+    assert there.certified == pytest.approx(here.certified, rel=1e-5, abs=1e-12)
+
+
+@QUICK
+@given(SEEDS, AVOIDANCES, st.sampled_from([2, 3]))
+def test_a_vehicle_far_away_changes_nothing(seed, avoidance, dimension):
+    paths, covariances, clouds = random_scene(seed, dimension)
+    before = certify(scene_plan(paths, covariances, clouds, avoidance=avoidance))
+    far = np.concatenate([paths, paths[:1] + 500.0])
+    spread = np.concatenate([covariances, covariances[:1]])
+    after = certify(scene_plan(far, spread, clouds, avoidance=avoidance))
+    assert after.certified == pytest.approx(before.certified, rel=1e-12, abs=1e-15)
+
+
+@QUICK
+@given(SEEDS, AVOIDANCES, st.floats(0.1, 0.5), st.floats(0.0, 0.3))
+def test_growing_a_radius_never_lowers_the_bound(seed, avoidance, radius, growth):
+    paths, covariances, clouds = random_scene(seed)
+    small = certify(scene_plan(paths, covariances, clouds, radius=radius, avoidance=avoidance))
+    large = certify(
+        scene_plan(paths, covariances, clouds, radius=radius + growth, avoidance=avoidance)
+    )
+    assert large.certified >= small.certified * (1 - 1e-5)
+
+
+@QUICK
+@given(SEEDS)
+def test_intervals_never_cost_less_than_their_steps(seed):
+    paths, covariances, clouds = random_scene(seed)
+    steps = certify(scene_plan(paths, covariances, clouds, avoidance="steps"))
+    intervals = certify(scene_plan(paths, covariances, clouds, avoidance="intervals"))
+    assert intervals.certified >= steps.certified * (1 - 1e-5)
+
+
+@QUICK
+@given(SEEDS, AVOIDANCES)
+def test_the_index_only_adds_its_cutoff(seed, avoidance):
+    paths, covariances, clouds = random_scene(seed)
+    paths = paths + 4.0 * np.arange(len(paths))[:, None, None]
+    plan = scene_plan(
+        paths, covariances, clouds, avoidance=avoidance, workspace=Workspace([-9, -9], [40, 40])
+    )
+    explicit = certify(plan)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(gather, "_EXPLICIT", 0)
+        indexed = certify(plan)
+    assert explicit.certified - 1e-15 <= indexed.certified <= explicit.certified + 1e-15
+
+
+def test_blocks_do_not_change_the_bound(monkeypatch):
+    plan = straight_plan(paper(8, 3))
+    whole = certify(plan).certified
+    monkeypatch.setattr("radmpc.referee.encounters._BLOCK", 1)
+    assert certify(plan).certified == pytest.approx(whole, rel=1e-12)
+
+
+def test_a_pair_is_the_same_from_either_side():
+    plan = straight_plan(paper(4, 2))
+    scenario = replace(plan.scenario, vehicles=plan.scenario.vehicles[::-1])
+    turned = make_plan(scenario, [t.controls for t in plan.trajectories[::-1]])
+    assert certify(turned).certified == pytest.approx(certify(plan).certified, rel=1e-6)
+
+
+def test_no_direction_beats_the_refined_one_at_a_step():
+    rng = np.random.default_rng(5)
+    angles = np.linspace(0, 2 * np.pi, 20_001)[:-1]
+    everywhere = np.column_stack([np.cos(angles), np.sin(angles)])
+    for _ in range(20):
+        spread = rng.standard_normal((2, 2)) * 0.3
+        pair = Encounters(
+            first=np.array([0]),
+            other=np.array([1]),
+            means=rng.uniform(1.0, 2.0, (1, 1, 2)),
+            covariances=(spread @ spread.T)[None, None],
+            bows=np.zeros((1, 0, 2)),
+            radii=np.array([0.5]),
+            vertices=np.zeros((1, 1, 1, 2)),
+            directions=np.eye(2)[None],
+        )
+        fine = replace(pair, directions=everywhere[None])
+        coarse_risk = step_risks(pair, intervals=False)[0, 0]
+        assert coarse_risk <= step_risks(fine, intervals=False)[0, 0] * (1 + 1e-4) + 1e-15
