@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from radmpc.geometry import hull
 from radmpc.model.dynamics import LinearSystem, double_integrator, rollout
+from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
@@ -125,3 +127,32 @@ def walk_plan(*walks: tuple[Vehicle, np.ndarray], **options: object) -> Plan:
     settings = {"name": "walk", "dt": 1.0, "risk_bound": 0.05, "avoidance": "steps", **options}
     scenario = Scenario(horizon=len(walks[0][1]), vehicles=vehicles, **settings)  # type: ignore[arg-type]
     return make_plan(scenario, [u for _, u in walks])
+
+
+def random_scene(seed: int, dimension: int = 2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a few walkers and convex obstacles that come close to one another."""
+    rng = np.random.default_rng(seed)
+    count, steps = int(rng.integers(2, 5)), int(rng.integers(2, 5))
+    paths = rng.uniform(0.0, 6.0, (count, steps, dimension))
+    spreads = 0.2 * rng.standard_normal((count, dimension, dimension))
+    covariances = spreads @ spreads.transpose(0, 2, 1)
+    clouds = rng.uniform(0.0, 1.5, (2, 6, dimension)) + rng.uniform(0, 5, (2, 1, dimension))
+    return paths, covariances, clouds
+
+
+def scene_plan(
+    paths: np.ndarray,
+    covariances: np.ndarray,
+    clouds: np.ndarray,
+    *,
+    radius: float = 0.3,
+    **options: object,
+) -> Plan:
+    """Return the walkers' plan through hulls of the clouds."""
+    walks = [
+        walk(f"v{i}", path, radius=radius, covariance=covariance, growth=0.05)
+        for i, (path, covariance) in enumerate(zip(paths, covariances, strict=True))
+    ]
+    shapes = [hull(cloud) for cloud in clouds]
+    hulls = [Obstacle.halfspaces(f"o{i}", s.normals, s.offsets) for i, s in enumerate(shapes)]
+    return walk_plan(*walks, obstacles=tuple(hulls), **options)

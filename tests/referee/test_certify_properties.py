@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from referee_scenes import make_plan, straight_plan, walk, walk_plan
+from referee_scenes import make_plan, random_scene, scene_plan, straight_plan
 
 from radmpc.experiments.families import paper
-from radmpc.geometry import hull
-from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
 from radmpc.referee.encounters import Encounters, step_risks
@@ -18,31 +16,6 @@ from radmpc.referee.encounters import Encounters, step_risks
 QUICK = settings(max_examples=25, deadline=None, derandomize=True)
 AVOIDANCES = st.sampled_from(["steps", "intervals"])
 SEEDS = st.integers(0, 2**32 - 1)
-
-
-def random_scene(seed, dimension=2):
-    """Return a few walkers and convex obstacles that come close to one another."""
-    rng = np.random.default_rng(seed)
-    count, steps = int(rng.integers(2, 5)), int(rng.integers(2, 5))
-    paths = rng.uniform(0.0, 6.0, (count, steps, dimension))
-    spreads = 0.2 * rng.standard_normal((count, dimension, dimension))
-    covariances = spreads @ spreads.transpose(0, 2, 1)
-    clouds = rng.uniform(0.0, 1.5, (2, 6, dimension)) + rng.uniform(0, 5, (2, 1, dimension))
-    return paths, covariances, clouds
-
-
-def scene_plan(paths, covariances, clouds, *, radius=0.3, **options):
-    walks = [
-        walk(f"v{i}", path, radius=radius, covariance=covariance, growth=0.05)
-        for i, (path, covariance) in enumerate(zip(paths, covariances, strict=True))
-    ]
-    hulls = [Obstacle.halfspaces(f"o{i}", *faces_of(c)) for i, c in enumerate(clouds)]
-    return walk_plan(*walks, obstacles=tuple(hulls), **options)
-
-
-def faces_of(cloud):
-    shape = hull(cloud)
-    return shape.normals, shape.offsets
 
 
 @QUICK
@@ -135,6 +108,7 @@ def test_no_direction_beats_the_refined_one_at_a_step():
         pair = Encounters(
             first=np.array([0]),
             other=np.array([1]),
+            piece=np.array([0]),
             means=rng.uniform(1.0, 2.0, (1, 1, 2)),
             covariances=(spread @ spread.T)[None, None],
             bows=np.zeros((1, 0, 2)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.chain import cheapest_chain
 from radmpc.referee.halfspace import Sites, end_risks, refine, unit
 
-__all__ = ["NEGLIGIBLE", "Encounters", "step_risks"]
+__all__ = ["NEGLIGIBLE", "Encounters", "step_risks", "window_risks"]
 
 # Half-spaces below this risk are charged as they are, without looking for a better one.
 NEGLIGIBLE = 1e-15
@@ -26,6 +27,8 @@ class Encounters:
     ----------
     first, other : (B,) int array
         Numbers of the vehicle, and of the obstacle or other vehicle.
+    piece : (B,) int array
+        Which convex piece of the obstacle; 0 for pairs.
     means : (B, T+1, d) array
         Mean (relative) positions [m].
     covariances : (B, T+1, d, d) array
@@ -42,6 +45,7 @@ class Encounters:
 
     first: Indices
     other: Indices
+    piece: Indices
     means: Tensor
     covariances: Tensor
     bows: Tensor
@@ -54,6 +58,7 @@ class Encounters:
         return Encounters(
             self.first[start:stop],
             self.other[start:stop],
+            self.piece[start:stop],
             self.means[start:stop],
             self.covariances[start:stop],
             self.bows[start:stop],
@@ -78,15 +83,46 @@ def step_risks(encounters: Encounters, *, intervals: bool) -> Vector:
     (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
+    parts = [
+        _interval_risks(block) if intervals else _instant_risks(block)
+        for block in _blocks(encounters)
+    ]
+    return np.concatenate(parts)
+
+
+def window_risks(encounters: Encounters, *, intervals: bool) -> Vector:
+    """Return the risk of the best half-space of each window on its own.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        B of them.
+    intervals : bool
+        Whether windows are the T intervals or the T+1 steps.
+
+    Returns
+    -------
+    (B, T) or (B, T+1) array
+        An upper bound on the probability of a collision in the window.
+    """
+    parts = []
+    for block in _blocks(encounters):
+        if intervals:
+            count, num_intervals, _ = block.bows.shape
+            _, risks = _best_directions(_interval_sites(block), block.directions, num_intervals)
+            parts.append(risks.reshape(count, num_intervals))
+        else:
+            parts.append(_instant_risks(block))
+    return np.concatenate(parts)
+
+
+def _blocks(encounters: Encounters) -> Iterator[Encounters]:
+    """Yield the batch in blocks whose temporary arrays stay small."""
     count, steps = encounters.means.shape[:2]
-    corners = encounters.vertices.shape[2]
     tried = encounters.directions.shape[1] + steps + 8
-    size = max(1, _BLOCK // (steps * tried * (corners + 4)))
-    risks = np.zeros((count, steps))
-    rate = _interval_risks if intervals else _instant_risks
+    size = max(1, _BLOCK // (steps * tried * (encounters.vertices.shape[2] + 4)))
     for start in range(0, count, size):
-        risks[start : start + size] = rate(encounters.block(start, start + size))
-    return risks
+        yield encounters.block(start, start + size)
 
 
 def _instant_risks(encounters: Encounters) -> Vector:

@@ -36,6 +36,16 @@ class Gathered:
     skipped: Indices
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Near:
+    """A convex piece (one shape, or one per step), and the vehicles that come near it."""
+
+    obstacle: int
+    piece: int
+    vehicles: Indices
+    shapes: Sequence[Polytope]
+
+
 def gather_pairs(scenario: Scenario, motion: FleetMotion, *, intervals: bool) -> Gathered:
     """Return all pairs as relative motions against the origin."""
     count = scenario.num_vehicles
@@ -52,6 +62,7 @@ def gather_pairs(scenario: Scenario, motion: FleetMotion, *, intervals: bool) ->
     batch = Encounters(
         first=i,
         other=j,
+        piece=np.zeros(len(pairs), dtype=np.int64),
         means=motion.positions[i] - motion.positions[j],
         covariances=motion.position_covariances[i] + motion.position_covariances[j],
         bows=motion.bows[i] - motion.bows[j],
@@ -87,26 +98,26 @@ def gather_obstacles(scenario: Scenario, motion: FleetMotion, *, intervals: bool
     balls = motion_balls(motion, intervals=intervals)
     num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
     explicit = count * num_pieces <= _EXPLICIT
-    chosen: dict[bool, list[tuple[int, Indices, Sequence[Polytope]]]] = {False: [], True: []}
-    for number, pieces in _pieces(scenario):
+    chosen: dict[bool, list[_Near]] = {False: [], True: []}
+    for number, piece, pieces in _pieces(scenario):
         lower, upper = _boxes(pieces, balls, intervals=intervals)
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
         skipped += far
         near = np.flatnonzero(~far)
         if near.size:
-            chosen[len(pieces) > 1].append((number, near, pieces))
+            chosen[len(pieces) > 1].append(_Near(number, piece, near, pieces))
     batches = tuple(_obstacle_batch(motion, group) for group in chosen.values() if group)
     return Gathered(batches, skipped)
 
 
-def _pieces(scenario: Scenario) -> Iterator[tuple[int, Sequence[Polytope]]]:
-    """Yield each convex piece with its obstacle's number: once, or once per step if it moves."""
+def _pieces(scenario: Scenario) -> Iterator[tuple[int, int, Sequence[Polytope]]]:
+    """Yield each convex piece with its numbers: one shape, or one per step if it moves."""
     for number, obstacle in enumerate(scenario.obstacles):
         if obstacle.is_moving:
-            yield number, [obstacle.at(k)[0] for k in range(scenario.horizon + 1)]
+            yield number, 0, [obstacle.at(k)[0] for k in range(scenario.horizon + 1)]
         else:
-            for piece in obstacle.at(0):
-                yield number, [piece]
+            for piece, shape in enumerate(obstacle.at(0)):
+                yield number, piece, [shape]
 
 
 def _boxes(pieces: Sequence[Polytope], balls: Balls, *, intervals: bool) -> tuple[Matrix, Matrix]:
@@ -122,21 +133,21 @@ def _boxes(pieces: Sequence[Polytope], balls: Balls, *, intervals: bool) -> tupl
     return lower, upper
 
 
-def _obstacle_batch(
-    motion: FleetMotion, group: Sequence[tuple[int, Indices, Sequence[Polytope]]]
-) -> Encounters:
+def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
     """Stack pieces of unequal size, padded by repeating a corner or a face."""
-    first = np.concatenate([near for _, near, _ in group])
-    sizes = [len(near) for _, near, _ in group]
+    first = np.concatenate([near.vehicles for near in group])
+    sizes = [len(near.vehicles) for near in group]
+    shapes = [near.shapes for near in group]
     return Encounters(
         first=first,
-        other=np.repeat([number for number, _, _ in group], sizes),
+        other=np.repeat([near.obstacle for near in group], sizes),
+        piece=np.repeat([near.piece for near in group], sizes),
         means=motion.positions[first],
         covariances=motion.position_covariances[first],
         bows=motion.bows[first],
         radii=motion.radii[first],
-        vertices=np.repeat(_padded_vertices([pieces for _, _, pieces in group]), sizes, axis=0),
-        directions=np.repeat(_padded_normals([pieces for _, _, pieces in group]), sizes, axis=0),
+        vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),
+        directions=np.repeat(_padded_normals(shapes), sizes, axis=0),
     )
 
 

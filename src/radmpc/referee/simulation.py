@@ -1,0 +1,248 @@
+"""Monte Carlo: how often a plan collides when it is flown."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import betaincinv
+
+from radmpc.arrays import Matrix, Tensor
+from radmpc.errors import NoPlanError, ScenarioError
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.referee.claims import shape_problems
+from radmpc.referee.collisions import hits_between_pairs, hits_of_solid, workspace_exits
+from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.sampling import NoiseFactors, deviations, noise_factors
+from radmpc.referee.watch import Window, watch_list
+
+__all__ = ["Simulation", "simulate"]
+
+# Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because
+# a chunk is what one stream of random numbers fills.
+_CHUNK_NUMBERS = 100_000
+_LEAST_CHUNK = 256
+_LIMIT_TOL = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """What happened in many flights.
+
+    Attributes
+    ----------
+    samples : int
+        Flights.
+    collisions : int
+        Flights with at least one collision, or one vehicle outside the workspace.
+    pair_collisions, obstacle_collisions, workspace_exits : int
+        Flights with at least one of each kind; a flight may count in several.
+    saturated : int
+        Flights in which some ``|ū + K (x − x̄)|`` exceeds its control limit at some step; the
+        control is applied all the same.
+    overlooked : float
+        Upper bound on the probability of everything that was too unlikely to be tested [-].
+    """
+
+    samples: int
+    collisions: int
+    pair_collisions: int
+    obstacle_collisions: int
+    workspace_exits: int
+    saturated: int
+    overlooked: float
+
+    @property
+    def rate(self) -> float:
+        """Share of flights that collide."""
+        return self.collisions / self.samples
+
+    @property
+    def rate_low(self) -> float:
+        """Lower end of the two-sided 95 % Clopper-Pearson interval of the probability."""
+        if self.collisions == 0:
+            return 0.0
+        return float(betaincinv(self.collisions, self.samples - self.collisions + 1, 0.025))
+
+    @property
+    def rate_high(self) -> float:
+        """Upper end of the two-sided 95 % Clopper-Pearson interval of the probability."""
+        if self.collisions == self.samples:
+            return 1.0
+        return float(betaincinv(self.collisions + 1, self.samples - self.collisions, 0.975))
+
+    @property
+    def pair_rate(self) -> float:
+        """Share of flights in which two vehicles collide."""
+        return self.pair_collisions / self.samples
+
+    @property
+    def obstacle_rate(self) -> float:
+        """Share of flights in which a vehicle hits an obstacle."""
+        return self.obstacle_collisions / self.samples
+
+    @property
+    def workspace_rate(self) -> float:
+        """Share of flights in which a center leaves the workspace."""
+        return self.workspace_exits / self.samples
+
+    @property
+    def saturation_rate(self) -> float:
+        """Share of flights in which a control exceeds its limit."""
+        return self.saturated / self.samples
+
+
+def simulate(
+    plan: Plan,
+    samples: int = 100_000,
+    *,
+    rng: np.random.Generator | int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Simulation:
+    r"""Fly a plan many times and count collisions.
+
+    Every flight is a whole trajectory, :math:`x^+ = A x + B(\bar u + K(x - \bar x)) + w`, with its
+    correlation in time, tested with exact geometry: discs or balls of the vehicles' radii against
+    each other and against the obstacles as they are. Under ``steps`` at k = 0..T; under
+    ``intervals`` along the exact mean curve plus the linearly interpolated deviation.
+
+    Parameters
+    ----------
+    plan : Plan
+        Judged by its scenario and controls.
+    samples : int
+        Flights, >= 1.
+    rng : Generator, int or None
+        Source of randomness or a seed. Equal seeds give equal results on any number of cores.
+    progress : callable, optional
+        Called with flights done and flights in all.
+
+    Returns
+    -------
+    Simulation
+        Counts and rates.
+
+    Raises
+    ------
+    ValueError
+        If ``samples`` is below 1.
+    NoPlanError
+        If the plan holds no trajectories.
+    ScenarioError
+        If its vehicles or arrays do not fit its scenario.
+    """
+    if samples < 1:
+        raise ValueError(f"samples must be >= 1, got {samples}")
+    problems = shape_problems(plan)
+    if problems:
+        kind = ScenarioError if plan.trajectories else NoPlanError
+        raise kind("; ".join(problems))
+    flight = _Flight.of(plan)
+    size = _chunk_size(flight.motion)
+    sizes = [size] * (samples // size) + ([samples % size] if samples % size else [])
+    entropy = np.random.default_rng(rng).integers(0, 2**32, size=4).tolist()
+    seeds = np.random.SeedSequence(entropy).spawn(len(sizes))
+    counts = np.zeros(5, dtype=np.int64)
+    done = 0
+    with ThreadPoolExecutor(max_workers=_num_workers()) as pool:
+        for found, part in zip(pool.map(flight.count, sizes, seeds), sizes, strict=True):
+            counts += found
+            done += part
+            if progress is not None:
+                progress(done, samples)
+    total, pairs, obstacles, exits, saturated = (int(c) for c in counts)
+    return Simulation(samples, total, pairs, obstacles, exits, saturated, flight.overlooked)
+
+
+def _chunk_size(motion: FleetMotion) -> int:
+    """Return the flights per chunk: a function of the fleet alone."""
+    width = sum(int(x.shape[1]) for x in motion.states)
+    return max(_LEAST_CHUNK, _CHUNK_NUMBERS // width)
+
+
+def _num_workers() -> int:
+    """Return the cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Flight:
+    """Everything that all chunks share."""
+
+    scenario: Scenario
+    controls: tuple[Matrix, ...]
+    motion: FleetMotion
+    factors: tuple[NoiseFactors, ...]
+    windows: tuple[Window, ...]
+    overlooked: float
+
+    @classmethod
+    def of(cls, plan: Plan) -> _Flight:
+        """Prepare a plan for flying."""
+        controls = tuple(t.controls for t in plan.trajectories)
+        motion = propagate(plan.scenario, controls)
+        windows, overlooked = watch_list(plan.scenario, motion)
+        return cls(plan.scenario, controls, motion, noise_factors(motion), windows, overlooked)
+
+    def count(self, size: int, seed: np.random.SeedSequence) -> np.ndarray:
+        """Return collisions in all and per cause, and saturations, among some flights."""
+        rng = np.random.default_rng(seed)
+        hits = np.zeros((3, size), dtype=bool)
+        saturated = np.zeros(size, dtype=bool)
+        streams = [deviations(f, self.scenario.horizon, size, rng) for f in self.factors]
+        before: Tensor | None = None
+        intervals = self.scenario.avoidance == "intervals"
+        for k in range(self.scenario.horizon + 1):
+            states = [next(stream) for stream in streams]
+            here = self._positions(k, states)
+            if k < self.scenario.horizon:
+                saturated |= self._saturates(k, states)
+            if not intervals:
+                self._test(self.windows[k], here, None, hits)
+            elif before is not None:
+                self._test(self.windows[k - 1], before, here, hits)
+            before = here
+        return np.array([hits.any(axis=0).sum(), *hits.sum(axis=1), saturated.sum()])
+
+    def _positions(self, step: int, states: list[Tensor]) -> Tensor:
+        """Return all positions at a step, (N, d, S)."""
+        size = states[0].shape[2]
+        positions = np.empty((len(self.controls), self.scenario.dimension, size))
+        for factors, state in zip(self.factors, states, strict=True):
+            group = factors.group
+            rows = np.arange(len(group.members))[:, None]
+            positions[group.members] = state[rows, group.position]
+        positions += self.motion.positions[:, step, :, None]
+        return positions
+
+    def _test(self, window: Window, before: Tensor, after: Tensor | None, hits: np.ndarray) -> None:
+        """Mark the flights that collide in a window, by cause."""
+        if window.pairs.first.size:
+            hits[0] |= hits_between_pairs(window.pairs, before, after)
+        for watch in window.solids:
+            hits[1] |= hits_of_solid(watch, before, after)
+        if window.leavers.size and self.scenario.workspace is not None:
+            hits[2] |= workspace_exits(
+                self.scenario.workspace, window.leavers, window.leaver_bows, before, after
+            )
+
+    def _saturates(self, step: int, states: list[Tensor]) -> np.ndarray:
+        """Return which flights ask for more control than there is."""
+        saturated = np.zeros(states[0].shape[2], dtype=bool)
+        for factors, state in zip(self.factors, states, strict=True):
+            for member, deviation in zip(factors.group.members, state, strict=True):
+                vehicle = self.scenario.vehicles[member]
+                nominal = self.controls[member][step]
+                limit = vehicle.control_limit + _LIMIT_TOL
+                if vehicle.gain is not None:
+                    asked = np.abs(nominal[:, None] + vehicle.gain @ deviation)
+                    saturated |= (asked > limit[:, None]).any(axis=0)
+                elif np.any(np.abs(nominal) > limit):
+                    saturated[:] = True
+        return saturated
