@@ -257,6 +257,9 @@ class _Builder:
             cost=cost,
             lower=np.zeros(cost.size),
             upper=upper,
+            blocks=np.repeat(
+                np.arange(len(self.subjects)), [2 * s.control_bounds.size for s in self.subjects]
+            ),
             hard=hard,
             hard_lower=hard_lower,
             hard_upper=hard_upper,

@@ -89,6 +89,9 @@ class DisjunctiveProgram:
         Cost of the decision variables.
     lower, upper : (n,) array
         Their bounds.
+    blocks : (n,) int array
+        The block of each variable: hard rows never join two blocks, so that without chance rows
+        the programme falls apart into one per block (one per vehicle).
     hard : (h, n) sparse array
         Coefficients of the hard rows.
     hard_lower, hard_upper : (h,) array
@@ -122,6 +125,7 @@ class DisjunctiveProgram:
     cost: Vector
     lower: Vector
     upper: Vector
+    blocks: Indices
     hard: csr_array
     hard_lower: Vector
     hard_upper: Vector

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from enum import Enum
 
 import highspy
 import numpy as np
 
-from radmpc.arrays import Vector
+from radmpc.arrays import Indices, Vector
 from radmpc.errors import SolverError
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["LpOutcome", "WarmLp", "quiet_highs"]
+__all__ = ["CostRow", "LpOutcome", "WarmLp", "quiet_highs"]
 
 FEASIBILITY_TOL = 1e-9
+_HELD, _OPPOSED = 1, 2
 
 
 class LpOutcome(Enum):
@@ -23,6 +25,22 @@ class LpOutcome(Enum):
     OPTIMAL = "optimal"
     INFEASIBLE = "infeasible"
     CUTOFF = "worse than the cutoff"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CostRow:
+    """A proven lower bound on the cost of some columns.
+
+    Attributes
+    ----------
+    columns : int array
+        The columns.
+    bound : float
+        What they cost at least in any solution.
+    """
+
+    columns: Indices
+    bound: float
 
 
 def quiet_highs() -> highspy.Highs:
@@ -46,13 +64,20 @@ class WarmLp:
         The programme; its chance rows are numbered as there.
     margins : (r,) array
         Back-off of each chance row [m].
+    cost_rows : sequence of CostRow
+        Known lower bounds on parts of the cost.
     """
 
-    def __init__(self, program: DisjunctiveProgram, margins: Vector) -> None:
+    def __init__(
+        self,
+        program: DisjunctiveProgram,
+        margins: Vector,
+        cost_rows: Sequence[CostRow] = (),
+    ) -> None:
         self._program = program
         self._right = program.rows.offsets - program.rows.normals @ program.constant - margins
         self._place: dict[int, int] = {}
-        self._active: frozenset[int] = frozenset()
+        self._state: dict[int, int] = {}
         self.solves = 0
         highs = quiet_highs()
         for name, value in (
@@ -82,32 +107,46 @@ class WarmLp:
                 hard.data,
             )
         )
-        self._num_hard = int(hard.shape[0])
+        for row in cost_rows:
+            columns = row.columns.astype(np.int32)
+            _check(
+                highs.addRow(row.bound, np.inf, columns.size, columns, program.cost[row.columns])
+            )
+        self._num_hard = int(hard.shape[0]) + len(cost_rows)
         self._highs = highs
         self._cutoff = float("inf")
 
-    def set_margins(self, margins: Vector) -> None:
-        """Change every row's margin; the basis stays."""
-        rows = self._program.rows
-        self._right = rows.offsets - rows.normals @ self._program.constant - margins
-        active, self._active = self._active, frozenset()
-        self.activate(active)
+    def activate(self, rows: Iterable[int], opposite: Iterable[int] = ()) -> None:
+        """Switch exactly these chance rows on, adding those that are new.
 
-    def activate(self, rows: Iterable[int]) -> None:
-        """Switch exactly these chance rows on, adding those that are new."""
-        wanted = frozenset(int(r) for r in rows)
+        Parameters
+        ----------
+        rows : iterable of int
+            Rows to hold.
+        opposite : iterable of int
+            Rows to hold the other way round: at least the right side.
+        """
+        wanted = dict.fromkeys((int(r) for r in rows), _HELD)
+        for row in opposite:
+            wanted[int(row)] = wanted.get(int(row), 0) | _OPPOSED
         new = [r for r in wanted if r not in self._place]
         if new:
             self._add(sorted(new))
-        off = [self._place[r] for r in self._active - wanted]
-        on = sorted(wanted - self._active)
-        index = np.array(off + [self._place[r] for r in on], dtype=np.int32)
-        if index.size:
-            upper = np.full(index.size, np.inf)
-            upper[len(off) :] = self._right[on]
-            lower = np.full(index.size, -np.inf)
-            _check(self._highs.changeRowsBounds(index.size, index, lower, upper))
-        self._active = wanted
+        state = self._state
+        changed = [r for r in state if r not in wanted]
+        changed += [r for r, s in wanted.items() if state.get(r, 0) != s]
+        if changed:
+            states = np.array([wanted.get(r, 0) for r in changed])
+            right = self._right[changed]
+            _check(
+                self._highs.changeRowsBounds(
+                    len(changed),
+                    np.array([self._place[r] for r in changed], dtype=np.int32),
+                    np.where(states & _OPPOSED, right, -np.inf),
+                    np.where(states & _HELD, right, np.inf),
+                )
+            )
+        self._state = wanted
 
     def _add(self, rows: list[int]) -> None:
         """Append chance rows, switched off."""

@@ -1,0 +1,124 @@
+"""The part of a programme that concerns some blocks alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Indices
+from radmpc.program.program import ChanceRows, DisjunctiveProgram
+
+__all__ = ["Restriction", "avoidance_blocks", "restrict"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Restriction:
+    """A smaller programme and where its parts stand in the larger one.
+
+    Attributes
+    ----------
+    program : DisjunctiveProgram
+        The chosen blocks with the avoidances that touch nothing else.
+    columns, rows, alternatives, avoidances : int array
+        Their numbers in the larger programme.
+    """
+
+    program: DisjunctiveProgram
+    columns: Indices
+    rows: Indices
+    alternatives: Indices
+    avoidances: Indices
+
+
+def avoidance_blocks(program: DisjunctiveProgram) -> csr_array:
+    """Return which blocks each avoidance touches, (v, b), nonzero where it does."""
+    rows, num_blocks = program.rows, int(program.blocks.max(initial=-1)) + 1
+    n = program.num_columns
+    block_of_column = csr_array((np.ones(n), (np.arange(n), program.blocks)), shape=(n, num_blocks))
+    row_blocks = csr_array(abs(rows.normals) @ (abs(program.outputs) @ block_of_column))
+    sizes = np.diff(program.alternative_starts)
+    alternative = np.repeat(np.arange(program.num_alternatives), sizes)
+    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
+    members = csr_array(
+        (np.ones(alternative.size), (owner[alternative], program.alternative_rows)),
+        shape=(program.num_avoidances, rows.count),
+    )
+    return csr_array(members @ row_blocks)
+
+
+def restrict(
+    program: DisjunctiveProgram, blocks: Indices, touched: csr_array | None = None
+) -> Restriction:
+    """Return the programme of some blocks alone.
+
+    Its optimum is a lower bound on what these blocks cost in any solution of the whole.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The whole.
+    blocks : int array
+        The blocks to keep.
+    touched : (v, b) sparse array or None
+        From `avoidance_blocks`, if at hand.
+
+    Returns
+    -------
+    Restriction
+        Risk bound, outputs and exposures as in the whole.
+    """
+    touched = avoidance_blocks(program) if touched is None else touched
+    if len(blocks) == touched.shape[1]:
+        return Restriction(
+            program,
+            np.arange(program.num_columns),
+            np.arange(program.rows.count),
+            np.arange(program.num_alternatives),
+            np.arange(program.num_avoidances),
+        )
+    columns = np.flatnonzero(np.isin(program.blocks, blocks))
+    others = np.setdiff1d(np.arange(touched.shape[1]), blocks)
+    outside = np.asarray(touched[:, others].sum(axis=1)).ravel() > 0.0
+    inside = np.asarray(touched[:, blocks].sum(axis=1)).ravel() > 0.0
+    avoidances = np.flatnonzero(inside & ~outside)
+    alternatives = _runs(program.avoidance_starts, avoidances)
+    entries = _runs(program.alternative_starts, alternatives)
+    rows, place = np.unique(program.alternative_rows[entries], return_inverse=True)
+    hard_rows = np.flatnonzero(abs(program.hard)[:, columns].sum(axis=1) > 0.0)
+    part = replace(
+        program,
+        cost=program.cost[columns],
+        lower=program.lower[columns],
+        upper=program.upper[columns],
+        blocks=program.blocks[columns],
+        hard=csr_array(program.hard[hard_rows][:, columns]),
+        hard_lower=program.hard_lower[hard_rows],
+        hard_upper=program.hard_upper[hard_rows],
+        outputs=csr_array(program.outputs[:, columns]),
+        rows=ChanceRows(
+            normals=csr_array(program.rows.normals[rows]),
+            offsets=program.rows.offsets[rows],
+            deviations=program.rows.deviations[rows],
+            events=program.rows.events[rows],
+            exposures=program.rows.exposures,
+        ),
+        alternative_starts=_starts(np.diff(program.alternative_starts)[alternatives]),
+        alternative_rows=place,
+        avoidance_starts=_starts(np.diff(program.avoidance_starts)[avoidances]),
+        avoidances=tuple(program.avoidances[int(i)] for i in avoidances),
+    )
+    return Restriction(part, columns, rows, alternatives, avoidances)
+
+
+def _runs(starts: Indices, chosen: Indices) -> Indices:
+    """Return the members of chosen runs, one run after the other."""
+    if chosen.size == 0:
+        return np.zeros(0, dtype=np.int64)
+    return np.concatenate([np.arange(starts[i], starts[i + 1]) for i in chosen])
+
+
+def _starts(sizes: Indices) -> Indices:
+    """Return where each run starts, and the end."""
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
