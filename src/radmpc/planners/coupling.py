@@ -10,18 +10,19 @@ from scipy.sparse.csgraph import connected_components
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.gaussian import tail_probability
-from radmpc.geometry import Polytope
 
 __all__ = ["connected_sets", "face_risk"]
 
 
-def face_risk(piece: Polytope, radius: float, position: Vector, covariance: Matrix) -> float:
+def face_risk(
+    faces: tuple[Matrix, Vector], radius: float, position: Vector, covariance: Matrix
+) -> float:
     """Return the collision probability of the active face: the one with the least risk.
 
     Parameters
     ----------
-    piece : Polytope
-        A temporal obstacle at one step.
+    faces : (f, d) and (f,) array
+        Normals and offsets of a temporal obstacle at one step.
     radius : float
         Radius of the vehicle that avoids it [m].
     position : (d,) array
@@ -34,8 +35,9 @@ def face_risk(piece: Polytope, radius: float, position: Vector, covariance: Matr
     float
         ``Pr[h·x > g]`` of that face.
     """
-    slack = piece.normals @ position - piece.offsets - radius
-    variances = np.einsum("fa,ab,fb->f", piece.normals, covariance, piece.normals)
+    normals, offsets = faces
+    slack = normals @ position - offsets - radius
+    variances = np.einsum("fa,ab,fb->f", normals, covariance, normals)
     deviations = np.sqrt(np.maximum(variances, 0.0))
     noisy = deviations > 0.0
     certain = np.where(slack >= 0.0, np.inf, -np.inf)

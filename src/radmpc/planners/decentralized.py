@@ -19,7 +19,6 @@ from radmpc.planners.temporal import (
     standing_obstacle,
 )
 from radmpc.program.build import build_program, controls_of, responses
-from radmpc.program.keepout import swept_keepout
 from radmpc.program.policy import Policy, Pool
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.subject import Subject, make_subject
@@ -225,7 +224,7 @@ class _Radmpc:
         intervals = self.scenario.avoidance == "intervals"
         # The piece at k covers the way to k+1.
         windows = range(k, last) if intervals else range(k + 1, last + 1)
-        temporal = [swept_keepout(o.name, [o.at(w) for w in windows]) for o in others]
+        temporal = [o.keepout(windows) for o in others]
         return build_program(
             self.scenario, [subject], risk_bound=share, first_step=k, temporal=temporal
         )

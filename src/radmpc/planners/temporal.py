@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.geometry import Polytope, box, hull
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.geometry import hull
 from radmpc.model.vehicle import Vehicle
+from radmpc.program.keepout import KeepOut
 
 __all__ = ["TemporalObstacle", "make_temporal_obstacle", "standing_obstacle"]
 
@@ -17,25 +18,39 @@ _SIGMAS = 3.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TemporalObstacle:
-    """One convex piece per absolute step, not yet grown by whoever avoids it.
+    """One convex set per absolute step, not yet grown by whoever avoids it.
 
     Attributes
     ----------
     name : str
         The vehicle it stands for.
     first_step : int
-        Absolute step of the first piece.
-    pieces : tuple of Polytope
-        Up to the horizon.
+        Absolute step of the first entry.
+    normals : (s, f, d) array
+        Outward unit normals.
+    offsets : (s, f) array
+        Offsets [m]; inf marks a face that is not there.
+    directions : (s, f) int array
+        Equal numbers are equal normals.
     """
 
     name: str
     first_step: int
-    pieces: tuple[Polytope, ...]
+    normals: Tensor
+    offsets: Matrix
+    directions: Indices
 
-    def at(self, step: int) -> Polytope:
-        """Return the piece at an absolute step; it also covers the way to the next one."""
-        return self.pieces[step - self.first_step]
+    def at(self, step: int) -> tuple[Matrix, Vector]:
+        """Return normals and offsets at an absolute step; they cover the way to the next one."""
+        i = step - self.first_step
+        real = np.isfinite(self.offsets[i])
+        return self.normals[i, real], self.offsets[i, real]
+
+    def keepout(self, windows: range) -> KeepOut:
+        """Return the faces at consecutive absolute steps."""
+        chosen = slice(windows.start - self.first_step, windows.stop - self.first_step)
+        offsets = self.offsets[chosen]
+        return KeepOut(self.name, self.normals[chosen], offsets, offsets, self.directions[chosen])
 
 
 def make_temporal_obstacle(
@@ -60,29 +75,28 @@ def make_temporal_obstacle(
         The hull of the squares at k and k+1; a square alone at k = 0, at the horizon and where
         the vehicle is in its goal.
     """
-    axes = list(vehicle.system.position)
-    positions = means[:, axes]
+    system = vehicle.system
+    positions = means[:, list(system.position)]
     halves = _half_sides(vehicle, covariances)
-    speeds = None if vehicle.system.velocity is None else means[:, list(vehicle.system.velocity)]
-    pieces = []
-    last = len(positions) - 1
-    for i, position in enumerate(positions):
-        arrived = vehicle.goal.contains(position, None if speeds is None else speeds[i])
-        if i == last or arrived or first_step + i == 0:
-            pieces.append(box(position - halves[i], position + halves[i]))
-        else:
-            corners = np.concatenate(
-                [_corners(position, halves[i]), _corners(positions[i + 1], halves[i + 1])]
-            )
-            pieces.append(hull(corners))
-    return TemporalObstacle(vehicle.name, first_step, tuple(pieces))
+    speeds = None if system.velocity is None else means[:, list(system.velocity)]
+    alone = np.array(
+        [
+            vehicle.goal.contains(position, None if speeds is None else speeds[i])
+            for i, position in enumerate(positions)
+        ]
+    )
+    alone[-1] = True
+    alone[0] |= first_step == 0
+    following = np.where(alone, np.arange(len(positions)), np.arange(len(positions)) + 1)
+    return _hulls(vehicle.name, first_step, (positions, halves), following)
 
 
 def standing_obstacle(vehicle: Vehicle, covariances: Tensor) -> TemporalObstacle:
     """Return the square around a vehicle that has no plan yet: at its start, for all steps."""
+    count = len(covariances)
     half = _half_sides(vehicle, covariances[:1])[0]
-    square = box(vehicle.start_position - half, vehicle.start_position + half)
-    return TemporalObstacle(vehicle.name, 0, (square,) * len(covariances))
+    squares = (np.tile(vehicle.start_position, (count, 1)), np.full(count, half))
+    return _hulls(vehicle.name, 0, squares, np.arange(count))
 
 
 def _half_sides(vehicle: Vehicle, covariances: Tensor) -> Vector:
@@ -92,7 +106,75 @@ def _half_sides(vehicle: Vehicle, covariances: Tensor) -> Vector:
     return np.asarray(_SIGMAS * np.sqrt(np.maximum(largest, 0.0)) + vehicle.radius)
 
 
-def _corners(center: Vector, half: float) -> Matrix:
-    """Return the corners of a square or cube."""
-    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * center.size)).reshape(center.size, -1).T
-    return np.asarray(center + half * signs)
+def _hulls(
+    name: str, first_step: int, squares: tuple[Matrix, Vector], following: Indices
+) -> TemporalObstacle:
+    """Return the hull of each square and the one that follows it."""
+    positions, halves = squares
+    after, after_halves = positions[following], halves[following]
+    num_steps, d = positions.shape
+    identity = np.eye(d)
+    axes = np.broadcast_to(np.concatenate([identity, -identity]), (num_steps, 2 * d, d))
+    extent = np.concatenate(
+        [
+            np.maximum(positions + halves[:, None], after + after_halves[:, None]),
+            np.maximum(halves[:, None] - positions, after_halves[:, None] - after),
+        ],
+        axis=1,
+    )
+    corners = _signs(d)
+    near = positions[:, None, :] + halves[:, None, None] * corners
+    far = after[:, None, :] + after_halves[:, None, None] * corners
+    bridges, offsets = _bridges(near, far) if d == 2 else _bridges_in_space(near, far)
+    unique = 2 * d + np.arange(offsets.size).reshape(offsets.shape)
+    shared = np.tile(np.arange(2 * d), (num_steps, 1))
+    return TemporalObstacle(
+        name,
+        first_step,
+        np.concatenate([axes, bridges], axis=1),
+        np.concatenate([extent, offsets], axis=1),
+        np.concatenate([shared, unique], axis=1),
+    )
+
+
+def _bridges(near: Tensor, far: Tensor) -> tuple[Tensor, Matrix]:
+    """Return the oblique faces of each hull: those through corresponding corners.
+
+    The hull of two homothetic polygons has no others than these and the polygons' own.
+    """
+    along = far - near
+    length = np.linalg.norm(along, axis=2)
+    moving = length > 1e-12
+    normals = np.stack([along[..., 1], -along[..., 0]], axis=2)
+    normals /= np.where(moving, length, 1.0)[..., None]
+    center = near.mean(axis=1, keepdims=True)
+    outward = np.sign(np.einsum("sfa,sfa->sf", normals, near - center))
+    normals *= outward[..., None]
+    offsets = np.einsum("sfa,sfa->sf", normals, near)
+    both = np.concatenate([near, far], axis=1)
+    beyond = np.einsum("sfa,spa->sfp", normals, both).max(axis=2)
+    oblique = np.abs(normals).min(axis=2) > 1e-9
+    real = moving & oblique & (outward != 0.0) & (beyond <= offsets + 1e-9)
+    return normals, np.where(real, offsets, np.inf)
+
+
+def _bridges_in_space(near: Tensor, far: Tensor) -> tuple[Tensor, Matrix]:
+    """Return the oblique faces of each hull of two cubes, filled up to equal numbers."""
+    found = []
+    for one, two in zip(near, far, strict=True):
+        solid = hull(np.concatenate([one, two]))
+        oblique = np.sort(np.abs(solid.normals), axis=1)[:, -2] > 1e-9
+        found.append((solid.normals[oblique], solid.offsets[oblique]))
+    most = max(len(offsets) for _, offsets in found)
+    normals = np.zeros((len(found), most, near.shape[2]))
+    padded = np.full((len(found), most), np.inf)
+    for i, (faces, offsets) in enumerate(found):
+        normals[i, : len(offsets)] = faces
+        padded[i, : len(offsets)] = offsets
+    return normals, padded
+
+
+def _signs(dimension: int) -> Matrix:
+    """Return the corners of the cube [−1, 1]^d."""
+    axes = np.meshgrid(*[[-1.0, 1.0]] * dimension)
+    return np.asarray(np.array(axes).reshape(dimension, -1).T)
