@@ -11,7 +11,7 @@ from referee_scenes import make_plan, random_scene, scene_plan, straight_plan
 from radmpc.experiments.families import paper
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
-from radmpc.referee.encounters import Encounters, step_risks
+from radmpc.referee.encounters import Encounters, window_risks
 
 QUICK = settings(max_examples=25, deadline=None, derandomize=True)
 AVOIDANCES = st.sampled_from(["steps", "intervals"])
@@ -117,5 +117,5 @@ def test_no_direction_beats_the_refined_one_at_a_step():
             directions=np.eye(2)[None],
         )
         fine = replace(pair, directions=everywhere[None])
-        coarse_risk = step_risks(pair, intervals=False)[0, 0]
-        assert coarse_risk <= step_risks(fine, intervals=False)[0, 0] * (1 + 1e-4) + 1e-15
+        coarse_risk = window_risks(pair, intervals=False)[0, 0]
+        assert coarse_risk <= window_risks(fine, intervals=False)[0, 0] * (1 + 1e-4) + 1e-15

@@ -10,6 +10,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.chain import cheapest_chain
 from radmpc.referee.halfspace import Sites, end_risks, refine, unit
+from radmpc.referee.planar import grown_polygon_risks
 
 __all__ = ["NEGLIGIBLE", "Encounters", "step_risks", "window_risks"]
 
@@ -107,12 +108,11 @@ def window_risks(encounters: Encounters, *, intervals: bool) -> Vector:
     """
     parts = []
     for block in _blocks(encounters):
-        if intervals:
-            count, num_intervals, _ = block.bows.shape
-            _, risks = _best_directions(_interval_sites(block), block.directions, num_intervals)
-            parts.append(risks.reshape(count, num_intervals))
-        else:
-            parts.append(_instant_risks(block))
+        sites = _interval_sites(block) if intervals else _instant_sites(block)
+        count = len(block.means)
+        num_windows = len(sites.means) // count
+        _, risks = _best_directions(sites, block.directions, num_windows)
+        parts.append(risks.reshape(count, num_windows))
     return np.concatenate(parts)
 
 
@@ -125,18 +125,34 @@ def _blocks(encounters: Encounters) -> Iterator[Encounters]:
         yield encounters.block(start, start + size)
 
 
-def _instant_risks(encounters: Encounters) -> Vector:
-    """Return the best half-space at every step on its own."""
+def _instant_sites(encounters: Encounters) -> Sites:
+    """Return one site with one end per encounter and step."""
     count, steps, d = encounters.means.shape
     vertices = np.broadcast_to(encounters.vertices, (count, steps, *encounters.vertices.shape[2:]))
-    sites = Sites(
+    return Sites(
         encounters.means.reshape(-1, 1, d),
         encounters.covariances.reshape(-1, 1, d, d),
         np.zeros((count * steps, d)),
         np.repeat(encounters.radii, steps),
         vertices.reshape(count * steps, 1, -1, d),
     )
-    _, risks = _best_directions(sites, encounters.directions, steps)
+
+
+def _instant_risks(encounters: Encounters) -> Vector:
+    """Return the smaller of the best half-space and, in the plane, the exact probability."""
+    count, steps, d = encounters.means.shape
+    sites = _instant_sites(encounters)
+    best, risks = _best_directions(sites, encounters.directions, steps)
+    worth = np.flatnonzero(risks > NEGLIGIBLE)
+    if d == 2 and worth.size:
+        risks[worth] = grown_polygon_risks(
+            sites.means[worth, 0],
+            sites.covariances[worth, 0],
+            sites.vertices[worth, 0],
+            sites.radii[worth],
+            best[worth],
+            risks[worth],
+        )
     return risks.reshape(count, steps)
 
 
