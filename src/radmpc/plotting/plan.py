@@ -9,7 +9,7 @@ from matplotlib.transforms import ScaledTranslation
 from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.model.plan import Plan
-from radmpc.plotting.curves import mean_path
+from radmpc.plotting.curves import confidence_ellipses, mean_path
 from radmpc.plotting.extent import plan_extent
 from radmpc.plotting.figure import new_axes, settle_axes, settle_layout
 from radmpc.plotting.flat import draw_trajectory
@@ -56,6 +56,7 @@ def plot_plan(plan: Plan, ax: Axes | None = None) -> Axes:
         else:
             draw_trajectory(axes, vehicle, trajectory, scenario.dt, color)
             board.avoid(mean_path(vehicle, trajectory, scenario.dt)[::2])
+            board.avoid(*(outline[::4] for outline in confidence_ellipses(vehicle, trajectory)))
     draw_surroundings(axes, scenario, board, colors)
     name_vehicles(axes, scenario, board, colors)
     return axes
