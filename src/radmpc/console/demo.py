@@ -1,0 +1,44 @@
+"""The demonstration: the shipped scenario planned, drawn and explained."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from radmpc.console.files import DEMO_NAME, demo_text
+from radmpc.console.output import show
+from radmpc.console.planning import Request, check_request, run_plan
+from radmpc.io.scenario_file import load_scenario
+from radmpc.planners.presets import DEFAULT
+
+__all__ = ["run_demo"]
+
+
+def run_demo(folder: Path) -> int:
+    """Plan the shipped scenario; scenario, plan and picture go to a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if missing.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    scenario_path = folder / f"{DEMO_NAME}.yaml"
+    plan_path = folder / f"{DEMO_NAME}.plan.json"
+    figure_path = folder / f"{DEMO_NAME}.png"
+    request = Request(DEFAULT, seed=0, output=plan_path, figure=figure_path)
+    check_request(request)
+    scenario_path.write_text(demo_text(), encoding="utf-8")
+    code = run_plan(load_scenario(scenario_path), request)
+    show(
+        "",
+        "Try next:",
+        f"  radmpc verify {plan_path}",
+        f"  radmpc plan {scenario_path} --planner radmpc --figure {folder / 'radmpc.png'}",
+        "  radmpc planners",
+    )
+    return code

@@ -1,0 +1,44 @@
+"""Ctrl-C: first a request to finish, then an order to stop."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+__all__ = ["stop_on_interrupt"]
+
+_REQUEST = b"radmpc: finishing with the best plan so far; Ctrl-C again stops at once\n"
+
+
+@contextmanager
+def stop_on_interrupt() -> Iterator[Callable[[], bool]]:
+    """Turn the first Ctrl-C into a flag and the second into `KeyboardInterrupt`.
+
+    Yields
+    ------
+    callable
+        Returns True once Ctrl-C was pressed.
+    """
+    requested = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        # Only the main thread may set handlers; elsewhere the caller owns the signal.
+        yield requested.is_set
+        return
+
+    def handle(signum: int, frame: FrameType | None) -> None:
+        del signum, frame
+        if requested.is_set():
+            raise KeyboardInterrupt
+        requested.set()
+        # Not print: a handler may interrupt a print, which is not reentrant.
+        os.write(2, _REQUEST)
+
+    previous = signal.signal(signal.SIGINT, handle)
+    try:
+        yield requested.is_set
+    finally:
+        signal.signal(signal.SIGINT, previous)

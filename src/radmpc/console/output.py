@@ -1,0 +1,74 @@
+"""Words to stdout and stderr; a reader who has gone is no error."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from io import StringIO
+from shutil import get_terminal_size
+
+from rich.console import Console, RenderableType
+
+__all__ = ["note", "show", "show_json", "silence_closed_pipe"]
+
+_PIPED_WIDTH = 160  # letters; wide enough that no line of a report is broken
+
+
+def show(*parts: RenderableType) -> None:
+    """Print parts of a report to stdout: styled on a terminal, plain text otherwise."""
+    is_terminal = sys.stdout.isatty()
+    buffer = StringIO()
+    console = Console(
+        file=buffer,
+        force_terminal=is_terminal,
+        width=get_terminal_size().columns if is_terminal else _PIPED_WIDTH,
+        # Names come from files: brackets in them are no markup.
+        markup=False,
+        highlight=False,
+        emoji=False,
+    )
+    for part in parts:
+        console.print(part)
+    _write("\n".join(line.rstrip() for line in buffer.getvalue().splitlines()))
+
+
+def show_json(content: Mapping[str, object]) -> None:
+    """Print one JSON object to stdout."""
+    _write(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def note(text: str) -> None:
+    """Print one line to stderr, whatever line breaks the text has."""
+    line = " ".join(text.split())
+    try:
+        print(f"radmpc: {line}", file=sys.stderr, flush=True)  # noqa: T201 - the console prints
+    except BrokenPipeError:
+        _close(sys.stderr.fileno())
+
+
+@contextmanager
+def silence_closed_pipe() -> Iterator[None]:
+    """Keep the interpreter from complaining at exit about a stdout nobody reads."""
+    yield
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _close(sys.stdout.fileno())
+
+
+def _write(text: str) -> None:
+    """Write to stdout; if its reader has gone, go on: the exit code still tells."""
+    try:
+        print(text, flush=True)  # noqa: T201 - the console prints
+    except BrokenPipeError:
+        _close(sys.stdout.fileno())
+
+
+def _close(descriptor: int) -> None:
+    """Send what is still written to a closed pipe to nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, descriptor)
+    os.close(nowhere)

@@ -1,0 +1,35 @@
+"""Pictures on request: matplotlib takes a third of a second to load, so only on request."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from radmpc.console.files import check_output
+from radmpc.model.plan import Plan
+
+__all__ = ["check_picture", "write_picture"]
+
+
+def check_picture(path: Path | None) -> None:
+    """Refuse a picture that could not be written.
+
+    Raises
+    ------
+    FileFormatError
+        If its format is unknown.
+    OSError
+        If its folder is missing or not writable.
+    """
+    if path is None:
+        return
+    from radmpc.plotting import check_figure_path  # noqa: PLC0415 - see the file's first line
+
+    check_figure_path(path)
+    check_output(path)
+
+
+def write_picture(plan: Plan, path: Path) -> None:
+    """Draw a plan, or what there is without one, into a file."""
+    from radmpc.plotting import save_figure  # noqa: PLC0415 - see the file's first line
+
+    save_figure(plan, path)

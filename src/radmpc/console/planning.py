@@ -1,0 +1,132 @@
+"""One planning run from the command line: plan, write, report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from radmpc.console.files import check_output
+from radmpc.console.guard import Code
+from radmpc.console.interrupt import stop_on_interrupt
+from radmpc.console.output import note, show, show_json
+from radmpc.console.picture import check_picture, write_picture
+from radmpc.console.progress import progress_line
+from radmpc.console.report import plan_report
+from radmpc.console.workers import workers
+from radmpc.io.plan_file import encode_plan, save_plan
+from radmpc.model.scenario import Scenario
+from radmpc.planners.presets import parse_planner
+from radmpc.planners.result import Result
+from radmpc.planning import plan
+
+__all__ = ["Request", "check_request", "run_plan"]
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What the command line asked for.
+
+    Attributes
+    ----------
+    planner : str
+        A planner's name.
+    seed : int
+        Seed of every random choice.
+    time_limit : float or None
+        Seconds; None is no limit.
+    jobs : int
+        Number of processes.
+    output, figure : Path or None
+        Where plan and picture go; None writes none.
+    as_json : bool
+        Whether stdout gets JSON rather than the report.
+    """
+
+    planner: str
+    seed: int
+    time_limit: float | None = None
+    jobs: int = 1
+    output: Path | None = None
+    figure: Path | None = None
+    as_json: bool = False
+
+
+def check_request(request: Request) -> None:
+    """Refuse what would fail only after the planning is done.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such planner.
+    FileFormatError
+        If the picture's format is unknown.
+    OSError
+        If an output cannot be written.
+    """
+    parse_planner(request.planner)
+    check_output(request.output)
+    check_picture(request.figure)
+
+
+def run_plan(scenario: Scenario, request: Request) -> int:
+    """Plan a scenario, write what was asked for and report.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    with (
+        stop_on_interrupt() as is_stopped,
+        workers(request.jobs) as executor,
+        progress_line() as progress,
+    ):
+        result = plan(
+            scenario,
+            request.planner,
+            rng=request.seed,
+            time_limit=request.time_limit,
+            executor=executor,
+            progress=progress,
+            stop=is_stopped,
+        )
+        was_interrupted = is_stopped()
+    if request.output is not None:
+        save_plan(result.record, request.output)
+    if request.figure is not None:
+        write_picture(result.record, request.figure)
+    if request.as_json:
+        show_json(encode_plan(result.record, with_vehicles=False))
+    else:
+        show(*plan_report(result.record), *_written(request))
+    return _conclude(result, was_interrupted)
+
+
+def _written(request: Request) -> list[str]:
+    """Return lines about the files."""
+    lines = [""]
+    if request.output is not None:
+        lines.append(f"plan written to {request.output}")
+    if request.figure is not None:
+        lines.append(f"picture written to {request.figure}")
+    return lines if len(lines) > 1 else []
+
+
+def _conclude(result: Result, was_interrupted: bool) -> Code:
+    """Say on stderr what stands against using the plan, and return the exit code."""
+    record = result.record
+    if result.plan is None and was_interrupted:
+        note("interrupted before any plan was found")
+        return Code.NO
+    if result.plan is None:
+        note(f"no plan: {record.explanation or record.status.sentence}")
+        return Code.NO
+    if not result.is_certified:
+        certified, bound = record.risk.certified, record.risk.bound
+        problems = () if result.certificate is None else result.certificate.problems
+        if certified is not None and certified > bound:
+            note(f"the certificate {certified:.4g} exceeds the risk bound {bound:g}")
+        else:
+            note(f"the plan is not certified: {'; '.join(problems) or 'no certificate'}")
+        return Code.NO
+    return Code.OK

@@ -1,0 +1,133 @@
+"""A plan in a screenful: status, cost, certificate, sets, seconds and where the risk goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from rich.table import Table
+from rich.text import Text
+
+from radmpc.model.plan import LedgerRow, Plan
+from radmpc.model.scenario import Scenario
+
+__all__ = ["facts", "ledger_table", "plan_report", "scenario_line", "verdict"]
+
+_TOP_ROWS = 8
+_MAX_SETS = 12
+
+
+def scenario_line(scenario: Scenario) -> str:
+    """Return what a scenario asks, in one line."""
+    parts = [
+        _count(scenario.num_vehicles, "vehicle"),
+        _count(len(scenario.obstacles), "obstacle"),
+        f"{_count(scenario.horizon, 'step')} of {scenario.dt:g} s",
+        f"risk bound {scenario.risk_bound:g}",
+        f"avoidance at {scenario.avoidance}",
+    ]
+    return f"{scenario.name}: {', '.join(parts)}"
+
+
+def plan_report(plan: Plan) -> list[Table | Text]:
+    """Return a plan's summary as parts to show."""
+    rows: dict[str, Text | str] = {
+        "status": f"{plan.status.value}: {plan.status.sentence}",
+        "planner": plan.planner,
+    }
+    if plan.trajectories:
+        rows["cost"] = _cost(plan)
+        rows["certificate"] = verdict(plan.risk.certified, plan.risk.bound)
+        rows["planned together"] = _sets(plan.sets)
+    else:
+        rows["no plan"] = Text(plan.explanation or plan.status.sentence, style="red")
+    rows["seconds"] = _seconds(plan.seconds)
+    parts: list[Table | Text] = [Text(scenario_line(plan.scenario), style="bold"), facts(rows)]
+    if plan.risk.ledger:
+        parts += [Text(), ledger_table(plan)]
+    return parts
+
+
+def facts(rows: Mapping[str, Text | str]) -> Table:
+    """Return names and values in two columns."""
+    table = Table.grid(padding=(0, 2))
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, value)
+    return table
+
+
+def verdict(certified: float | None, bound: float) -> Text:
+    """Return the certificate against the bound, plainly."""
+    if certified is None:
+        return Text("none", style="red")
+    if certified <= bound:
+        return Text(f"risk at most {certified:.4g}, within the bound {bound:g}", style="green")
+    return Text(
+        f"risk up to {certified:.4g}, which EXCEEDS the bound {bound:g}: do not use this plan",
+        style="bold red",
+    )
+
+
+def ledger_table(plan: Plan) -> Table:
+    """Return where the risk goes: the largest rows, the rest, and what is left."""
+    rows = sorted(plan.risk.ledger, key=lambda row: row.risk, reverse=True)
+    bound = plan.risk.bound
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for column in ("where the risk goes", "vehicle", "other"):
+        table.add_column(column, no_wrap=True)
+    for column in ("step", "risk", "of bound"):
+        table.add_column(column, justify="right", no_wrap=True)
+    for row in rows[:_TOP_ROWS]:
+        table.add_row(*_ledger_cells(row, bound))
+    rest = sum(row.risk for row in rows[_TOP_ROWS:])
+    if len(rows) > _TOP_ROWS:
+        name = f"{len(rows) - _TOP_ROWS} more"
+        table.add_row(name, "", "", "", f"{rest:.2e}", _share(rest, bound))
+    left = bound - sum(row.risk for row in rows)
+    if left > 0.0:
+        table.add_row("left over", "", "", "", f"{left:.2e}", _share(left, bound))
+    return table
+
+
+def _ledger_cells(row: LedgerRow, bound: float) -> Iterable[str]:
+    """Return one row of the ledger as text."""
+    other = "" if row.other is None else row.other
+    return (
+        row.cause, row.vehicle, other, str(row.step), f"{row.risk:.2e}", _share(row.risk, bound)
+    )  # fmt: skip
+
+
+def _cost(plan: Plan) -> str:
+    """Return the cost, and the lower bound and gap where there are."""
+    if plan.cost is None:
+        return "none"
+    if plan.lower_bound is None:
+        return f"{plan.cost:.6g} (no lower bound)"
+    gap = 0.0 if plan.cost <= 0.0 else max(plan.cost - plan.lower_bound, 0.0) / plan.cost
+    return f"{plan.cost:.6g} (lower bound {plan.lower_bound:.6g}, gap {100.0 * gap:.2g} %)"
+
+
+def _sets(sets: tuple[tuple[str, ...], ...]) -> str:
+    """Return who was planned together, the largest sets first."""
+    ordered = sorted(sets, key=len, reverse=True)
+    shown = ", ".join("{" + ", ".join(group) + "}" for group in ordered[:_MAX_SETS])
+    hidden = len(ordered) - _MAX_SETS
+    return shown if hidden <= 0 else f"{shown} and {_count(hidden, 'more set')}"
+
+
+def _seconds(seconds: Mapping[str, float]) -> str:
+    """Return the total and its stages."""
+    stages = [f"{name} {value:.2f}" for name, value in seconds.items() if name != "total"]
+    total = f"{seconds.get('total', 0.0):.2f}"
+    return f"{total} ({', '.join(stages)})" if stages else total
+
+
+def _share(risk: float, bound: float) -> str:
+    """Return a risk in percent of the bound."""
+    return f"{100.0 * risk / bound:.1f} %"
+
+
+def _count(number: int, noun: str) -> str:
+    """Return a number and its noun, which ends in s unless there is one."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
