@@ -29,6 +29,24 @@ def test_moving_the_scene_leaves_the_bound_alone(seed, avoidance):
 
 
 @QUICK
+@given(SEEDS)
+def test_any_turn_in_space_leaves_the_bound_at_steps_alone(seed):
+    paths, covariances, clouds = random_scene(seed, 3)
+    clouds = clouds - 2.5
+    turn = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))[0]
+    here = scene_plan(paths, covariances, clouds, avoidance="steps")
+    turned = turn @ covariances @ turn.T
+    there = scene_plan(paths @ turn.T, turned, clouds @ turn.T, avoidance="steps")
+    for cause in ("pair", "obstacle"):
+        # Where the mean is inside, directions only compete for the smallest nonsense.
+        first, second = (
+            sum(r.risk for r in certify(p).ledger if r.cause == cause and r.risk < 0.5)
+            for p in (here, there)
+        )
+        assert second == pytest.approx(first, rel=1e-6, abs=1e-12)
+
+
+@QUICK
 @given(SEEDS, AVOIDANCES)
 def test_a_quarter_turn_of_the_scene_leaves_the_bound_alone(seed, avoidance):
     paths, covariances, clouds = random_scene(seed)
@@ -115,6 +133,7 @@ def test_no_direction_beats_the_refined_one_at_a_step():
             radii=np.array([0.5]),
             vertices=np.zeros((1, 1, 1, 2)),
             directions=np.eye(2)[None],
+            edges=np.zeros((1, 1, 0, 2, 2)),
         )
         fine = replace(pair, directions=everywhere[None])
         coarse_risk = window_risks(pair, intervals=False)[0, 0]

@@ -11,6 +11,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.chain import cheapest_chain
 from radmpc.referee.halfspace import Sites, end_risks, refine, unit
 from radmpc.referee.planar import grown_polygon_risks
+from radmpc.referee.tangent import tangent_directions
 
 __all__ = ["NEGLIGIBLE", "Encounters", "step_risks", "window_risks"]
 
@@ -42,6 +43,8 @@ class Encounters:
         Corners of the set, per step where it moves; the origin for pairs [m].
     directions : (B, G, d) array
         Unit normals worth trying at every step: faces and axes [-].
+    edges : (B, 1 or T+1, R, 2, d) array
+        Ends of the set's edges in space; R = 0 in the plane and for pairs [m].
     """
 
     first: Indices
@@ -53,6 +56,7 @@ class Encounters:
     radii: Vector
     vertices: Tensor
     directions: Tensor
+    edges: Tensor
 
     def block(self, start: int, stop: int) -> Encounters:
         """Return consecutive encounters of the batch."""
@@ -66,6 +70,7 @@ class Encounters:
             self.radii[start:stop],
             self.vertices[start:stop],
             self.directions[start:stop],
+            self.edges[start:stop],
         )
 
 
@@ -119,8 +124,9 @@ def window_risks(encounters: Encounters, *, intervals: bool) -> Vector:
 def _blocks(encounters: Encounters) -> Iterator[Encounters]:
     """Yield the batch in blocks whose temporary arrays stay small."""
     count, steps = encounters.means.shape[:2]
-    tried = encounters.directions.shape[1] + steps + 8
-    size = max(1, _BLOCK // (steps * tried * (encounters.vertices.shape[2] + 4)))
+    corners = encounters.vertices.shape[2]
+    tried = encounters.directions.shape[1] + steps + 2 * corners + 8 * encounters.edges.shape[2]
+    size = max(1, _BLOCK // (steps * tried * (corners + 4)))
     for start in range(0, count, size):
         yield encounters.block(start, start + size)
 
@@ -128,13 +134,19 @@ def _blocks(encounters: Encounters) -> Iterator[Encounters]:
 def _instant_sites(encounters: Encounters) -> Sites:
     """Return one site with one end per encounter and step."""
     count, steps, d = encounters.means.shape
-    vertices = np.broadcast_to(encounters.vertices, (count, steps, *encounters.vertices.shape[2:]))
+    vertices, edges = (
+        np.broadcast_to(shape, (count, steps, *shape.shape[2:])).reshape(
+            count * steps, 1, *shape.shape[2:]
+        )
+        for shape in (encounters.vertices, encounters.edges)
+    )
     return Sites(
         encounters.means.reshape(-1, 1, d),
         encounters.covariances.reshape(-1, 1, d, d),
         np.zeros((count * steps, d)),
         np.repeat(encounters.radii, steps),
-        vertices.reshape(count * steps, 1, -1, d),
+        vertices,
+        edges,
     )
 
 
@@ -180,46 +192,66 @@ def _interval_risks(encounters: Encounters) -> Vector:
 def _interval_sites(encounters: Encounters) -> Sites:
     """Return one site with two ends per encounter and interval."""
     count, num_intervals, d = encounters.bows.shape
-    vertices = encounters.vertices
-    if vertices.shape[1] == 1:
-        corners = np.repeat(vertices, num_intervals, axis=0)
-    else:
-        corners = np.stack([vertices[:, :-1], vertices[:, 1:]], axis=2)
-        corners = corners.reshape(count * num_intervals, 2, -1, d)
+    vertices, edges = (
+        np.repeat(shape, num_intervals, axis=0)
+        if shape.shape[1] == 1
+        else np.stack([shape[:, :-1], shape[:, 1:]], axis=2).reshape(
+            count * num_intervals, 2, *shape.shape[2:]
+        )
+        for shape in (encounters.vertices, encounters.edges)
+    )
     means, covariances = encounters.means, encounters.covariances
     return Sites(
         np.stack([means[:, :-1], means[:, 1:]], axis=2).reshape(-1, 2, d),
         np.stack([covariances[:, :-1], covariances[:, 1:]], axis=2).reshape(-1, 2, d, d),
         encounters.bows.reshape(-1, d),
         np.repeat(encounters.radii, num_intervals),
-        corners,
+        vertices,
+        edges,
     )
 
 
 def _best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix, Vector]:
-    """Return the best direction found for each site and its risk, summed over ends."""
-    rows = np.arange(len(sites.means))
-    tried = np.concatenate([np.repeat(common, repeats, axis=0), _local_directions(sites)], axis=1)
-    found = end_risks(sites, tried).sum(axis=2)
-    choice = found.argmin(axis=1)
-    best, risks = tried[rows, choice], found[rows, choice]
+    """Return the best direction found for each site and its risk, summed over ends.
+
+    At one end the tangents are the best there is. At two ends the search goes on from them.
+    """
+    gaps = sites.means.mean(axis=1)[:, None] - sites.vertices.mean(axis=1)
+    tried = np.concatenate(
+        [np.repeat(common, repeats, axis=0), unit(gaps.mean(axis=1, keepdims=True))], axis=1
+    )
+    best, risks = _cheapest(sites, tried)
     worth = np.flatnonzero(risks > NEGLIGIBLE)
-    if worth.size:
-        best[worth], risks[worth] = refine(sites.take(worth), best[worth], risks[worth])
+    if not worth.size:
+        return best, risks
+    close = sites.take(worth)
+    tangents, found = _cheapest(close, np.concatenate([best[worth, None], _tangents(close)], 1))
+    if sites.means.shape[1] > 1:
+        tangents, found = refine(close, tangents, found)
+    best[worth], risks[worth] = tangents, found
     return best, risks
 
 
-def _local_directions(sites: Sites) -> Tensor:
-    """Return directions from the set towards the mean, as seen with and without the covariance."""
-    means = sites.means.mean(axis=1)
-    corners = sites.vertices.mean(axis=1)
-    covariances = sites.covariances.mean(axis=1)
-    gaps = means[:, None, :] - corners
-    nearest = np.square(gaps).sum(axis=2).argmin(axis=1)
-    outward = np.stack([gaps.mean(axis=1), gaps[np.arange(len(gaps)), nearest]], axis=1)
-    # Half-spaces that leave a point at the largest clearance have normals Σ⁻¹ (mean - point).
-    d = means.shape[1]
-    scale = np.trace(covariances, axis1=1, axis2=2) / d
-    floor = np.where(scale > 0.0, 1e-9 * scale, 1.0)[:, None, None] * np.eye(d)
-    whitened = np.linalg.solve(covariances + floor, outward.transpose(0, 2, 1))
-    return unit(np.concatenate([outward, whitened.transpose(0, 2, 1)], axis=1))
+def _cheapest(sites: Sites, tried: Tensor) -> tuple[Matrix, Vector]:
+    """Return the best of some directions for each site, and its risk."""
+    rows = np.arange(len(tried))
+    found = end_risks(sites, tried).sum(axis=2)
+    choice = found.argmin(axis=1)
+    return tried[rows, choice], found[rows, choice]
+
+
+def _tangents(sites: Sites) -> Tensor:
+    """Return the best directions at each end, (S, E (V + R), d)."""
+    per_end = []
+    for end in range(sites.means.shape[1]):
+        shape = min(end, sites.vertices.shape[1] - 1)
+        per_end.append(
+            tangent_directions(
+                sites.means[:, end],
+                sites.covariances[:, end],
+                sites.radii,
+                sites.vertices[:, shape],
+                sites.edges[:, shape],
+            )
+        )
+    return np.concatenate(per_end, axis=1)

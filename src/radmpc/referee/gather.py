@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
+from radmpc.referee.contact import solid_of
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
@@ -69,6 +70,7 @@ def gather_pairs(scenario: Scenario, motion: FleetMotion, *, intervals: bool) ->
         radii=motion.radii[i] + motion.radii[j],
         vertices=np.zeros((len(pairs), 1, 1, d)),
         directions=np.broadcast_to(faces, (len(pairs), *faces.shape)),
+        edges=np.zeros((len(pairs), 1, 0, 2, d)),
     )
     return Gathered((batch,), skipped)
 
@@ -148,6 +150,7 @@ def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
         radii=motion.radii[first],
         vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),
         directions=np.repeat(_padded_normals(shapes), sizes, axis=0),
+        edges=np.repeat(_padded_edges(shapes), sizes, axis=0),
     )
 
 
@@ -172,6 +175,16 @@ def _padded_normals(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
     return np.array([_padded(faces, largest) for faces in normals])
 
 
-def _padded(rows: Matrix, count: int) -> Vector:
+def _padded_edges(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
+    """Return the ends of the edges of each piece at each step in space, (p, steps, R, 2, d)."""
+    d = pieces[0][0].dimension
+    if d == 2:
+        return np.zeros((len(pieces), len(pieces[0]), 0, 2, d))
+    edges = [[solid_of(piece).edges for piece in steps] for steps in pieces]
+    most = max(len(rows) for steps in edges for rows in steps)
+    return np.array([[_padded(rows, most) for rows in steps] for steps in edges])
+
+
+def _padded(rows: Tensor, count: int) -> Tensor:
     """Repeat the first row until there are enough."""
     return np.concatenate([rows, np.repeat(rows[:1], count - len(rows), axis=0)])

@@ -23,11 +23,9 @@ __all__ = ["CONTACT_TOL", "Sites", "end_risks", "refine", "unit"]
 # Touching is no collision. Without noise that must not hang on the last bit of a sum.
 CONTACT_TOL = 1e-9
 
-# Rounds of the search and how its step shrinks, by dimension. In space a polytope's edges are
-# ridges of the clearance that few moves follow, so the pattern turns and shrinks slowly.
-_SEARCH = {2: (9, 0.4), 3: (26, 0.7)}
+_ROUNDS = 9
 _FIRST_STEP = 0.4
-_GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
+_SHRINK = 0.4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +44,8 @@ class Sites:
         Radius that grows the set [m].
     vertices : (S, 1 or E, V, d) array
         Corners of the set, at each end where it moves; the origin for pairs [m].
+    edges : (S, 1 or E, R, 2, d) array
+        Ends of the set's edges in space; R = 0 in the plane and for pairs [m].
     """
 
     means: Tensor
@@ -53,6 +53,7 @@ class Sites:
     bows: Matrix
     radii: Vector
     vertices: Tensor
+    edges: Tensor
 
     def take(self, chosen: Indices) -> Sites:
         """Return some of the sites."""
@@ -62,6 +63,7 @@ class Sites:
             self.bows[chosen],
             self.radii[chosen],
             self.vertices[chosen],
+            self.edges[chosen],
         )
 
 
@@ -110,7 +112,9 @@ def refine(sites: Sites, directions: Matrix, risks: Vector) -> tuple[Matrix, Vec
     """Turn each direction downhill: a pattern search over the sphere, all sites at once.
 
     At one end the clearance is a concave over a convex function of n, both homogeneous, so it has
-    no local maximum but the global one while the mean is outside.
+    no local maximum but the global one while the mean is outside. In space it has ridges, where
+    the set is touched along an edge: normals at right angles to the edge. They are followed by
+    moves of their own.
 
     Parameters
     ----------
@@ -128,28 +132,39 @@ def refine(sites: Sites, directions: Matrix, risks: Vector) -> tuple[Matrix, Vec
     risks : (S,) array
         Never above those given.
     """
-    rounds, shrink = _SEARCH[directions.shape[1]]
+    pattern = _pattern(directions.shape[1])
+    ridges = unit(sites.edges[:, 0, :, 1] - sites.edges[:, 0, :, 0])
     best, lowest = directions.copy(), risks.copy()
     rows = np.arange(len(best))
     step = _FIRST_STEP
-    for turn in range(rounds):
-        pattern = _pattern(directions.shape[1], turn * _GOLDEN_ANGLE)
+    for _ in range(_ROUNDS):
         offsets = np.einsum("pt,std->spd", pattern, _tangents(best))
         trial = unit(best[:, None, :] + step * offsets)
+        if ridges.shape[1]:
+            trial = np.concatenate([trial, _along_ridges(best, ridges, step)], axis=1)
         found = end_risks(sites, trial).sum(axis=2)
         choice = found.argmin(axis=1)
         better = found[rows, choice] < lowest
         best[better] = trial[rows, choice][better]
         lowest[better] = found[rows, choice][better]
-        step *= shrink
+        step *= _SHRINK
     return best, lowest
 
 
-def _pattern(dimension: int, turn: float) -> Matrix:
-    """Return the moves to try, in tangent coordinates; those in space turned about the normal."""
+def _along_ridges(normals: Matrix, ridges: Tensor, step: float) -> Tensor:
+    """Return normals moved onto each ridge and a little along it."""
+    on_ridge = np.einsum("sd,srd->sr", normals, ridges)[:, :, None] * ridges
+    feet = unit(normals[:, None, :] - on_ridge)
+    onward = np.cross(ridges, feet)
+    moves = [feet + step * share * onward for share in (-1.0, -0.5, 0.0, 0.5, 1.0)]
+    return unit(np.concatenate(moves, axis=1))
+
+
+def _pattern(dimension: int) -> Matrix:
+    """Return the moves to try, in tangent coordinates."""
     if dimension == 2:
         return np.array([[-1.0], [-0.5], [-0.25], [0.25], [0.5], [1.0]])
-    angles = turn + np.arange(8) * np.pi / 4.0
+    angles = np.arange(8) * np.pi / 4.0
     ring = np.column_stack([np.cos(angles), np.sin(angles)])
     return np.vstack([ring, 0.5 * ring])
 

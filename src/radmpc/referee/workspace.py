@@ -49,6 +49,7 @@ def workspace_risks(workspace: Workspace, motion: FleetMotion, *, intervals: boo
                 bows=sign * sag.reshape(-1, d),
                 radii=np.zeros(count * steps),
                 vertices=np.broadcast_to(sign * face, (count * steps, 1, 1, d)),
+                edges=np.zeros((count * steps, 1, 0, 2, d)),
             )
             risks += end_risks(sites, normal)[:, 0, 0].reshape(count, steps)
     return risks
