@@ -14,7 +14,7 @@ from rich.console import Console, RenderableType
 
 __all__ = ["note", "show", "show_json", "silence_closed_pipe"]
 
-_PIPED_WIDTH = 160  # letters; wide enough that no line of a report is broken
+_PIPED_WIDTH = 5000  # letters; no line of a report is broken
 
 
 def show(*parts: RenderableType) -> None:

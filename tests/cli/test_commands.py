@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from radmpc.cli import app
+from radmpc.planners.presets import DEFAULT, PRESETS
+from radmpc.version import __version__
+
+from .conftest import CROSSING, Run, assert_one_line
+
+
+def test_the_version_is_that_of_the_package(run: Run) -> None:
+    result = run("--version")
+    assert result.exit_code == 0
+    assert result.stdout == f"radmpc {__version__}\n"
+
+
+def test_help_lists_every_command(run: Run) -> None:
+    result = run("--help")
+    assert result.exit_code == 0
+    for command in ("plan", "check", "verify", "planners", "import", "demo"):
+        assert f"\n  {command} " in result.stdout
+
+
+@pytest.mark.parametrize("words", [[], ["fly"], ["check"], ["plan", "a", "b"], ["--wrong"]])
+def test_wrong_usage_is_one_line_that_points_to_help(run: Run, words: list[str]) -> None:
+    result = run(*words)
+    assert result.exit_code == 2
+    assert "--help" in assert_one_line(result.stderr)
+
+
+def test_check_accepts_a_valid_scenario(run: Run, crossing: Path) -> None:
+    result = run("check", crossing)
+    assert result.exit_code == 0
+    expected = "valid: crossing: 2 vehicles, 1 obstacle, 6 steps of 1 s, risk bound 0.05"
+    assert result.stdout.startswith(expected)
+
+
+def test_check_names_file_and_field_of_an_error(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(CROSSING.replace("radius: 0.4", "radius: -0.4"), encoding="utf-8")
+    result = run("check", path)
+    assert result.exit_code == 2
+    line = assert_one_line(result.stderr)
+    assert "bad.yaml" in line
+    assert "radius" in line
+
+
+def test_planners_lists_every_preset_with_its_summary(run: Run) -> None:
+    result = run("planners")
+    assert result.exit_code == 0
+    for preset in PRESETS.values():
+        assert preset.name in result.stdout
+        assert preset.summary in result.stdout
+    assert f"{DEFAULT} (default)" in result.stdout
+
+
+def test_planners_as_json_is_one_object(run: Run) -> None:
+    content = json.loads(run("planners", "--json").stdout)
+    assert content["default"] == DEFAULT
+    assert [entry["name"] for entry in content["planners"]] == list(PRESETS)
+    assert set(content["planners"][0]) == {
+        "name", "policy", "solver", "decomposition", "summary"
+    }  # fmt: skip
+
+
+def test_the_demo_plans_draws_and_says_what_next(run: Run) -> None:
+    result = run("demo", "--out", "made/here")
+    assert result.exit_code == 0, result.stderr
+    names = {path.name for path in Path("made/here").iterdir()}
+    assert names == {"harbor.yaml", "harbor.plan.json", "harbor.png"}
+    assert "within the bound 0.05" in result.stdout
+    assert "radmpc verify made/here/harbor.plan.json" in result.stdout
+
+
+def test_the_demo_refuses_a_file_as_its_folder(run: Run) -> None:
+    Path("taken").write_text("", encoding="utf-8")
+    result = run("demo", "--out", "taken")
+    assert result.exit_code == 2
+    assert "taken" in assert_one_line(result.stderr)
+
+
+def test_the_guard_returns_the_code_where_no_exit_is_wanted() -> None:
+    from typer.main import get_command  # noqa: PLC0415 - only this test looks below typer
+
+    assert get_command(app).main(["planners", "--json"], standalone_mode=False) == 0

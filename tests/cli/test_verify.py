@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from .conftest import Run, assert_one_line
+
+KEYS = ["holds", "bound", "certified", "rate", "rate_low", "rate_high", "samples", "problems"]
+
+
+@pytest.fixture
+def plan_file(run: Run, crossing: Path) -> Path:
+    """A certified plan."""
+    path = crossing.with_name("crossing.plan.json")
+    assert run("plan", crossing, "-o", path).exit_code == 0
+    return path
+
+
+def tamper(path: Path, change: str, value: object) -> None:
+    """Change one entry of the first vehicle."""
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content["vehicles"][0][change] = value
+    path.write_text(json.dumps(content), encoding="utf-8")
+
+
+def test_a_good_plan_holds(run: Run, plan_file: Path) -> None:
+    result = run("verify", plan_file, "--samples", 2000)
+    assert result.exit_code == 0
+    assert "within the bound 0.05" in result.stdout
+    assert "2000 missions" in result.stdout
+    assert result.stdout.splitlines()[-1].split() == ["the", "plan", "holds"]
+
+
+def test_json_has_the_documented_keys_and_nothing_else(run: Run, plan_file: Path) -> None:
+    result = run("verify", plan_file, "--samples", 2000, "--json")
+    content = json.loads(result.stdout)
+    assert list(content) == KEYS
+    assert content["holds"] is True
+    assert content["bound"] == 0.05
+    assert content["samples"] == 2000
+    assert content["rate_low"] <= content["rate"] <= content["rate_high"]
+    assert content["problems"] == []
+    assert result.stderr == ""
+
+
+def test_the_seed_decides_the_simulation(run: Run, plan_file: Path) -> None:
+    words = ("verify", plan_file, "--samples", 500, "--json", "--seed")
+    assert run(*words, 1).stdout == run(*words, 1).stdout
+
+
+def test_changed_controls_do_not_hold(run: Run, plan_file: Path) -> None:
+    tamper(plan_file, "controls", [[0.0, 0.0]] * 6)
+    result = run("verify", plan_file, "--samples", 500)
+    assert result.exit_code == 1
+    assert "does not hold" in result.stdout
+    assert "east" in result.stdout
+
+
+def test_arrays_that_do_not_fit_are_a_no_not_a_crash(run: Run, plan_file: Path) -> None:
+    tamper(plan_file, "controls", [[0.0, 0.0]] * 5)
+    result = run("verify", plan_file, "--json")
+    assert result.exit_code in {1, 2}
+    if result.exit_code == 1:
+        content = json.loads(result.stdout)
+        assert content["rate"] is None
+        assert content["problems"]
+    else:
+        assert_one_line(result.stderr)
+
+
+def test_a_file_without_a_plan_does_not_hold(run: Run, hopeless: Path) -> None:
+    run("plan", hopeless, "-o", "none.json")
+    result = run("verify", "none.json")
+    assert result.exit_code == 1
+    assert "cannot reach its goal" in result.stdout
+    content = json.loads(run("verify", "none.json", "--json").stdout)
+    assert list(content) == KEYS
+    assert content["holds"] is False
+    assert content["samples"] == 0
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", "format: radmpc/plan/2", "\x00\x01"])
+def test_what_is_no_plan_is_one_line(run: Run, tmp_path: Path, text: str) -> None:
+    path = tmp_path / "bad.json"
+    path.write_text(text, encoding="utf-8")
+    result = run("verify", path)
+    assert result.exit_code == 2
+    assert "bad.json" in assert_one_line(result.stderr)
+
+
+def test_a_rate_above_the_certificate_speaks_against_both(
+    run: Run, plan_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Alarming:
+        samples, rate, rate_low, rate_high = 100, 0.5, 0.4, 0.6
+
+    monkeypatch.setattr("radmpc.console.verifying.simulate", lambda *a, **k: Alarming())
+    result = run("verify", plan_file, "--json")
+    assert result.exit_code == 1
+    assert "collision rate is at least 0.4" in json.loads(result.stdout)["problems"][0]
