@@ -1,1 +1,1 @@
-"""Files."""
+"""Files: scenarios, plans, and the formats of other groups."""

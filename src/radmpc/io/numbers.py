@@ -1,0 +1,78 @@
+"""Types of numbers in files: real, finite, of sane size, with rows of equal length."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
+
+__all__ = [
+    "MARK",
+    "Finite",
+    "FiniteMatrix",
+    "Matrix",
+    "Number",
+    "ScalarOrVector",
+    "Square",
+    "Text",
+    "Vector",
+]
+
+MARK = "\0"
+"""First character of what pydantic adds to a path for a choice between shapes."""
+
+_LARGEST = 1e9
+
+
+def _check_rows(rows: list[list[float]]) -> list[list[float]]:
+    """Refuse rows of different lengths."""
+    lengths = sorted({len(row) for row in rows})
+    if len(lengths) > 1:
+        raise PydanticCustomError(
+            "ragged",
+            "must have rows of equal length, got lengths {first} and {last}",
+            {"first": lengths[0], "last": lengths[-1]},
+        )
+    return rows
+
+
+def _check_text(text: str) -> str:
+    """Refuse text that no file can hold: halves of characters."""
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        raise PydanticCustomError("encoding", "must be text that UTF-8 can encode") from error
+    return text
+
+
+def _shape(value: object) -> str:
+    """Return whether a value is meant as a number, a list or a matrix."""
+    if not isinstance(value, list):
+        return MARK + "number"
+    return MARK + ("matrix" if any(isinstance(item, list) for item in value) else "list")
+
+
+def _at_most_list(value: object) -> str:
+    """Return whether a value is meant as a number or a list."""
+    return MARK + ("list" if isinstance(value, list) else "number")
+
+
+Text = Annotated[str, AfterValidator(_check_text)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-_LARGEST, le=_LARGEST)]
+Vector = list[Number]
+Matrix = Annotated[list[list[Number]], AfterValidator(_check_rows)]
+FiniteMatrix = Annotated[list[list[Finite]], AfterValidator(_check_rows)]
+
+# Chosen by what is given, not by trying all: one error instead of one per shape.
+ScalarOrVector = Annotated[
+    Annotated[Number, Tag(MARK + "number")] | Annotated[Vector, Tag(MARK + "list")],
+    Discriminator(_at_most_list),
+]
+Square = Annotated[
+    Annotated[Number, Tag(MARK + "number")]
+    | Annotated[Vector, Tag(MARK + "list")]
+    | Annotated[Matrix, Tag(MARK + "matrix")],
+    Discriminator(_shape),
+]

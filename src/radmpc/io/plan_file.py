@@ -1,0 +1,201 @@
+"""Plan files: ``format: radmpc/plan/1``, JSON."""
+
+from __future__ import annotations
+
+import os
+
+from radmpc.arrays import as_array, as_matrix
+from radmpc.errors import ScenarioError
+from radmpc.io.atomic import write_text
+from radmpc.io.checking import check_format, validated
+from radmpc.io.decoding import decode_scenario
+from radmpc.io.document import Document
+from radmpc.io.encoding import encode_scenario
+from radmpc.io.json_text import read_json, write_json
+from radmpc.io.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
+from radmpc.io.text import read_text
+from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
+
+__all__ = ["decode_plan", "encode_plan", "load_plan", "save_plan"]
+
+
+def load_plan(path: str | os.PathLike[str]) -> Plan:
+    """Return the plan in a file.
+
+    Whether its arrays and names fit its scenario is not checked here: the referee names what
+    does not.
+
+    Parameters
+    ----------
+    path : path
+        JSON.
+
+    Returns
+    -------
+    Plan
+        Equal to the one saved, bit for bit.
+
+    Raises
+    ------
+    FileFormatError
+        With one line that names file, line, field, value and what is allowed.
+    """
+    name, text = os.fspath(path), read_text(path)
+    document = Document(name, text, read_json(text, name), None)
+    try:
+        return decode_plan(document.value)
+    except ScenarioError as error:
+        raise document.failure(error) from error
+
+
+def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
+    """Write a plan to a file as JSON, whole or not at all; it reads back equal.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to write, also where no plan was found.
+    path : path
+        The file; an existing one is replaced.
+
+    Raises
+    ------
+    FileFormatError
+        If a number in the plan is not finite.
+    ScenarioError
+        If the scenario holds what no file can, see `encode_scenario`.
+    OSError
+        If the file cannot be written.
+    """
+    write_text(path, write_json(encode_plan(plan)))
+
+
+def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
+    """Return the content of a plan file: dict, list, str, int, float, bool and None.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to write.
+    with_vehicles : bool
+        Whether to include the trajectories, by far the largest part.
+
+    Returns
+    -------
+    dict
+        In the order of the format's description.
+
+    Raises
+    ------
+    ScenarioError
+        If the scenario holds what no file can, see `encode_scenario`.
+    """
+    content: dict[str, object] = {
+        "format": PLAN_FORMAT,
+        "scenario": encode_scenario(plan.scenario),
+        "planner": plan.planner,
+        "seed": None if plan.seed is None else int(plan.seed),
+        "status": plan.status.value,
+        "cost": _optional(plan.cost),
+        "lower_bound": _optional(plan.lower_bound),
+        "risk": {
+            "bound": float(plan.risk.bound),
+            "certified": _optional(plan.risk.certified),
+            "ledger": [_ledger_row(row) for row in plan.risk.ledger],
+        },
+        "sets": [list(names) for names in plan.sets],
+        "seconds": {stage: float(seconds) for stage, seconds in plan.seconds.items()},
+        "versions": dict(plan.versions),
+        "explanation": plan.explanation,
+    }
+    if with_vehicles:
+        content["vehicles"] = [_vehicle(trajectory) for trajectory in plan.trajectories]
+    return content
+
+
+def _optional(value: float | None) -> float | None:
+    """Return a plain float, or None."""
+    return None if value is None else float(value)
+
+
+def _ledger_row(row: LedgerRow) -> dict[str, object]:
+    """Return a row of the ledger."""
+    return {
+        "cause": row.cause,
+        "vehicle": row.vehicle,
+        "other": row.other,
+        "step": int(row.step),
+        "risk": float(row.risk),
+    }
+
+
+def _vehicle(trajectory: Trajectory) -> dict[str, object]:
+    """Return a vehicle's part."""
+    return {
+        "name": trajectory.name,
+        "controls": trajectory.controls.tolist(),
+        "means": trajectory.means.tolist(),
+        "covariances": trajectory.covariances.tolist(),
+        "gain": None if trajectory.gain is None else trajectory.gain.tolist(),
+    }
+
+
+def decode_plan(data: object) -> Plan:
+    """Return the plan that plain data describe.
+
+    Parameters
+    ----------
+    data : mapping
+        The content of a plan file.
+
+    Returns
+    -------
+    Plan
+        Its types checked; its arrays not yet compared with its scenario.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is missing, unknown or not allowed; its path says where in the data.
+    """
+    spec = validated(PlanSpec, check_format(data, PLAN_FORMAT))
+    try:
+        scenario = decode_scenario(spec.scenario)
+    except ScenarioError as error:
+        raise error.under("scenario") from error
+    return Plan(
+        scenario=scenario,
+        planner=spec.planner,
+        seed=spec.seed,
+        status=Status(spec.status),
+        cost=spec.cost,
+        lower_bound=spec.lower_bound,
+        risk=_risk(spec.risk),
+        sets=tuple(tuple(names) for names in spec.sets),
+        seconds=dict(spec.seconds),
+        versions=dict(spec.versions),
+        explanation=spec.explanation,
+        trajectories=tuple(_trajectory(i, entry) for i, entry in enumerate(spec.vehicles)),
+    )
+
+
+def _risk(spec: RiskSpec) -> Risk:
+    """Return what was granted and spent."""
+    ledger = tuple(
+        LedgerRow(row.cause, row.vehicle, row.other, row.step, row.risk) for row in spec.ledger
+    )
+    return Risk(spec.bound, spec.certified, ledger)
+
+
+def _trajectory(index: int, spec: TrajectorySpec) -> Trajectory:
+    """Return a vehicle's part."""
+    try:
+        return Trajectory(
+            name=spec.name,
+            controls=as_matrix(spec.controls, path=("controls",)),
+            means=as_matrix(spec.means, path=("means",)),
+            covariances=as_array(spec.covariances, (None, None, None), ("covariances",)),
+            gain=None if spec.gain is None else as_matrix(spec.gain, path=("gain",)),
+        )
+    except ScenarioError as error:
+        raise error.under("vehicles", index) from error

@@ -1,0 +1,71 @@
+"""Scenario files: ``format: radmpc/scenario/1``, YAML or JSON."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.atomic import write_text
+from radmpc.io.decoding import decode_scenario
+from radmpc.io.document import read_document
+from radmpc.io.encoding import encode_scenario
+from radmpc.io.json_text import write_json
+from radmpc.io.yaml_writing import write_yaml
+from radmpc.model.scenario import Scenario
+
+__all__ = ["decode_scenario", "encode_scenario", "load_scenario", "save_scenario"]
+
+_WRITERS = {".json": write_json, ".yaml": write_yaml, ".yml": write_yaml}
+
+
+def load_scenario(path: str | os.PathLike[str]) -> Scenario:
+    """Return the scenario in a file.
+
+    Parameters
+    ----------
+    path : path
+        YAML, or JSON if the name ends in ``.json``.
+
+    Returns
+    -------
+    Scenario
+        Checked in full.
+
+    Raises
+    ------
+    FileFormatError
+        With one line that names file, line, field, value and what is allowed.
+    """
+    document = read_document(path)
+    try:
+        return decode_scenario(document.value)
+    except ScenarioError as error:
+        raise document.failure(error) from error
+
+
+def save_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:
+    """Write a scenario to a file, whole or not at all; it reads back equal.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to write.
+    path : path
+        Ends in ``.yaml``, ``.yml`` or ``.json``.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends otherwise.
+    ScenarioError
+        If the scenario holds what no file can, see `encode_scenario`.
+    OSError
+        If the file cannot be written.
+    """
+    writer = _WRITERS.get(Path(path).suffix.lower())
+    if writer is None:
+        raise FileFormatError(
+            f"{os.fspath(path)}: a scenario file must end in .yaml, .yml or .json"
+        )
+    write_text(path, writer(encode_scenario(scenario)))

@@ -1,0 +1,118 @@
+"""The shape of scenario files, ``radmpc/scenario/1``: keys, types, sizes. No cross-checks."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from radmpc.io.numbers import Matrix, Number, ScalarOrVector, Square, Text, Vector
+
+__all__ = [
+    "SCENARIO_FORMAT",
+    "DynamicsSpec",
+    "FeedbackSpec",
+    "FileModel",
+    "GoalSpec",
+    "LqrSpec",
+    "ObstacleSpec",
+    "ScenarioSpec",
+    "VehicleSpec",
+    "WorkspaceSpec",
+]
+
+SCENARIO_FORMAT = "radmpc/scenario/1"
+
+
+class FileModel(BaseModel):
+    """A mapping in a file: no conversions between types, no unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class WorkspaceSpec(FileModel):
+    """``{min, max}``."""
+
+    min: Vector
+    max: Vector
+
+
+class ObstacleSpec(FileModel):
+    """A name and one of four descriptions; which, is checked when it is built."""
+
+    name: Text
+    vertices: Matrix | None = None
+    min: Vector | None = None
+    max: Vector | None = None
+    normals: Matrix | None = None
+    offsets: Vector | None = None
+    moving: list[Matrix] | None = None
+
+
+class GoalSpec(FileModel):
+    """``{center, half_width}`` or ``{min, max}``, and the speed."""
+
+    center: Vector | None = None
+    half_width: ScalarOrVector = 0.0
+    min: Vector | None = None
+    max: Vector | None = None
+    speed: ScalarOrVector | None = None
+
+
+class DynamicsSpec(FileModel):
+    """``{model}`` or ``{A, B, position, velocity}``."""
+
+    model: Literal["double_integrator"] | None = None
+    A: Matrix | None = None
+    B: Matrix | None = None
+    position: list[int] | None = None
+    velocity: list[int] | None = None
+
+
+class LqrSpec(FileModel):
+    """Weights of the linear-quadratic regulator."""
+
+    Q: Square
+    R: Square
+
+
+class FeedbackSpec(FileModel):
+    """``{gain}`` or ``{lqr}``."""
+
+    gain: Matrix | None = None
+    lqr: LqrSpec | None = None
+
+
+class VehicleSpec(FileModel):
+    """A vehicle's fields, or the defaults of all: any of them may be missing."""
+
+    name: Text = ""
+    start: Vector = []
+    goal: GoalSpec | None = None
+    radius: Number = 0.0
+    control_limit: ScalarOrVector = 0.0
+    speed_limit: ScalarOrVector | None = None
+    initial_covariance: Square = 0.0
+    disturbance_covariance: Square = 0.0
+    dynamics: DynamicsSpec = DynamicsSpec(model="double_integrator")
+    feedback: FeedbackSpec | None = None
+    control_sigmas: Number = 3.0
+    cost_weight: Number = 1.0
+
+
+class ScenarioSpec(FileModel):
+    """A whole scenario."""
+
+    format: Literal["radmpc/scenario/1"]
+    name: Text
+    dt: Number
+    # Nothing in the method bounds these two; a slip of the hand should not fill the memory.
+    horizon: Annotated[int, Field(le=1000)]
+    risk_bound: Number
+    avoidance: Literal["steps", "intervals"] = "intervals"
+    pair_faces: Annotated[int, Field(le=360)] | None = None
+    workspace: WorkspaceSpec | None = None
+    obstacles: list[ObstacleSpec] = []
+    defaults: VehicleSpec = VehicleSpec()
+    vehicles: list[VehicleSpec]
+    source: dict[str, Any] | None = None
