@@ -17,6 +17,7 @@ __all__ = ["CostRow", "LpOutcome", "WarmLp", "quiet_highs"]
 
 FEASIBILITY_TOL = 1e-9
 _HELD, _OPPOSED = 1, 2
+_CROWD = 200
 
 
 class LpOutcome(Enum):
@@ -77,8 +78,16 @@ class WarmLp:
         self._program = program
         self._right = program.rows.offsets - program.rows.normals @ program.constant - margins
         self._place: dict[int, int] = {}
+        self._cost_rows = tuple(cost_rows)
         self._state: dict[int, int] = {}
         self.solves = 0
+        self._start()
+
+    def _start(self) -> None:
+        """Load columns, hard rows and cost rows; no chance row yet."""
+        program = self._program
+        self._place.clear()
+        self._state.clear()
         highs = quiet_highs()
         for name, value in (
             ("presolve", "off"),
@@ -107,12 +116,12 @@ class WarmLp:
                 hard.data,
             )
         )
-        for row in cost_rows:
+        for row in self._cost_rows:
             columns = row.columns.astype(np.int32)
             _check(
                 highs.addRow(row.bound, np.inf, columns.size, columns, program.cost[row.columns])
             )
-        self._num_hard = int(hard.shape[0]) + len(cost_rows)
+        self._num_hard = int(hard.shape[0]) + len(self._cost_rows)
         self._highs = highs
         self._cutoff = float("inf")
 
@@ -129,6 +138,9 @@ class WarmLp:
         wanted = dict.fromkeys((int(r) for r in rows), _HELD)
         for row in opposite:
             wanted[int(row)] = wanted.get(int(row), 0) | _OPPOSED
+        if len(self._place) > _CROWD + 2 * len(wanted):
+            # Rows switched off still cost time in every pivot: begin again without them.
+            self._start()
         new = [r for r in wanted if r not in self._place]
         if new:
             self._add(sorted(new))

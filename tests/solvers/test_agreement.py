@@ -1,0 +1,90 @@
+"""Branch, big M and an independent enumeration must find the same optimum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracle import least_cost
+from problems import random_problem
+
+from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.policy import margins_of
+from radmpc.solvers.backends.scip import ScipBackend
+from radmpc.solvers.big_m import BigM, encode
+from radmpc.solvers.branch import Branch
+from radmpc.solvers.solution import Limits, Outcome
+
+SLOW = {5, 11, 13, 17, 29, 35}  # seconds of enumeration each
+SEEDS = [seed for seed in range(46) if seed not in SLOW]
+GAP = 1e-6
+
+
+def _problem(seed):
+    scenario = random_problem(seed)
+    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    risk = scenario.risk_bound / (6 * scenario.horizon)
+    margins = margins_of(program, np.full(len(program.exposures), risk))
+    return scenario, program, margins, risk
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_branch_big_m_and_enumeration_find_the_same_optimum(seed):
+    scenario, program, margins, risk = _problem(seed)
+    truth = least_cost(scenario, risk)
+    for solver in (Branch(), BigM()):
+        solution = solver.solve(program, margins, gap=GAP, limits=Limits())
+        if truth == np.inf:
+            assert solution.outcome is Outcome.INFEASIBLE
+            assert solution.z is None
+        else:
+            assert solution.outcome is Outcome.OPTIMAL
+            assert solution.cost == pytest.approx(truth, rel=1e-5)
+            assert solution.bound <= truth * (1 + 1e-6)
+
+
+def test_the_problems_hold_everything_that_makes_a_programme_hard():
+    problems = [_problem(seed) for seed in SEEDS]
+    outcomes = [
+        Branch().solve(program, margins, gap=GAP, limits=Limits())
+        for _, program, margins, _ in problems
+    ]
+    free = [
+        Branch().solve(program, 0.0 * margins, gap=GAP, limits=Limits())
+        for _, program, margins, _ in problems
+    ]
+    binding = [
+        s.cost > f.cost + 1e-6 for s, f in zip(outcomes, free, strict=True) if s.z is not None
+    ]
+    assert len(SEEDS) >= 40
+    assert sum(s.outcome is Outcome.INFEASIBLE for s in outcomes) >= 5
+    assert sum(s.outcome is Outcome.OPTIMAL for s in outcomes) >= 20
+    assert sum(binding) >= 10
+    assert sum(any(e.cause == "pair" for e in p.avoidances) for _, p, _, _ in problems) >= 10
+    two_rows = [np.any(np.diff(p.alternative_starts) == 2) for _, p, _, _ in problems]
+    assert 10 <= sum(two_rows) <= len(SEEDS) - 10
+
+
+def test_scip_agrees_where_it_is_installed():
+    pytest.importorskip("pyscipopt")
+    for seed in (3, 4, 7):
+        _, program, margins, _ = _problem(seed)
+        ours = Branch().solve(program, margins, gap=GAP, limits=Limits())
+        theirs = BigM("scip").solve(program, margins, gap=GAP, limits=Limits())
+        assert theirs.outcome is ours.outcome
+        assert theirs.cost == pytest.approx(ours.cost, rel=1e-5)
+
+
+def test_scip_says_infeasible_in_its_own_words():
+    pytest.importorskip("pyscipopt")
+    _, program, margins, _ = _problem(3)
+    model = encode(program, margins + 100.0)
+    assert ScipBackend().minimize(model, GAP, Limits()).outcome is Outcome.INFEASIBLE
+
+
+def test_gurobi_agrees_where_it_is_installed():
+    pytest.importorskip("gurobipy")
+    for seed in (3, 4):
+        _, program, margins, _ = _problem(seed)
+        ours = Branch().solve(program, margins, gap=GAP, limits=Limits())
+        theirs = BigM("gurobi").solve(program, margins, gap=GAP, limits=Limits())
+        assert theirs.cost == pytest.approx(ours.cost, rel=1e-5)
