@@ -40,7 +40,7 @@ def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
     """
     width, height = (extent[1] - extent[0])[:2]
     is_flat = extent.shape[1] == 2
-    ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else 0.82
+    ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else 0.78
     inches = (COLUMN_WIDTH - _BESIDE_AXES) * ratio + _BELOW_AXES + _LINE * num_lines
     figure = Figure(figsize=(COLUMN_WIDTH, inches), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
@@ -58,9 +58,9 @@ def settle_axes(ax: Axes, extent: Matrix) -> None:
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     if isinstance(ax, Axes3D):
         ax.set_zlim(*extent[:, 2])
-        ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-6.0)
+        ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-8.0)
         ax.tick_params(pad=-2.0)
-        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=1.05)
+        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=0.97)
         return
     ax.set_aspect("equal", adjustable="box")
     for spine in ax.spines.values():
