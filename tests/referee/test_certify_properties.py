@@ -11,7 +11,7 @@ from referee_scenes import make_plan, random_scene, scene_plan, straight_plan
 from radmpc.experiments.families import paper
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
-from radmpc.referee.encounters import Encounters, window_risks
+from radmpc.referee.encounters import Encounters, window_halfspaces
 
 QUICK = settings(max_examples=25, deadline=None, derandomize=True)
 AVOIDANCES = st.sampled_from(["steps", "intervals"])
@@ -136,5 +136,7 @@ def test_no_direction_beats_the_refined_one_at_a_step():
             edges=np.zeros((1, 1, 0, 2, 2)),
         )
         fine = replace(pair, directions=everywhere[None])
-        coarse_risk = window_risks(pair, intervals=False)[0, 0]
-        assert coarse_risk <= window_risks(fine, intervals=False)[0, 0] * (1 + 1e-4) + 1e-15
+        coarse_risk = window_halfspaces(pair, intervals=False).risks[0, 0]
+        assert (
+            coarse_risk <= window_halfspaces(fine, intervals=False).risks[0, 0] * (1 + 1e-4) + 1e-15
+        )

@@ -9,11 +9,11 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.chain import cheapest_chain
-from radmpc.referee.halfspace import Sites, end_risks, refine, unit
+from radmpc.referee.halfspace import Sites, end_margins, end_risks, refine, unit
 from radmpc.referee.planar import grown_polygon_risks
 from radmpc.referee.tangent import tangent_directions
 
-__all__ = ["NEGLIGIBLE", "Encounters", "step_risks", "window_risks"]
+__all__ = ["NEGLIGIBLE", "Encounters", "WindowHalfspaces", "step_risks", "window_halfspaces"]
 
 # Half-spaces below this risk are charged as they are, without looking for a better one.
 NEGLIGIBLE = 1e-15
@@ -96,29 +96,43 @@ def step_risks(encounters: Encounters, *, intervals: bool) -> Vector:
     return np.concatenate(parts)
 
 
-def window_risks(encounters: Encounters, *, intervals: bool) -> Vector:
-    """Return the risk of the best half-space of each window on its own.
+@dataclass(frozen=True, slots=True, eq=False)
+class WindowHalfspaces:
+    """The best half-space of each encounter in each window, on its own.
 
-    Parameters
+    Attributes
     ----------
-    encounters : Encounters
-        B of them.
-    intervals : bool
-        Whether windows are the T intervals or the T+1 steps.
-
-    Returns
-    -------
-    (B, T) or (B, T+1) array
-        An upper bound on the probability of a collision in the window.
+    normals : (B, K, d) array
+        Away from what is avoided [-].
+    margins : (B, K, E) array
+        A collision needs a deviation along −normal that exceeds this at one of the ends [m].
+    risks : (B, K) array
+        Upper bound on the probability of a collision in the window [-].
     """
-    parts = []
+
+    normals: Tensor
+    margins: Tensor
+    risks: Vector
+
+
+def window_halfspaces(encounters: Encounters, *, intervals: bool) -> WindowHalfspaces:
+    """Return the best half-spaces of all windows: the T intervals, or the T+1 steps."""
+    parts: list[tuple[Tensor, Tensor, Vector]] = []
     for block in _blocks(encounters):
         sites = _interval_sites(block) if intervals else _instant_sites(block)
-        count = len(block.means)
+        count, d = len(block.means), block.means.shape[2]
         num_windows = len(sites.means) // count
-        _, risks = _best_directions(sites, block.directions, num_windows)
-        parts.append(risks.reshape(count, num_windows))
-    return np.concatenate(parts)
+        best, risks = _best_directions(sites, block.directions, num_windows)
+        margins = end_margins(sites, best[:, None])
+        parts.append(
+            (
+                best.reshape(count, num_windows, d),
+                margins.reshape(count, num_windows, -1),
+                risks.reshape(count, num_windows),
+            )
+        )
+    normals, bounds, chances = (np.concatenate(p) for p in zip(*parts, strict=True))
+    return WindowHalfspaces(normals, bounds, chances)
 
 
 def _blocks(encounters: Encounters) -> Iterator[Encounters]:

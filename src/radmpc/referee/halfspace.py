@@ -18,7 +18,7 @@ from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 
-__all__ = ["CONTACT_TOL", "Sites", "end_risks", "refine", "unit"]
+__all__ = ["CONTACT_TOL", "Sites", "end_margins", "end_risks", "refine", "unit"]
 
 # Touching is no collision. Without noise that must not hang on the last bit of a sum.
 CONTACT_TOL = 1e-9
@@ -70,6 +70,32 @@ class Sites:
 def end_risks(sites: Sites, directions: Tensor) -> Tensor:
     """Return the probability that each half-space fails at each end.
 
+    Parameters
+    ----------
+    sites : Sites
+        S places with E ends.
+    directions : (S, C, d) array
+        Unit normals that point away from the set [-].
+
+    Returns
+    -------
+    (S, C, E) array
+        ``Q(q)``; without noise exactly 0 or 1.
+    """
+    slack = end_margins(sites, directions)
+    spread = np.einsum("scd,sedf->scef", directions, sites.covariances)
+    variance = np.einsum("scef,scf->sce", spread, directions)
+    noisy = variance > 0.0
+    deviation = np.sqrt(np.where(noisy, variance, 1.0))
+    certain = (slack < -CONTACT_TOL).astype(np.float64)
+    with np.errstate(over="ignore"):  # a slack of meters over a deviation of 1e-160
+        risks: Tensor = np.where(noisy, ndtr(-slack / deviation), certain)
+    return risks
+
+
+def end_margins(sites: Sites, directions: Tensor) -> Tensor:
+    """Return how far the means are from failing each half-space at each end.
+
     The mean curve is ``chord − a τ(dt−τ)/2``, so along n it falls short of its chord by at most
     ``max(0, n·a) dt²/8``: a margin held at both ends holds in between.
 
@@ -83,20 +109,13 @@ def end_risks(sites: Sites, directions: Tensor) -> Tensor:
     Returns
     -------
     (S, C, E) array
-        ``Q(q)``; without noise exactly 0 or 1.
+        ``n·x̄ − max n·P − r − bow``; a collision needs a deviation along −n that exceeds it [m].
     """
     along = np.einsum("scd,sed->sce", directions, sites.means)
     support = np.einsum("scd,sevd->scev", directions, sites.vertices).max(axis=3)
     sag = np.maximum(np.einsum("scd,sd->sc", directions, sites.bows), 0.0)
-    slack = along - support - (sag + sites.radii[:, None])[:, :, None]
-    spread = np.einsum("scd,sedf->scef", directions, sites.covariances)
-    variance = np.einsum("scef,scf->sce", spread, directions)
-    noisy = variance > 0.0
-    deviation = np.sqrt(np.where(noisy, variance, 1.0))
-    certain = (slack < -CONTACT_TOL).astype(np.float64)
-    with np.errstate(over="ignore"):  # a slack of meters over a deviation of 1e-160
-        risks: Tensor = np.where(noisy, ndtr(-slack / deviation), certain)
-    return risks
+    margins: Tensor = along - support - (sag + sites.radii[:, None])[:, :, None]
+    return margins
 
 
 def unit(vectors: Tensor) -> Tensor:

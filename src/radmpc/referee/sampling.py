@@ -7,34 +7,97 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.referee.motion import FleetMotion, Group
 
-__all__ = ["NoiseFactors", "deviations", "noise_factors"]
+__all__ = ["Sampler"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class NoiseFactors:
-    """What turns standard normals into the noise of one group.
+class _Block:
+    """Vehicles of one group whose states stand in consecutive rows.
 
-    Attributes
-    ----------
-    group : Group
-        Whose noise.
-    initial, disturbance : (g, n, n) or (g, n, 1) array
-        Factors L with ``L Lᵀ`` the covariance; a column of deviations where all are diagonal.
+    ``initial`` and ``disturbance`` are factors L with ``L Lᵀ`` the covariance, (g, n, n), or a
+    column of deviations (g, n, 1) where all are diagonal.
     """
 
-    group: Group
+    rows: slice
+    transitions: Tensor
     initial: Tensor
     disturbance: Tensor
 
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Vehicles, states, and as many samples as there are."""
+        return (self.transitions.shape[0], self.transitions.shape[1], -1)
 
-def noise_factors(motion: FleetMotion) -> tuple[NoiseFactors, ...]:
-    """Return the factors of every group."""
-    return tuple(
-        NoiseFactors(group, _factor(group.initial), _factor(group.disturbance))
-        for group in motion.groups
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sampler:
+    """Draws the deviations ``x − x̄`` of those vehicles that matter.
+
+    Attributes
+    ----------
+    width : int
+        Rows of the stacked states.
+    starts : (N,) int array
+        First row of each vehicle's state; −1 where it is not drawn.
+    """
+
+    width: int
+    starts: Indices
+    blocks: tuple[_Block, ...]
+
+    @classmethod
+    def of(cls, motion: FleetMotion, needed: Indices) -> Sampler:
+        """Stack the vehicles that are needed."""
+        starts = np.full(len(motion.states), -1, dtype=np.int64)
+        blocks, row = [], 0
+        for group in motion.groups:
+            kept = np.flatnonzero(np.isin(group.members, needed))
+            if not kept.size:
+                continue
+            n = group.transitions.shape[1]
+            starts[group.members[kept]] = row + n * np.arange(kept.size)
+            blocks.append(_block(group, kept, slice(row, row + n * kept.size)))
+            row += n * kept.size
+        return cls(row, starts, tuple(blocks))
+
+    def draw(self, horizon: int, size: int, rng: np.random.Generator) -> Iterator[Matrix]:
+        """Yield the deviations at k = 0..T, (width, size).
+
+        ``e⁺ = (A + BK) e + w`` keeps the whole correlation in time. Two arrays take turns: a
+        yielded one is overwritten by the next but one.
+        """
+        noise, spare = np.empty((self.width, size)), np.empty((self.width, size))
+        state = np.empty((self.width, size))
+        rng.standard_normal(out=noise)
+        for block in self.blocks:
+            _scale(block.initial, noise[block.rows], state[block.rows], block.shape)
+        yield state
+        for _ in range(horizon):
+            rng.standard_normal(out=noise)
+            for block in self.blocks:
+                _scale(block.disturbance, noise[block.rows], spare[block.rows], block.shape)
+            # The noise has been used: its array holds what the dynamics make of the state.
+            for block in self.blocks:
+                np.matmul(
+                    block.transitions,
+                    state[block.rows].reshape(block.shape),
+                    out=noise[block.rows].reshape(block.shape),
+                )
+            spare += noise
+            state, spare = spare, state
+            yield state
+
+
+def _block(group: Group, kept: Indices, rows: slice) -> _Block:
+    """Take some vehicles of a group."""
+    return _Block(
+        rows,
+        np.ascontiguousarray(group.transitions[kept]),
+        _factor(group.initial[kept]),
+        _factor(group.disturbance[kept]),
     )
 
 
@@ -48,30 +111,9 @@ def _factor(covariances: Tensor) -> Tensor:
     return np.asarray(vectors * np.sqrt(values.clip(min=0.0))[:, None, :])
 
 
-def deviations(
-    factors: NoiseFactors, horizon: int, size: int, rng: np.random.Generator
-) -> Iterator[Tensor]:
-    """Yield ``x − x̄`` at k = 0..T, (g, n, size), the same array overwritten at every step.
-
-    ``e⁺ = (A + BK) e + w`` keeps the whole correlation in time.
-    """
-    group = factors.group
-    shape = (*group.initial.shape[:2], size)
-    normals, state, turned = np.empty(shape), np.empty(shape), np.empty(shape)
-    rng.standard_normal(out=normals)
-    _scaled(factors.initial, normals, state)
-    yield state
-    for _ in range(horizon):
-        rng.standard_normal(out=normals)
-        np.matmul(group.transitions, state, out=turned)
-        _scaled(factors.disturbance, normals, state)
-        state += turned
-        yield state
-
-
-def _scaled(factor: Tensor, normals: Tensor, out: Matrix) -> None:
+def _scale(factor: Tensor, normals: Matrix, out: Matrix, shape: tuple[int, int, int]) -> None:
     """Apply a factor to standard normals."""
     if factor.shape[2] == 1:
-        np.multiply(factor, normals, out=out)
+        np.multiply(factor, normals.reshape(shape), out=out.reshape(shape))
     else:
-        np.matmul(factor, normals, out=out)
+        np.matmul(factor, normals.reshape(shape), out=out.reshape(shape))

@@ -10,23 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import betaincinv
 
-from radmpc.arrays import Matrix, Tensor
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan
-from radmpc.model.scenario import Scenario
 from radmpc.referee.claims import shape_problems
-from radmpc.referee.collisions import hits_between_pairs, hits_of_solid, workspace_exits
-from radmpc.referee.motion import FleetMotion, propagate
-from radmpc.referee.sampling import NoiseFactors, deviations, noise_factors
-from radmpc.referee.watch import Window, watch_list
+from radmpc.referee.flight import prepare
 
 __all__ = ["Simulation", "simulate"]
 
 # Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because
 # a chunk is what one stream of random numbers fills.
 _CHUNK_NUMBERS = 100_000
-_LEAST_CHUNK = 256
-_LIMIT_TOL = 1e-6
+_LEAST_CHUNK = 512
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,8 +135,8 @@ def simulate(
     if problems:
         kind = ScenarioError if plan.trajectories else NoPlanError
         raise kind("; ".join(problems))
-    flight = _Flight.of(plan)
-    size = _chunk_size(flight.motion)
+    flight = prepare(plan)
+    size = max(_LEAST_CHUNK, _CHUNK_NUMBERS // max(1, flight.sampler.width))
     sizes = [size] * (samples // size) + ([samples % size] if samples % size else [])
     entropy = np.random.default_rng(rng).integers(0, 2**32, size=4).tolist()
     seeds = np.random.SeedSequence(entropy).spawn(len(sizes))
@@ -158,91 +152,8 @@ def simulate(
     return Simulation(samples, total, pairs, obstacles, exits, saturated, flight.overlooked)
 
 
-def _chunk_size(motion: FleetMotion) -> int:
-    """Return the flights per chunk: a function of the fleet alone."""
-    width = sum(int(x.shape[1]) for x in motion.states)
-    return max(_LEAST_CHUNK, _CHUNK_NUMBERS // width)
-
-
 def _num_workers() -> int:
     """Return the cores this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Flight:
-    """Everything that all chunks share."""
-
-    scenario: Scenario
-    controls: tuple[Matrix, ...]
-    motion: FleetMotion
-    factors: tuple[NoiseFactors, ...]
-    windows: tuple[Window, ...]
-    overlooked: float
-
-    @classmethod
-    def of(cls, plan: Plan) -> _Flight:
-        """Prepare a plan for flying."""
-        controls = tuple(t.controls for t in plan.trajectories)
-        motion = propagate(plan.scenario, controls)
-        windows, overlooked = watch_list(plan.scenario, motion)
-        return cls(plan.scenario, controls, motion, noise_factors(motion), windows, overlooked)
-
-    def count(self, size: int, seed: np.random.SeedSequence) -> np.ndarray:
-        """Return collisions in all and per cause, and saturations, among some flights."""
-        rng = np.random.default_rng(seed)
-        hits = np.zeros((3, size), dtype=bool)
-        saturated = np.zeros(size, dtype=bool)
-        streams = [deviations(f, self.scenario.horizon, size, rng) for f in self.factors]
-        before: Tensor | None = None
-        intervals = self.scenario.avoidance == "intervals"
-        for k in range(self.scenario.horizon + 1):
-            states = [next(stream) for stream in streams]
-            here = self._positions(k, states)
-            if k < self.scenario.horizon:
-                saturated |= self._saturates(k, states)
-            if not intervals:
-                self._test(self.windows[k], here, None, hits)
-            elif before is not None:
-                self._test(self.windows[k - 1], before, here, hits)
-            before = here
-        return np.array([hits.any(axis=0).sum(), *hits.sum(axis=1), saturated.sum()])
-
-    def _positions(self, step: int, states: list[Tensor]) -> Tensor:
-        """Return all positions at a step, (N, d, S)."""
-        size = states[0].shape[2]
-        positions = np.empty((len(self.controls), self.scenario.dimension, size))
-        for factors, state in zip(self.factors, states, strict=True):
-            group = factors.group
-            rows = np.arange(len(group.members))[:, None]
-            positions[group.members] = state[rows, group.position]
-        positions += self.motion.positions[:, step, :, None]
-        return positions
-
-    def _test(self, window: Window, before: Tensor, after: Tensor | None, hits: np.ndarray) -> None:
-        """Mark the flights that collide in a window, by cause."""
-        if window.pairs.first.size:
-            hits[0] |= hits_between_pairs(window.pairs, before, after)
-        for watch in window.solids:
-            hits[1] |= hits_of_solid(watch, before, after)
-        if window.leavers.size and self.scenario.workspace is not None:
-            hits[2] |= workspace_exits(
-                self.scenario.workspace, window.leavers, window.leaver_bows, before, after
-            )
-
-    def _saturates(self, step: int, states: list[Tensor]) -> np.ndarray:
-        """Return which flights ask for more control than there is."""
-        saturated = np.zeros(states[0].shape[2], dtype=bool)
-        for factors, state in zip(self.factors, states, strict=True):
-            for member, deviation in zip(factors.group.members, state, strict=True):
-                vehicle = self.scenario.vehicles[member]
-                nominal = self.controls[member][step]
-                limit = vehicle.control_limit + _LIMIT_TOL
-                if vehicle.gain is not None:
-                    asked = np.abs(nominal[:, None] + vehicle.gain @ deviation)
-                    saturated |= (asked > limit[:, None]).any(axis=0)
-                elif np.any(np.abs(nominal) > limit):
-                    saturated[:] = True
-        return saturated
