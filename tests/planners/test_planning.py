@@ -1,0 +1,286 @@
+"""Planners end to end: what they promise, and what they say when they cannot."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from radmpc.errors import NoPlanError, ScenarioError
+from radmpc.experiments.families import circle, paper
+from radmpc.model.dynamics import double_integrator
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Status
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.decentralized import approximate
+from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
+from radmpc.planners.presets import PRESETS, parse_planner
+from radmpc.planning import plan
+from radmpc.program.policy import Ira, Pool, Sigmas, Uniform
+from radmpc.solvers.big_m import BigM
+from radmpc.solvers.branch import Branch
+from radmpc.solvers.solution import Limits
+
+CENTRAL_IRA = Planner(Ira(), Branch(), Centralized())
+
+
+def _vehicle(name, start, goal, **more):
+    options = {"radius": 0.4, "control_limit": np.full(2, 2.0), "speed_limit": np.full(2, 3.0)}
+    return Vehicle(
+        name=name,
+        system=double_integrator(1.0, 2),
+        start=np.concatenate([start, np.zeros(2)]),
+        goal=Goal(np.array(goal) - 0.1, np.array(goal) + 0.1, np.full(2, 0.05)),
+        **({"initial_covariance": 1e-3, "disturbance_covariance": 1e-3} | options | more),
+    )
+
+
+def _scenario(*vehicles, **more):
+    options = {"dt": 1.0, "horizon": 8, "risk_bound": 0.05, "avoidance": "steps"}
+    return Scenario(name="s", vehicles=vehicles, **(options | more))
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_plans_a_small_problem(name):
+    result = plan(paper(2, 1), name)
+    assert result.status is Status.FEASIBLE
+    assert result.certificate.problems == ()
+    assert result.cost == pytest.approx(
+        sum(float(np.abs(t.controls).sum()) for t in result.plan.trajectories)
+    )
+    if name not in {"milp", "dlp"}:
+        assert result.is_certified
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+@pytest.mark.parametrize("seed", range(3))
+def test_multi_vehicle_plans_hold_before_the_referee(avoidance, seed):
+    result = plan(replace(paper(4, seed), avoidance=avoidance), "multi-vehicle")
+    assert result.is_certified
+    assert result.certificate.certified <= 0.05
+    assert sorted(name for s in result.sets for name in s) == ["v1", "v2", "v3", "v4"]
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_cost_of_ira_never_rises_and_its_allocation_never_exceeds_the_bound(avoidance, seed):
+    scenario = replace(paper(3, seed), avoidance=avoidance)
+    result = plan(scenario, CENTRAL_IRA)
+    costs = [step.cost for step in result.steps]
+    assert len(costs) >= 2
+    for before, after in pairwise(costs):
+        assert after <= before * (1 + CENTRAL_IRA.gap)
+    for step in result.steps:
+        assert step.allocated <= scenario.risk_bound
+        assert step.used <= scenario.risk_bound
+    assert result.cost <= min(costs) * (1 + 1e-9)
+
+
+def test_ira_is_never_dearer_than_the_uniform_allocation_it_starts_from():
+    scenario = paper(3, 0)
+    uniform = plan(scenario, Planner(Uniform(), Branch(), Centralized()))
+    assert plan(scenario, CENTRAL_IRA).cost < uniform.cost
+
+
+def test_branch_and_big_m_give_the_same_uniform_plan():
+    scenario = paper(2, 1)
+    ours = plan(scenario, Planner(Uniform(), Branch(), Centralized(), gap=1e-5))
+    theirs = plan(scenario, Planner(Uniform(), BigM(), Centralized(), gap=1e-5))
+    assert ours.cost == pytest.approx(theirs.cost, rel=1e-4)
+
+
+@pytest.mark.parametrize("charge", ["allocated", "used"])
+def test_the_risk_pool_never_goes_negative_and_never_grows(charge):
+    run = approximate(
+        paper(5, 2),
+        Pool(charge),
+        Branch(),
+        Receding(),
+        gap=1e-3,
+        rng=np.random.default_rng(0),
+        limits=Limits(),
+        progress=lambda done, total: None,
+    )
+    assert len(run.pool) == 50
+    assert min(run.pool) >= 0.0
+    assert all(b <= a for a, b in pairwise(run.pool))
+    assert run.pool[0] < 0.05
+
+
+def test_a_pool_that_is_charged_what_was_used_keeps_more():
+    pools = {
+        charge: approximate(
+            paper(3, 2),
+            Pool(charge),
+            Branch(),
+            Receding(),
+            gap=1e-3,
+            rng=np.random.default_rng(0),
+            limits=Limits(),
+            progress=lambda done, total: None,
+        ).pool[-1]
+        for charge in ("allocated", "used")
+    }
+    assert pools["used"] > pools["allocated"]
+
+
+def test_the_same_seed_gives_the_same_plan_and_another_may_not():
+    scenario = paper(4, 5)
+    first, second = plan(scenario, "radmpc", rng=7), plan(scenario, "radmpc", rng=7)
+    for a, b in zip(first.plan.trajectories, second.plan.trajectories, strict=True):
+        assert np.array_equal(a.controls, b.controls)
+    assert first.record.seed == 7
+    assert plan(scenario, "radmpc", rng=np.random.default_rng(7)).record.seed is None
+
+
+def test_sets_planned_on_an_executor_give_the_same_plan():
+    scenario = paper(4, 3)
+    here = plan(scenario, "multi-vehicle")
+    with ThreadPoolExecutor(2) as executor:
+        there = plan(scenario, "multi-vehicle", executor=executor)
+    assert here.cost == there.cost
+    assert here.sets == there.sets
+
+
+def test_vehicles_that_never_meet_are_planned_apart_and_crossing_ones_together():
+    near = _scenario(_vehicle("a", (0, 0), (8, 0)), _vehicle("b", (8, 0), (0, 0)))
+    far = _scenario(_vehicle("a", (0, 0), (8, 0)), _vehicle("b", (8, 30), (0, 30)))
+    assert plan(near, "multi-vehicle").sets == (("a", "b"),)
+    assert plan(far, "multi-vehicle").sets == (("a",), ("b",))
+
+
+def test_a_coupling_threshold_of_one_couples_nobody_and_the_excess_is_not_hidden():
+    calm = {"disturbance_covariance": 1e-5}
+    scenario = _scenario(
+        _vehicle("a", (0, 0), (8, 0), **calm), _vehicle("b", (4, -4), (4, 4), **calm), horizon=10
+    )
+    assert plan(scenario, "multi-vehicle").sets == (("a", "b"),)
+    result = plan(scenario, Planner(Ira(), Branch(), Couplings(1.0)))
+    assert result.sets == (("a",), ("b",))
+    assert result.plan is not None
+    assert not result.is_certified
+    assert result.certificate.certified > 0.5
+
+
+def test_robust_planning_keeps_the_number_of_deviations_it_is_told():
+    scenario = _scenario(
+        _vehicle("a", (0, 0), (8, 0)), obstacles=(Obstacle.box("wall", [3, -1], [4, 0.9]),)
+    )
+    loose = plan(scenario, Planner(Sigmas(1.0), Branch(), Centralized()))
+    tight = plan(scenario, Planner(Sigmas(4.0), Branch(), Centralized()))
+    assert loose.cost < tight.cost
+    assert loose.certificate.certified > tight.certificate.certified
+
+
+def test_progress_is_told_per_stage():
+    seen = defaultdict(list)
+    plan(paper(2, 0), progress=lambda stage, done, total: seen[stage].append((done, total)))
+    assert seen["radmpc"][-1] == (20, 20)
+    assert seen["sets"][-1][0] == seen["sets"][-1][1]
+
+
+def test_a_stop_returns_a_result_without_a_plan_and_says_so():
+    result = plan(paper(3, 0), stop=lambda: True)
+    assert result.status is Status.LIMIT
+    assert result.plan is None
+    assert result.certificate is None
+    with pytest.raises(NoPlanError):
+        result.require()
+
+
+def test_a_time_limit_of_nothing_is_a_limit_not_an_infeasible_problem():
+    assert plan(paper(3, 0), "ira", time_limit=0.0).status is Status.LIMIT
+
+
+def _explained(scenario, planner="multi-vehicle"):
+    result = plan(scenario, planner)
+    assert result.status is Status.INFEASIBLE
+    assert result.plan is None
+    assert result.cost is None
+    return result.explanation
+
+
+def test_a_goal_out_of_reach_is_told_with_the_vehicle_and_the_time():
+    text = _explained(_scenario(_vehicle("slow", (0, 0), (100, 0))))
+    assert "'slow' cannot reach its goal within 8 steps (8 s)" in text
+
+
+def test_two_vehicles_with_one_goal_are_named():
+    text = _explained(_scenario(_vehicle("a", (0, 0), (4, 0)), _vehicle("b", (8, 0), (4, 0))))
+    assert "goals of vehicles 'a' and 'b' are too close" in text
+
+
+def test_a_goal_within_an_obstacle_is_named():
+    reef = Obstacle.box("reef", [7, -1], [9, 1])
+    text = _explained(_scenario(_vehicle("a", (0, 0), (8, 0)), obstacles=(reef,)), "ira")
+    assert "goal of vehicle 'a' lies within obstacle 'reef'" in text
+
+
+def test_starts_in_conflict_are_named_with_their_risk():
+    text = _explained(
+        _scenario(_vehicle("a", (0, 0), (8, 0)), _vehicle("b", (0.5, 0), (0, 8))), "ira"
+    )
+    assert "vehicles 'a' and 'b' (risk" in text
+
+
+def test_feedback_that_eats_the_control_limit_is_told_with_step_and_axis():
+    gain = np.array([[-9.0, 0, -9.0, 0], [0, -9.0, 0, -9.0]])
+    text = _explained(_scenario(_vehicle("a", (0, 0), (8, 0), gain=gain)))
+    assert "at step 1 the feedback alone takes more than control axis 0 allows" in text
+
+
+def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():
+    walls = (
+        Obstacle.box("north", [3, 0.5], [4, 30]),
+        Obstacle.box("south", [3, -30], [4, -0.5]),
+    )
+    scenario = _scenario(
+        _vehicle("a", (0, 0), (8, 0), disturbance_covariance=[0.05, 0.05, 0, 0]),
+        obstacles=walls,
+        risk_bound=1e-4,
+        avoidance="intervals",
+    )
+    assert "Vehicle 'a' alone cannot pass" in _explained(scenario)
+
+
+def test_everyone_through_one_point_is_planned_within_the_bound():
+    result = plan(circle(4), "multi-vehicle")
+    assert result.is_certified
+    assert result.sets == (("v1", "v2", "v3", "v4"),)
+
+
+def test_planner_names_are_read_with_and_without_their_number():
+    assert parse_planner("multi-vehicle(1e-3)").decomposition == Couplings(1e-3)
+    assert parse_planner("rmpc(2)").policy == Sigmas(2.0)
+    assert str(parse_planner("radmpc")) == "pool, branch, receding"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nothing", "planner must be one of milp, dlp"),
+        ("ira(3)", "takes no argument"),
+        ("multi-vehicle(x)", "takes a number"),
+        ("multi-vehicle(7)", r"must be in \[0, 1\]"),
+        ("multi-vehicle(1e-6", "planner must be one of"),
+    ],
+)
+def test_bad_planner_names_are_refused_with_what_is_allowed(text, message):
+    with pytest.raises(ScenarioError, match=message):
+        parse_planner(text)
+
+
+def test_choices_that_do_not_go_together_are_refused():
+    with pytest.raises(ScenarioError, match="'pool' needs"):
+        Planner(Pool(), Branch(), Centralized())
+    with pytest.raises(ScenarioError, match="does not go with 'receding'"):
+        Planner(Ira(), Branch(), Receding())
+    with pytest.raises(ScenarioError, match="gap must lie"):
+        Planner(Ira(), Branch(), Centralized(), gap=0.0)
+    with pytest.raises(ScenarioError, match="covariances must be"):
+        Receding("sometimes")

@@ -1,0 +1,248 @@
+"""The programme says what the scenario means."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from radmpc.experiments.families import circle, paper
+from radmpc.model.dynamics import LinearSystem, covariances, double_integrator, rollout
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.program.build import build_program, controls_of, whole_subjects
+from radmpc.program.restrict import avoidance_blocks, restrict
+from radmpc.solvers.lp import LpOutcome, WarmLp
+
+
+def _vehicle(name="a", start=(0.0, 0.0), goal=(8.0, 0.0), **more):
+    d = len(start)
+    options = {
+        "radius": 0.5,
+        "control_limit": np.full(d, 2.0),
+        "speed_limit": np.full(d, 3.0),
+        "initial_covariance": 0.01,
+        "disturbance_covariance": 0.01,
+    }
+    return Vehicle(
+        name=name,
+        system=double_integrator(1.0, d),
+        start=np.concatenate([start, np.zeros(d)]),
+        goal=Goal(np.array(goal) - 0.1, np.array(goal) + 0.1, np.full(d, 0.05)),
+        **(options | more),
+    )
+
+
+def _scenario(*vehicles, **more):
+    return Scenario(
+        name="s", dt=1.0, horizon=more.pop("horizon", 8), risk_bound=0.05, vehicles=vehicles, **more
+    )
+
+
+def _build(scenario):
+    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+
+
+def _random_point(program, rng):
+    return rng.uniform(program.lower, program.upper)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_outputs_are_the_mean_positions_of_the_rollout(seed):
+    scenario = paper(2, 3)
+    subjects = whole_subjects(scenario)
+    program = _build(scenario)
+    z = _random_point(program, np.random.default_rng(seed))
+    outputs = program.outputs @ z + program.constant
+    expected = []
+    for vehicle, controls in zip(scenario.vehicles, controls_of(subjects, z), strict=True):
+        expected.append(rollout(vehicle.system, vehicle.start, controls)[:, :2].ravel())
+    assert outputs[: 2 * 2 * 11] == pytest.approx(np.concatenate(expected), abs=1e-9)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_every_plan_that_holds_the_hard_rows_stays_within_reach(seed):
+    scenario = paper(1, 3)
+    program = _build(scenario)
+    rng = np.random.default_rng(seed)
+    cost = rng.normal(size=program.num_columns)
+    lp = WarmLp(replace(program, cost=cost), np.zeros(program.rows.count))
+    outcome, _ = lp.solve()
+    assert outcome is LpOutcome.OPTIMAL
+    outputs = program.outputs @ lp.point() + program.constant
+    assert np.all(outputs >= program.output_lower - 1e-6)
+    assert np.all(outputs <= program.output_upper + 1e-6)
+
+
+def test_a_face_row_is_the_obstacle_moved_out_by_the_radius():
+    scenario = _scenario(
+        _vehicle(), avoidance="steps", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    )
+    program = _build(scenario)
+    z = np.zeros(program.num_columns)
+    slacks = program.slacks(z)
+    # Without control the vehicle stays at the origin: 2.5 m left of the grown wall's left face.
+    assert slacks.max() == pytest.approx(2.5)
+    deviations = program.rows.deviations
+    step = np.array([program.exposures[e].step for e in program.rows.exposures])
+    sigma = covariances(scenario.vehicles[0].system, 0.01 * np.eye(4), 0.01 * np.eye(4), None, 8)
+    for row, event in enumerate(program.rows.events):
+        assert deviations[row] == pytest.approx(np.sqrt(sigma[step[event], 0, 0]))
+
+
+def test_under_intervals_an_alternative_holds_one_face_at_both_ends():
+    scenario = _scenario(
+        _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    )
+    program = _build(scenario)
+    assert set(np.diff(program.alternative_starts)) == {2}
+    for alternative in range(program.num_alternatives):
+        first, second = program.rows_of(alternative)
+        steps = [
+            program.exposures[program.rows.exposures[program.rows.events[r]]].step
+            for r in (first, second)
+        ]
+        assert steps[1] == steps[0] + 1
+
+
+def test_neighbouring_intervals_share_the_event_of_a_face_at_their_common_step():
+    scenario = _scenario(
+        _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    )
+    program = _build(scenario)
+    counts = np.bincount(program.rows.events)
+    assert counts.max() == 2
+    shared = np.flatnonzero(counts == 2)
+    for event in shared:
+        rows = np.flatnonzero(program.rows.events == event)
+        assert len(set(program.rows.deviations[rows])) == 1
+
+
+def test_the_bow_of_a_turn_towards_an_obstacle_is_in_the_rows():
+    scenario = _scenario(
+        _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    )
+    program = _build(scenario)
+    subjects = whole_subjects(scenario)
+    rng = np.random.default_rng(0)
+    z = np.zeros(program.num_columns)
+    span = z.size // 2
+    controls = rng.uniform(-2.0, 2.0, (8, 2))
+    z[:span] = np.maximum(controls, 0.0).ravel()
+    z[span:] = np.maximum(-controls, 0.0).ravel()
+    means = rollout(scenario.vehicles[0].system, scenario.vehicles[0].start, controls)
+    assert controls_of(subjects, z)[0] == pytest.approx(controls)
+    wall = scenario.obstacles[0].at(0)[0]
+    slacks = program.slacks(z)
+    for avoidance, label in enumerate(program.avoidances):
+        k = label.step
+        tau = np.linspace(0.0, 1.0, 50)[:, None]
+        curve = means[k, :2] + tau * means[k, 2:] + 0.5 * tau**2 * controls[k]
+        clear = np.sort((curve @ wall.normals.T - wall.offsets - 0.5).min(axis=0))
+        rows = [program.rows_of(a) for a in program.alternatives_of(avoidance)]
+        promised = np.sort([slacks[r].min() for r in rows])
+        # The rows never promise more than the curve keeps; axis-parallel faces promise all of it
+        # unless the curve turns away before its end.
+        assert np.all(promised <= clear[-len(promised) :] + 1e-9)
+
+
+def test_a_pair_far_apart_is_settled_and_charged_at_its_bound():
+    scenario = _scenario(_vehicle("a"), _vehicle("b", (0.0, 90.0), (8.0, 90.0)), avoidance="steps")
+    program = _build(scenario)
+    assert program.num_avoidances == 0
+    assert 0.0 <= program.initial_risk <= 1e-12 * scenario.horizon
+
+
+def test_risk_at_the_start_is_charged_before_anything_else():
+    scenario = _scenario(_vehicle("a"), _vehicle("b", (1.2, 0.0), (0.0, 8.0)), avoidance="steps")
+    program = _build(scenario)
+    # 0.2 m of clearance at a deviation of sqrt(0.02).
+    [(exposure, risk)] = program.initial
+    assert (exposure.cause, exposure.step) == ("pair", 0)
+    assert risk == pytest.approx(0.0786496, rel=1e-5)
+    assert program.budget < 0.0
+
+
+def test_the_workspace_is_one_avoidance_per_face_with_a_single_alternative():
+    scenario = _scenario(
+        _vehicle(),
+        avoidance="steps",
+        workspace=Workspace(np.array([-1.0, -1.0]), np.array([9.0, 1.0])),
+    )
+    program = _build(scenario)
+    assert program.num_avoidances > 0
+    assert set(np.diff(program.avoidance_starts)) == {1}
+    assert {e.cause for e in program.exposures} == {"workspace"}
+
+
+def test_two_goals_on_one_point_leave_an_avoidance_without_alternatives():
+    scenario = _scenario(_vehicle("a"), _vehicle("b", (16.0, 0.0), (8.0, 0.0)), avoidance="steps")
+    program = _build(scenario)
+    hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
+    assert [program.avoidances[int(i)].step for i in hopeless][-1] == 8
+
+
+def test_a_moving_obstacle_has_the_faces_of_both_ends_of_an_interval():
+    triangle = np.array([[4.0, -1.0], [5.0, -1.0], [4.5, 1.0]])
+    square = np.array([[4.0, -1.0], [5.0, -1.0], [5.0, 1.0], [4.0, 1.0]])
+    drift = np.array([0.0, 0.1])
+    outlines = [triangle + k * drift if k % 2 else square for k in range(9)]
+    scenario = _scenario(
+        _vehicle(), avoidance="intervals", obstacles=(Obstacle.moving("ferry", outlines),)
+    )
+    program = _build(scenario)
+    sizes = np.diff(program.avoidance_starts)
+    assert sizes.max() > 4
+
+
+def test_a_system_without_a_continuous_model_has_no_bow():
+    base = double_integrator(1.0, 2)
+    plain = LinearSystem(base.A, base.B, (0, 1), (2, 3))
+    vehicle = _vehicle()
+    wall = Obstacle.box("wall", [3, -1], [4, 1])
+    straight = _build(_scenario(replace(vehicle, system=plain), obstacles=(wall,)))
+    curved = _build(_scenario(vehicle, obstacles=(wall,)))
+    assert straight.rows.normals.nnz < curved.rows.normals.nnz
+
+
+def test_space_has_six_faces_around_a_pair():
+    scenario = _scenario(
+        _vehicle("a", (0.0, 0.0, 0.0), (8.0, 0.0, 0.0)),
+        _vehicle("b", (8.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        avoidance="steps",
+    )
+    program = _build(scenario)
+    assert np.diff(program.avoidance_starts).max() == 6
+
+
+def test_feedback_keeps_the_reserve_of_the_control_limit():
+    gain = np.array([[-0.3, 0, -0.9, 0], [0, -0.3, 0, -0.9]])
+    vehicle = _vehicle(gain=gain)
+    sigma = vehicle.covariances(8)
+    bounds = vehicle.control_bounds(sigma)
+    expected = 2.0 - 3.0 * np.sqrt(gain[0] @ sigma[5] @ gain[0])
+    assert bounds[5, 0] == pytest.approx(expected)
+    program = _build(_scenario(vehicle))
+    assert program.upper.max() == pytest.approx(bounds.max())
+
+
+def test_the_restriction_to_some_blocks_keeps_only_what_concerns_them():
+    program = _build(circle(4))
+    touched = avoidance_blocks(program)
+    assert touched.shape == (program.num_avoidances, 4)
+    part = restrict(program, np.array([0, 2]), touched)
+    names = {(e.vehicle, e.other) for e in part.program.avoidances}
+    assert names == {("v1", "v3")}
+    z = np.random.default_rng(0).uniform(size=program.num_columns)
+    assert part.program.slacks(z[part.columns]) == pytest.approx(program.slacks(z)[part.rows])
+
+
+def test_the_restriction_to_all_blocks_is_the_programme_itself():
+    program = _build(circle(3))
+    assert restrict(program, np.arange(3)).program is program
