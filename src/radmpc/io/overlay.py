@@ -207,7 +207,7 @@ def _noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: ImportOpti
     gain: Matrix | None = None
     if horizon > _LONG_HORIZON:
         # Adding zero turns the -0.0 beside the diagonals into 0.0.
-        gain = np.kron([[_GAIN[0] / dt**2, _GAIN[1] / dt]], np.eye(d)) + 0.0
+        gain = np.kron([[_GAIN[0] / dt**2, _GAIN[1] / dt]], np.eye(d)) + np.zeros((d, 2 * d))
     for candidate in (gain, None):
         growth = covariances(system, shape, shape, candidate, horizon)
         spread = float(np.sqrt(growth[-1, 0, 0]))
