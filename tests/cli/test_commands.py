@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from radmpc.cli import app
+from radmpc.io.importing import ImportedScenario
+from radmpc.io.scenario_file import load_scenario
 from radmpc.planners.presets import DEFAULT, PRESETS
 from radmpc.version import __version__
 
@@ -87,3 +89,52 @@ def test_the_guard_returns_the_code_where_no_exit_is_wanted() -> None:
     from typer.main import get_command  # noqa: PLC0415 - only this test looks below typer
 
     assert get_command(app).main(["planners", "--json"], standalone_mode=False) == 0
+
+
+SWAP = """\
+environment:
+  min: [0, 0]
+  max: [10, 5]
+  obstacles: []
+robots:
+  - {type: double_integrator_0, start: [2, 2.5, 0, 0], goal: [8, 2.5, 0, 0]}
+  - {type: double_integrator_0, start: [8, 2.5, 0, 0], goal: [2, 2.5, 0, 0]}
+"""
+
+
+def test_import_prints_what_it_chose_and_writes_a_valid_scenario(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "swap.yaml").write_text(SWAP, encoding="utf-8")
+    result = run("import", "swap.yaml", "-o", "mine.yaml", "--risk-bound", 0.01, "--horizon", 50)
+    assert result.exit_code == 0, result.stderr
+    assert "2 vehicles, 0 obstacles, 50 steps" in result.stdout
+    assert "noise" in result.stdout
+    assert "scenario written to mine.yaml" in result.stdout
+    checked = run("check", "mine.yaml")
+    assert checked.exit_code == 0
+    assert "risk bound 0.01" in checked.stdout
+
+
+def test_import_tells_its_warnings(
+    run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    imported = ImportedScenario(load_scenario(crossing), {"dt": "1 s"}, ("no cars here",))
+    monkeypatch.setattr("radmpc.cli.import_scenario", lambda source, options: imported)
+    result = run("import", "any", "-o", "mine.yaml")
+    assert "warning: no cars here" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--dt", "-1"], "dt"),
+        (["--avoidance", "sometimes"], "avoidance"),
+        (["-o", "no/mine.yaml"], "no: No such file or directory"),
+    ],
+)
+def test_import_refuses_bad_choices(
+    run: Run, tmp_path: Path, words: list[str], expected: str
+) -> None:
+    (tmp_path / "swap.yaml").write_text(SWAP, encoding="utf-8")
+    result = run("import", "swap.yaml", "-o", "mine.yaml", *words)
+    assert result.exit_code == 2
+    assert expected in assert_one_line(result.stderr)

@@ -23,7 +23,7 @@ def scenario_line(scenario: Scenario) -> str:
         _count(len(scenario.obstacles), "obstacle"),
         f"{_count(scenario.horizon, 'step')} of {scenario.dt:g} s",
         f"risk bound {scenario.risk_bound:g}",
-        f"avoidance at {scenario.avoidance}",
+        "avoidance " + ("at steps" if scenario.avoidance == "steps" else "along intervals"),
     ]
     return f"{scenario.name}: {', '.join(parts)}"
 
