@@ -11,7 +11,8 @@ from referee_scenes import make_plan, random_scene, scene_plan, straight_plan
 from radmpc.experiments.families import paper
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
-from radmpc.referee.encounters import Encounters, window_halfspaces
+from radmpc.referee.bounds import window_halfspaces
+from radmpc.referee.encounters import Encounters
 
 QUICK = settings(max_examples=25, deadline=None, derandomize=True)
 AVOIDANCES = st.sampled_from(["steps", "intervals"])

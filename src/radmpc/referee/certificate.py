@@ -8,8 +8,8 @@ import numpy as np
 
 from radmpc.model.plan import Cause, LedgerRow, Plan
 from radmpc.model.scenario import Scenario
+from radmpc.referee.bounds import step_risks
 from radmpc.referee.claims import claim_problems, limit_problems, shape_problems
-from radmpc.referee.encounters import step_risks
 from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs
 from radmpc.referee.ledger import Account, total_risk
 from radmpc.referee.motion import FleetMotion, propagate

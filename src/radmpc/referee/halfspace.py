@@ -11,6 +11,7 @@ Search for n may therefore stop anywhere: it makes the bound tight, never wrong.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -127,7 +128,9 @@ def unit(vectors: Tensor) -> Tensor:
     return np.where(good, vectors / np.where(good, lengths, 1.0), axis)
 
 
-def refine(sites: Sites, directions: Matrix, risks: Vector) -> tuple[Matrix, Vector]:
+def refine(
+    sites: Sites, directions: Matrix, score: Callable[[Tensor], Tensor]
+) -> tuple[Matrix, Vector]:
     """Turn each direction downhill: a pattern search over the sphere, all sites at once.
 
     At one end the clearance is a concave over a convex function of n, both homogeneous, so it has
@@ -141,19 +144,21 @@ def refine(sites: Sites, directions: Matrix, risks: Vector) -> tuple[Matrix, Vec
         S places.
     directions : (S, d) array
         Where to start.
-    risks : (S,) array
-        Sum over ends there.
+    score : callable
+        From the risks of P directions at each site's ends, (S, P, E), to what is to be small,
+        (S, P). Sites that turn together start alike and score alike.
 
     Returns
     -------
     directions : (S, d) array
         Where the search ended.
-    risks : (S,) array
-        Never above those given.
+    scores : (S,) array
+        Never above those at the start.
     """
     pattern = _pattern(directions.shape[1])
     ridges = unit(sites.edges[:, 0, :, 1] - sites.edges[:, 0, :, 0])
-    best, lowest = directions.copy(), risks.copy()
+    best = directions.copy()
+    lowest = score(end_risks(sites, best[:, None]))[:, 0]
     rows = np.arange(len(best))
     step = _FIRST_STEP
     for _ in range(_ROUNDS):
@@ -161,7 +166,7 @@ def refine(sites: Sites, directions: Matrix, risks: Vector) -> tuple[Matrix, Vec
         trial = unit(best[:, None, :] + step * offsets)
         if ridges.shape[1]:
             trial = np.concatenate([trial, _along_ridges(best, ridges, step)], axis=1)
-        found = end_risks(sites, trial).sum(axis=2)
+        found = score(end_risks(sites, trial))
         choice = found.argmin(axis=1)
         better = found[rows, choice] < lowest
         best[better] = trial[rows, choice][better]

@@ -14,7 +14,8 @@ from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
-from radmpc.referee.encounters import Encounters, window_halfspaces
+from radmpc.referee.bounds import window_halfspaces
+from radmpc.referee.encounters import Encounters
 from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import CUTOFF_RISK

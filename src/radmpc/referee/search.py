@@ -1,0 +1,65 @@
+"""The best half-space at each site."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.referee.halfspace import Sites, end_risks, refine, unit
+from radmpc.referee.tangent import tangent_directions
+
+__all__ = ["NEGLIGIBLE", "best_directions"]
+
+# Half-spaces below this risk are charged as they are, without looking for a better one.
+NEGLIGIBLE = 1e-15
+
+
+def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix, Vector]:
+    """Return the best direction found for each site and its risk, summed over ends.
+
+    At one end the tangents are the best there is. At two ends the search goes on from them.
+    """
+    gaps = sites.means.mean(axis=1)[:, None] - sites.vertices.mean(axis=1)
+    tried = np.concatenate(
+        [np.repeat(common, repeats, axis=0), unit(gaps.mean(axis=1, keepdims=True))], axis=1
+    )
+    best, risks = _cheapest(sites, tried)
+    worth = np.flatnonzero(risks > NEGLIGIBLE)
+    if not worth.size:
+        return best, risks
+    close = sites.take(worth)
+    tangents, found = _cheapest(close, np.concatenate([best[worth, None], _tangents(close)], 1))
+    if sites.means.shape[1] > 1:
+        tangents, found = refine(close, tangents, _sum_over_ends)
+    best[worth], risks[worth] = tangents, found
+    return best, risks
+
+
+def _sum_over_ends(risks: Tensor) -> Tensor:
+    """Return the score of a half-space on its own."""
+    return np.asarray(risks.sum(axis=2))
+
+
+def _cheapest(sites: Sites, tried: Tensor) -> tuple[Matrix, Vector]:
+    """Return the best of some directions for each site, and its risk."""
+    rows = np.arange(len(tried))
+    found = end_risks(sites, tried).sum(axis=2)
+    choice = found.argmin(axis=1)
+    return tried[rows, choice], found[rows, choice]
+
+
+def _tangents(sites: Sites) -> Tensor:
+    """Return the best directions at each end, (S, E (V + R), d)."""
+    per_end = []
+    for end in range(sites.means.shape[1]):
+        shape = min(end, sites.vertices.shape[1] - 1)
+        per_end.append(
+            tangent_directions(
+                sites.means[:, end],
+                sites.covariances[:, end],
+                sites.radii,
+                sites.vertices[:, shape],
+                sites.edges[:, shape],
+            )
+        )
+    return np.concatenate(per_end, axis=1)
