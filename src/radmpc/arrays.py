@@ -53,6 +53,8 @@ def as_array(
     fits = array.ndim == len(shape) and all(
         n is None or n == m for n, m in zip(shape, array.shape, strict=True)
     )
+    if not fits and len(shape) == array.ndim == 1:
+        raise ScenarioError(f"must have {shape[0]} numbers, got {array.size}", path)
     if not fits:
         raise ScenarioError(f"must have shape {wanted}, got {array.shape}", path)
     if not np.all(np.isfinite(array)):

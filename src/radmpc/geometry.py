@@ -58,7 +58,9 @@ def box(lower: npt.ArrayLike, upper: npt.ArrayLike) -> Polytope:
     low = as_vector(lower)
     high = as_vector(upper, low.size)
     if not np.all(low < high):
-        raise ScenarioError(f"min must be below max on every axis, got {list(low)}, {list(high)}")
+        raise ScenarioError(
+            f"min must be below max on every axis, got {low.tolist()} and {high.tolist()}"
+        )
     identity = np.eye(low.size)
     if low.size == 2:
         corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])

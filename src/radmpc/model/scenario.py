@@ -38,8 +38,8 @@ class Workspace:
         object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
         if not np.all(self.lower < self.upper):
             raise ScenarioError(
-                f"min must be below max on every axis, got {list(self.lower)} "
-                f"and {list(self.upper)}"
+                f"min must be below max on every axis, got {self.lower.tolist()} "
+                f"and {self.upper.tolist()}"
             )
 
 

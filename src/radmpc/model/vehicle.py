@@ -36,13 +36,13 @@ class Goal:
         object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
         if not np.all(self.lower <= self.upper):
             raise ScenarioError(
-                f"min must not exceed max, got {list(self.lower)} and {list(self.upper)}"
+                f"min must not exceed max, got {self.lower.tolist()} and {self.upper.tolist()}"
             )
         if self.speed is not None:
             speed = as_vector(self.speed, lower.size, ("speed",))
             object.__setattr__(self, "speed", speed)
             if np.any(speed < 0.0):
-                raise ScenarioError(f"must be >= 0 m/s, got {list(speed)}", ("speed",))
+                raise ScenarioError(f"must be >= 0 m/s, got {speed.tolist()}", ("speed",))
 
     @property
     def center(self) -> Vector:
