@@ -10,7 +10,10 @@ from dataclasses import dataclass, field
 from radmpc.errors import FileFormatError
 from radmpc.io.text import one_line, shown
 
-__all__ = ["Place", "json_places"]
+__all__ = ["MAX_DEPTH", "Place", "json_places"]
+
+MAX_DEPTH = 50
+"""Levels of lists and mappings that a file may have."""
 
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[\[\]{}:,]|[^\s\[\]{}:,"]+|\n', re.DOTALL)
 
@@ -69,14 +72,14 @@ class _Open:
 
 
 def json_places(text: str, name: str) -> Place:
-    """Return the places of a JSON text that is known to be valid but for repeated keys.
+    """Return the places of a JSON text that is valid but for repeated keys and deep nesting.
 
     The standard parser tells no lines; this runs only once an error needs one.
 
     Raises
     ------
     FileFormatError
-        If a mapping holds a key twice.
+        If a mapping holds a key twice, or values are nested too deep.
     """
     line = 1
     stack = [_Open(1, None)]
@@ -85,6 +88,10 @@ def json_places(text: str, name: str) -> Place:
         if token == "\n":
             line += 1
         elif token in "[{":
+            if len(stack) > MAX_DEPTH:
+                raise FileFormatError(
+                    one_line(f"{name}:{line}: must not be nested deeper than {MAX_DEPTH} levels")
+                )
             stack.append(_Open(line, {} if token == "{" else None))
         elif token in "]}":
             stack.pop()

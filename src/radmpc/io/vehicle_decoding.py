@@ -115,10 +115,8 @@ def _start(given: list[float], system: LinearSystem) -> Vector:
     if len(given) == n:
         return np.array(given)
     if len(given) != d:
-        raise ScenarioError(
-            f"must have {d} numbers (a position) or {n} (a full state), got {len(given)}",
-            ("start",),
-        )
+        allowed = f"{d} numbers (a position)" + (f" or {n} (a full state)" if n != d else "")
+        raise ScenarioError(f"must have {allowed}, got {len(given)}", ("start",))
     state = np.zeros(n)
     state[list(system.position)] = given
     return state

@@ -22,12 +22,11 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from radmpc.errors import FileFormatError
-from radmpc.io.lines import Place
+from radmpc.io.lines import MAX_DEPTH, Place
 from radmpc.io.text import one_line, shown
 
 __all__ = ["read_yaml"]
 
-_MAX_DEPTH = 50
 _MAX_ALIASED = 1_000_000
 _MAX_DIGITS = 400
 
@@ -74,7 +73,9 @@ def read_yaml(text: str, name: str) -> tuple[object, Place]:
             builder.take(event)
     except ReaderError as error:
         line = 1 + text.count("\n", 0, error.position)
-        raise builder.failure(f"must be printable text, got {error.character!r}", line) from error
+        raise builder.failure(
+            f"must be printable text, got {text[error.position]!r}", line
+        ) from error
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         what = ", ".join(str(part) for part in (error.context, error.problem) if part)
@@ -138,7 +139,10 @@ class _Builder:
         """Refuse tags, and keys that are not plain text."""
         tag = getattr(event, "tag", None)
         if tag is not None:
-            raise self.failure(f"tags are not allowed, got {shown(str(tag))}", line)
+            raise self.failure(
+                f"tags are not allowed, got {shown(str(tag).replace('tag:yaml.org,2002:', '!!'))}",
+                line,
+            )
         if self._awaits_key() and not isinstance(event, ScalarEvent):
             raise self.failure("keys must be text", line)
 
@@ -162,8 +166,8 @@ class _Builder:
 
     def _open(self, event: MappingStartEvent | SequenceStartEvent, line: int) -> None:
         """Start a mapping or a list."""
-        if len(self._stack) > _MAX_DEPTH:
-            raise self.failure(f"must not be nested deeper than {_MAX_DEPTH} levels", line)
+        if len(self._stack) > MAX_DEPTH:
+            raise self.failure(f"must not be nested deeper than {MAX_DEPTH} levels", line)
         if event.anchor is not None:
             self._anchors.pop(event.anchor, None)
         self._stack.append(_Open(line, event.anchor, isinstance(event, MappingStartEvent)))
