@@ -14,7 +14,8 @@ help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
 demo: $(INSTALLED) ## plan the shipped scenario; plan and picture go to out/
-	$(BIN)/radmpc demo --out out
+	@$(BIN)/radmpc demo --out out
+	@echo "(here radmpc is $(BIN)/radmpc)"
 
 check: format lint types floors test ## everything that must hold before a commit
 	@echo 'make check: everything holds'

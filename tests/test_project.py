@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-import radmpc.version
+import radmpc
+from radmpc.experiments.families import paper
+from radmpc.version import __version__
 
 ROOT = Path(__file__).parent.parent
 
@@ -37,7 +39,7 @@ def texts() -> dict[Path, str]:
 
 
 def test_the_installed_version_is_that_of_the_source() -> None:
-    assert version("radmpc") == radmpc.version.__version__
+    assert version("radmpc") == __version__
 
 
 def test_no_tracked_file_names_a_registry() -> None:
@@ -98,7 +100,20 @@ def test_the_readme_example_is_at_most_ten_lines() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"```python\n(.*?)```", readme, re.S)
     assert len([line for line in example.splitlines() if line.strip()]) <= 10
-    compile(example, "README.md", "exec")
+
+
+def test_the_readme_example_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", readme, re.S)
+    monkeypatch.chdir(tmp_path)
+    Path("out").mkdir()
+    # Any scenario will do, and a small one is planned at once.
+    radmpc.save_scenario(paper(2, seed=1), "out/harbor.yaml")
+    exec(compile(example, "README.md", "exec"), {})
+    assert "joint risk at most" in capsys.readouterr().out
+    assert radmpc.load_plan("out/mine.plan.json").scenario.num_vehicles == 2
 
 
 def test_pictures_in_the_docs_stay_small() -> None:
