@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from referee_scenes import glider, make_plan, straight_controls, straight_plan
 
+from radmpc.errors import ScenarioError
 from radmpc.model.plan import Risk
 from radmpc.model.scenario import Scenario
-from radmpc.referee import certify
+from radmpc.referee import certify, simulate
 
 GAIN = np.array([[-0.3, 0.0, -0.9, 0.0], [0.0, -0.3, 0.0, -0.9]])
 
@@ -217,3 +218,21 @@ def test_several_faults_are_all_named(plan):
     broken = with_trajectory(replace(plan, cost=0.0), 0, means=means)
     assert len(certify(broken).problems) == 2
     assert "2 problems" in certify(broken).summary
+
+
+def test_numbers_beyond_all_bounds_are_a_problem_not_a_crash(plan):
+    controls = plan.trajectories[0].controls.copy()
+    controls[:, 0] = 1e308
+    broken = with_trajectory(plan, 0, controls=controls)
+    certificate = certify(broken)
+    assert certificate.problems == ("vehicle 'ann': its mean overflows",)
+    assert certificate.certified == 1.0
+    with pytest.raises(ScenarioError, match="its mean overflows"):
+        simulate(broken, 10)
+
+
+def test_noise_beyond_all_bounds_is_a_problem_not_a_crash(plan):
+    wild = replace(plan.scenario.vehicles[0], gain=1e90 * GAIN)
+    scenario = replace(plan.scenario, vehicles=(wild, plan.scenario.vehicles[1]))
+    broken = with_trajectory(replace(plan, scenario=scenario), 0, gain=1e90 * GAIN)
+    assert certify(broken).problems == ("vehicle 'ann': its covariances overflow",)

@@ -291,3 +291,34 @@ def test_intervals_collide_at_least_as_often_as_their_steps():
     plan = straight_plan(replace(paper(6, 5), obstacles=()))
     between = replace(plan, scenario=replace(plan.scenario, avoidance="intervals"))
     assert simulate(between, 5000, rng=3).collisions >= simulate(plan, 5000, rng=3).collisions
+
+
+def test_nothing_to_watch_is_nothing_to_draw():
+    still = {"sigma": 0.0, "radius": 0.4}
+    plan = walk_plan(walk("a", [[0, 0], [0, 0]], **still), walk("b", [[9, 0], [9, 0]], **still))
+    result = simulate(plan, 1000, rng=0)
+    assert result.rate == result.saturation_rate == result.overlooked == 0.0
+
+
+def test_an_error_in_the_progress_report_ends_the_simulation():
+    def fail(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(straight_plan(paper(2, 0)), 200_000, rng=0, progress=fail)
+
+
+def test_long_horizons_under_feedback_agree_with_the_propagated_covariance():
+    gain = np.array([[-0.3, 0.0, -0.9, 0.0], [0.0, -0.3, 0.0, -0.9]])
+    vehicle = glider("a", [0, 0], [0, 0], noise=0.01, gain=gain)
+    final = np.sqrt(vehicle.covariances(30)[-1, 0, 0])
+    workspace = Workspace([-60.0, -60.0], [60.0, 60.0])
+    scenario = Scenario("far", 1.0, 30, 0.05, (vehicle,), avoidance="steps", workspace=workspace)
+    plan = make_plan(scenario, [np.zeros((30, 2))])
+    # Only the last step looks at a wall that has moved next to the vehicle by then.
+    far, near = np.array([50.0, 0.0]), np.array([0.4 + final, 0.0])
+    square = np.array([[0, -40], [5, -40], [5, 40], [0, 40]], dtype=float)
+    wall = Obstacle.moving("wall", [square + (near if k == 30 else far) for k in range(31)])
+    watched = replace(plan, scenario=replace(scenario, obstacles=(wall,)))
+    result = simulate(watched, 40_000, rng=8)
+    assert agrees(result.obstacle_collisions, 40_000, ndtr(-1.0))

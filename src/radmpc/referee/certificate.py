@@ -89,6 +89,8 @@ def certify(plan: Plan) -> Certificate:
     if problems:
         return Certificate(scenario.risk_bound, 1.0, (), tuple(problems))
     motion = propagate(scenario, [t.controls for t in plan.trajectories])
+    if motion.problems:
+        return Certificate(scenario.risk_bound, 1.0, (), tuple(motion.problems))
     problems = claim_problems(plan, motion) + limit_problems(plan, motion)
     ledger = _ledger(scenario, motion)
     certified = total_risk(ledger)

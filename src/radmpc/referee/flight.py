@@ -8,8 +8,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.referee.claims import shape_problems
 from radmpc.referee.collisions import Flags, leaves_workspace, meets_origin, meets_solid
 from radmpc.referee.motion import FleetMotion, propagate
 from radmpc.referee.sampling import Sampler
@@ -168,10 +170,24 @@ class Flight:
 
 
 def prepare(plan: Plan) -> Flight:
-    """Return a plan ready to be flown."""
+    """Return a plan ready to be flown.
+
+    Raises
+    ------
+    NoPlanError
+        If the plan holds no trajectories.
+    ScenarioError
+        If its vehicles or arrays do not fit its scenario, or overflow.
+    """
+    problems = shape_problems(plan)
+    if problems:
+        kind = ScenarioError if plan.trajectories else NoPlanError
+        raise kind("; ".join(problems))
     scenario = plan.scenario
     controls = [t.controls for t in plan.trajectories]
     motion = propagate(scenario, controls)
+    if motion.problems:
+        raise ScenarioError("; ".join(motion.problems))
     watches, overlooked = watch_list(scenario, motion)
     limited = [i for i, v in enumerate(scenario.vehicles) if v.gain is not None]
     involved = [w.first for w in watches] + [w.other[w.kinds == PAIR] for w in watches]

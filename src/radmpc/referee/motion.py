@@ -43,6 +43,8 @@ class FleetMotion:
 
     Attributes
     ----------
+    names : tuple of str
+        The vehicles.
     groups : tuple of Group
         The closed loops.
     states : tuple of (T+1, n) array
@@ -60,6 +62,7 @@ class FleetMotion:
         Hull radii [m].
     """
 
+    names: tuple[str, ...]
     groups: tuple[Group, ...]
     states: tuple[Matrix, ...]
     covariances: tuple[Tensor, ...]
@@ -67,6 +70,16 @@ class FleetMotion:
     position_covariances: Tensor
     bows: Tensor
     radii: Vector
+
+    @property
+    def problems(self) -> list[str]:
+        """Vehicles that controls or noise carry beyond all numbers."""
+        return [
+            f"vehicle {name!r}: its {field} overflow{'s' if field == 'mean' else ''}"
+            for field, arrays in (("mean", self.states), ("covariances", self.covariances))
+            for name, array in zip(self.names, arrays, strict=True)
+            if not np.all(np.isfinite(array))
+        ]
 
 
 def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
@@ -100,6 +113,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
             bows[i] = controls[i] * scenario.dt**2 / 8.0
     axes = [list(v.system.position) for v in vehicles]
     return FleetMotion(
+        names=tuple(v.name for v in vehicles),
         groups=groups,
         states=tuple(states),
         covariances=tuple(covariances),
@@ -114,11 +128,11 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
 
 def _mean_states(vehicle: Vehicle, controls: Matrix) -> Matrix:
     """Return the mean states at k = 0..T."""
-    pushes = controls @ vehicle.system.B.T
     A = vehicle.system.A
     states = [vehicle.start]
-    for push in pushes:
-        states.append(A @ states[-1] + push)
+    with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
+        for push in controls @ vehicle.system.B.T:
+            states.append(A @ states[-1] + push)
     return np.array(states)
 
 
@@ -148,6 +162,7 @@ def _covariances(group: Group, horizon: int) -> Tensor:
     result = np.empty((len(group.members), horizon + 1, *group.initial.shape[1:]))
     result[:, 0] = group.initial
     turned = group.transitions.transpose(0, 2, 1)
-    for k in range(horizon):
-        result[:, k + 1] = group.transitions @ result[:, k] @ turned + group.disturbance
+    with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
+        for k in range(horizon):
+            result[:, k + 1] = group.transitions @ result[:, k] @ turned + group.disturbance
     return 0.5 * (result + result.transpose(0, 1, 3, 2))

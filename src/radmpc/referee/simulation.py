@@ -10,9 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import betaincinv
 
-from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan
-from radmpc.referee.claims import shape_problems
 from radmpc.referee.flight import prepare
 
 __all__ = ["Simulation", "simulate"]
@@ -127,14 +125,10 @@ def simulate(
     NoPlanError
         If the plan holds no trajectories.
     ScenarioError
-        If its vehicles or arrays do not fit its scenario.
+        If its vehicles or arrays do not fit its scenario, or overflow.
     """
     if samples < 1:
         raise ValueError(f"samples must be >= 1, got {samples}")
-    problems = shape_problems(plan)
-    if problems:
-        kind = ScenarioError if plan.trajectories else NoPlanError
-        raise kind("; ".join(problems))
     flight = prepare(plan)
     size = max(_LEAST_CHUNK, _CHUNK_NUMBERS // max(1, flight.sampler.width))
     sizes = [size] * (samples // size) + ([samples % size] if samples % size else [])
@@ -142,12 +136,16 @@ def simulate(
     seeds = np.random.SeedSequence(entropy).spawn(len(sizes))
     counts = np.zeros(5, dtype=np.int64)
     done = 0
-    with ThreadPoolExecutor(max_workers=_num_workers()) as pool:
+    pool = ThreadPoolExecutor(max_workers=_num_workers())
+    try:
         for found, part in zip(pool.map(flight.count, sizes, seeds), sizes, strict=True):
             counts += found
             done += part
             if progress is not None:
                 progress(done, samples)
+    finally:
+        # An interrupted caller waits for the chunks in the air, not for all that are left.
+        pool.shutdown(cancel_futures=True)
     total, pairs, obstacles, exits, saturated = (int(c) for c in counts)
     return Simulation(samples, total, pairs, obstacles, exits, saturated, flight.overlooked)
 
