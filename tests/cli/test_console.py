@@ -162,6 +162,20 @@ def test_workers_ignore_interrupts() -> None:
         assert executor.submit(signal.getsignal, signal.SIGINT).result() is signal.SIG_IGN
 
 
+def test_workers_may_start_outside_the_main_thread() -> None:
+    answers: list[int] = []
+
+    def work() -> None:
+        with workers(2) as executor:
+            assert executor is not None
+            answers.append(executor.submit(abs, -1).result())
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert answers == [1]
+
+
 def test_workers_end_with_an_error_outside() -> None:
     def fail_outside() -> None:
         with workers(2) as executor:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -30,8 +31,9 @@ def workers(jobs: int) -> Iterator[Executor | None]:
         return
     # Not fork: it copies a process that has threads, and is not the same on all systems.
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_leave_interrupts_alone)
+    pool = ProcessPoolExecutor(jobs, mp_context=context)
     try:
+        _start_deaf(pool, jobs)
         yield pool
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
@@ -41,6 +43,17 @@ def workers(jobs: int) -> Iterator[Executor | None]:
     pool.shutdown(cancel_futures=True)
 
 
-def _leave_interrupts_alone() -> None:
-    """Let the parent alone decide what Ctrl-C means: terminals send it to all processes."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _start_deaf(pool: ProcessPoolExecutor, jobs: int) -> None:
+    """Start all workers, deaf to Ctrl-C: terminals send it to them too, but the parent decides.
+
+    They inherit deafness. An initializer would come too late for a Ctrl-C while they load.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return
+    previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        # None is idle before the last is started, so every task starts one.
+        for _ in range(jobs):
+            pool.submit(int)
+    finally:
+        signal.signal(signal.SIGINT, previous)
