@@ -1,11 +1,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from radmpc.model.plan import Plan
+from radmpc.planners.result import Result
+from radmpc.planning import plan
+from radmpc.referee import Certificate
 
 from .conftest import CROSSING, Run, assert_one_line
 
@@ -185,3 +189,16 @@ def test_the_plan_written_is_the_plan_found(
     ((plan, path),) = kept
     assert path == Path("a.json")
     assert plan.scenario.name == "crossing"
+
+
+def test_a_plan_the_referee_finds_fault_with_is_a_no(
+    run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def faulty(*args: object, **kwargs: object) -> Result:
+        result = plan(*args, **kwargs)
+        return replace(result, certificate=Certificate(0.05, 0.01, (), ("goal missed",)))
+
+    monkeypatch.setattr("radmpc.console.planning.plan", faulty)
+    result = run("plan", crossing)
+    assert result.exit_code == 1
+    assert "the plan is not certified: goal missed" in assert_one_line(result.stderr)
