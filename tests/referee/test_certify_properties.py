@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from referee_scenes import make_plan, random_scene, scene_plan, straight_plan
+from scipy.special import ndtr
 
 from radmpc.experiments.families import paper
+from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
 from radmpc.referee.bounds import window_halfspaces
@@ -141,3 +143,21 @@ def test_no_direction_beats_the_refined_one_at_a_step():
         assert (
             coarse_risk <= window_halfspaces(fine, intervals=False).risks[0, 0] * (1 + 1e-4) + 1e-15
         )
+
+
+@pytest.mark.parametrize(("dimension", "faces"), [(2, 4), (2, 7), (3, 6), (3, 14)])
+@pytest.mark.parametrize("seed", range(5))
+def test_holding_one_pair_face_all_the_time_never_costs_less(dimension, faces, seed):
+    rng = np.random.default_rng(seed)
+    towards = sphere_directions(faces, dimension)[rng.integers(faces)]
+    spread = 0.3 * rng.standard_normal((2, dimension, dimension))
+    covariances = spread @ spread.transpose(0, 2, 1)
+    drift = 0.3 * rng.standard_normal((2, 5, dimension))
+    paths = drift + np.stack([np.zeros(dimension), 1.5 * towards])[:, None]
+    plan = scene_plan(paths, covariances, [], avoidance="intervals", pair_faces=faces)
+    relative = paths[1] - paths[0]
+    growth = 0.05**2 * np.arange(5)[:, None, None] * np.eye(dimension)
+    total = covariances.sum(axis=0) + 2.0 * growth
+    deviations = np.sqrt(np.einsum("d,kde,e->k", towards, total, towards))
+    one_face = ndtr(-(relative @ towards - 0.6) / deviations).sum()
+    assert certify(plan).certified <= one_face * (1 + 1e-9)
