@@ -155,16 +155,14 @@ def test_vehicles_that_never_meet_are_planned_apart_and_crossing_ones_together()
 
 
 def test_a_coupling_threshold_of_one_couples_nobody_and_the_excess_is_not_hidden():
-    calm = {"disturbance_covariance": 1e-5}
-    scenario = _scenario(
-        _vehicle("a", (0, 0), (8, 0), **calm), _vehicle("b", (4, -4), (4, 4), **calm), horizon=10
-    )
-    assert plan(scenario, "multi-vehicle").sets == (("a", "b"),)
+    scenario = paper(3, 4)
+    assert plan(scenario, "multi-vehicle").is_certified
     result = plan(scenario, Planner(Ira(), Branch(), Couplings(1.0)))
-    assert result.sets == (("a",), ("b",))
+    assert result.sets == (("v1",), ("v2",), ("v3",))
     assert result.plan is not None
     assert not result.is_certified
-    assert result.certificate.certified > 0.5
+    assert result.certificate.certified > scenario.risk_bound
+    assert result.record.risk.certified == result.certificate.certified
 
 
 def test_robust_planning_keeps_the_number_of_deviations_it_is_told():

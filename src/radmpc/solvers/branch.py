@@ -19,6 +19,7 @@ from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import Restriction, avoidance_blocks, restrict
 from radmpc.solvers.lp import CostRow
+from radmpc.solvers.neighborhood import improve, prioritize
 from radmpc.solvers.selection import least_violated, violations_of
 from radmpc.solvers.solution import Limits, Outcome, Solution, relative_gap
 from radmpc.solvers.tree import Tree
@@ -27,6 +28,9 @@ __all__ = ["Branch"]
 
 _TOUCH_TOL = 1e-7
 """Above the trees' own tolerance, so that only what lies between groups counts."""
+
+_EASY_NODES = 60
+"""Nodes per block that a group's tree gets before heuristics look for an incumbent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +43,7 @@ class Branch:
         Nodes after which the search stops with what it has.
     """
 
-    max_nodes: int = 20_000
+    max_nodes: int = 5_000
 
     def __str__(self) -> str:
         return "branch"
@@ -83,48 +87,51 @@ class _Groups:
         self.cost = float("inf")
         self.z: Vector | None = None
         self.touched: csr_array = avoidance_blocks(program)
+        self.whole = frozenset(range(int(self.touched.shape[1])))
         self.known: dict[frozenset[int], float] = {}
-        self.trees: dict[frozenset[int], tuple[Restriction, Tree]] = {}
+        self.solved: dict[frozenset[int], tuple[Restriction, Vector | None]] = {}
 
     def solve(self, begun: float) -> Solution:
         """Merge and solve until the groups' solutions go together."""
-        num_blocks = int(self.touched.shape[1])
-        groups = [frozenset({b}) for b in range(num_blocks)]
-        has_dived = self.start is not None
+        groups = [frozenset({block}) for block in sorted(self.whole)]
         while True:
             for group in groups:
-                if group not in self.trees:
+                if group not in self.solved:
                     self._grow(group)
                 if self.known[group] == float("inf"):
                     return self._answer(begun, float("inf"))
             bound = sum(self.known[group] for group in groups)
             conflicts = self._conflicts(groups)
-            if not conflicts:
+            if not conflicts or len(groups) == 1:
                 return self._answer(begun, bound)
-            if not has_dived:
-                has_dived = True
-                self._dive(num_blocks)
-            if self._is_limited() or relative_gap(self.cost, bound) <= self.gap:
+            if relative_gap(self.cost, bound) <= self.gap:
+                return self._answer(begun, bound)
+            if self.nodes >= self.max_nodes or self.limits.reached:
+                self._seek(self.whole)
                 return self._answer(begun, bound)
             groups = _merged(groups, conflicts)
 
     def _grow(self, group: frozenset[int]) -> None:
         """Solve one group by a tree of its own."""
-        whole = len(group) == self.touched.shape[1]
         part = restrict(self.program, np.array(sorted(group)), self.touched)
-        tree = self._tree(part, group, self.max_nodes - self.nodes)
+        tree = self._tree(part, group)
+        left = max(self.max_nodes - self.nodes, 1)
         if self.start is not None:
             tree.try_selection(np.searchsorted(part.alternatives, self.start[part.avoidances]))
-        elif whole and self.z is not None:
-            tree.try_selection(self._selection(self.z))
-        tree.run()
+        if len(group) == 1:
+            tree.run(left)
+        else:
+            tree.run(min(left, _EASY_NODES * len(group)))
+            if tree.is_limited:
+                self._help(part, tree)
+                tree.run(max(left - tree.nodes, 1))
         self.nodes += tree.nodes
         self.lps += tree.lps
-        known = [value for other, value in self.known.items() if other < group]
-        self.known[group] = max([tree.bound, *known]) if tree.is_limited else tree.bound
-        self.trees[group] = (part, tree)
+        parts = [value for other, value in self.known.items() if other < group]
+        self.known[group] = max([tree.bound, *parts])
+        self.solved[group] = (part, tree.z)
 
-    def _tree(self, part: Restriction, group: frozenset[int], max_nodes: int) -> Tree:
+    def _tree(self, part: Restriction, group: frozenset[int]) -> Tree:
         """Return a tree that knows what smaller groups cost."""
         blocks = part.program.blocks
         rows = [
@@ -132,23 +139,47 @@ class _Groups:
             for other, bound in self.known.items()
             if other < group
         ]
-        return Tree(
-            part.program,
-            self.margins[part.rows],
-            gap=self.gap,
-            limits=self.limits,
-            max_nodes=max(max_nodes, 1),
-            cost_rows=rows,
-        )
+        margins = self.margins[part.rows]
+        return Tree(part.program, margins, gap=self.gap, limits=self.limits, cost_rows=rows)
+
+    def _help(self, part: Restriction, tree: Tree) -> None:
+        """Look for a good incumbent by planning one block at a time."""
+        margins = self.margins[part.rows]
+        z = tree.z
+        if z is None:
+            alone = np.zeros(part.program.num_columns)
+            for block in np.unique(part.program.blocks):
+                z_block = self.solved[frozenset({int(block)})][1]
+                if z_block is None:
+                    return
+                alone[part.program.blocks == block] = z_block
+            z = prioritize(part.program, margins, alone, limits=self.limits)
+        if z is not None:
+            tree.try_point(improve(part.program, margins, z, gap=self.gap, limits=self.limits))
+
+    def _seek(self, group: frozenset[int]) -> None:
+        """Look for any solution of the whole once a limit has ended the proof."""
+        if self.cost < float("inf") or self.limits.reached:
+            return
+        part = restrict(self.program, np.array(sorted(group)), self.touched)
+        tree = self._tree(part, group)
+        self._help(part, tree)
+        if tree.z is None:
+            tree.run(_EASY_NODES * len(group))
+        self.nodes += tree.nodes
+        self.lps += tree.lps
+        if tree.z is not None:
+            self._note(tree.z)
 
     def _conflicts(self, groups: list[frozenset[int]]) -> list[tuple[int, int]]:
         """Return pairs of groups whose solutions collide, worst first; note good wholes."""
         z = np.zeros(self.program.num_columns)
         for group in groups:
-            part, tree = self.trees[group]
-            if tree.z is None:
-                return []
-            z[part.columns] = tree.z
+            part, found = self.solved[group]
+            if found is None:
+                # A limit left the group without a solution: nothing to compare.
+                return [(0, 1)] if len(groups) > 1 else []
+            z[part.columns] = found
         violations = violations_of(self.program, self.margins, z)
         if violations.size:
             worst = np.minimum.reduceat(violations, self.program.avoidance_starts[:-1])
@@ -167,34 +198,15 @@ class _Groups:
             pairs.append((members[0], members[-1]))
         return pairs
 
-    def _dive(self, num_blocks: int) -> None:
-        """Look for any solution of the whole, so that a limit never leaves empty-handed."""
-        part = restrict(self.program, np.arange(num_blocks), self.touched)
-        tree = self._tree(part, frozenset(range(num_blocks)), 2 * self.program.num_avoidances)
-        tree.gap = 1.0 - 1e-9
-        tree.run()
-        self.nodes += tree.nodes
-        self.lps += tree.lps
-        if tree.z is not None:
-            self._note(tree.z)
-
     def _note(self, z: Vector) -> None:
         """Keep a solution of the whole if it is the best."""
         cost = float(self.program.cost @ z)
         if cost < self.cost:
             self.cost, self.z = cost, z
 
-    def _is_limited(self) -> bool:
-        """Whether the search must end."""
-        return self.nodes >= self.max_nodes or self.limits.reached
-
-    def _selection(self, z: Vector) -> Indices:
-        """Return the alternatives a point satisfies best."""
-        return least_violated(self.program, violations_of(self.program, self.margins, z))
-
     def _answer(self, begun: float, bound: float) -> Solution:
         """Return the answer as it stands."""
-        if self.start is not None:
+        if self.start is not None and self.z is None:
             self._try_start()
         bound = min(bound, self.cost)
         if self.z is not None:
@@ -202,10 +214,14 @@ class _Groups:
             outcome = Outcome.OPTIMAL if closed else Outcome.FEASIBLE
         else:
             outcome = Outcome.INFEASIBLE if bound == float("inf") else Outcome.LIMIT
+        selection = None
+        if self.z is not None:
+            violations = violations_of(self.program, self.margins, self.z)
+            selection = least_violated(self.program, violations)
         return Solution(
             outcome=outcome,
             z=self.z,
-            selection=None if self.z is None else self._selection(self.z),
+            selection=selection,
             cost=self.cost,
             bound=bound,
             nodes=self.nodes,
@@ -214,14 +230,11 @@ class _Groups:
         )
 
     def _try_start(self) -> None:
-        """Solve the whole on the sides of the start: it may beat a search cut short."""
-        if self.start is None or self.cost < float("inf"):
+        """Solve the whole on the sides of the start, for want of anything better."""
+        if self.start is None:
             return
-        tree = self._tree(
-            restrict(self.program, np.arange(int(self.touched.shape[1])), self.touched),
-            frozenset(),
-            1,
-        )
+        part = restrict(self.program, np.array(sorted(self.whole)), self.touched)
+        tree = self._tree(part, frozenset())
         tree.try_selection(self.start)
         self.lps += tree.lps
         if tree.z is not None:

@@ -28,6 +28,9 @@ _SECOND_WEIGHT = 0.5
 """An avoidance is worth branching on if its best alternative is far away, and half as much if its
 second best is: then both children move."""
 
+_PATIENCE = 100
+"""Nodes that a dive without any solution may back up for before the best bound is tried again."""
+
 
 def possible_alternatives(program: DisjunctiveProgram, margins: Vector) -> np.ndarray:
     """Return which alternatives some admissible control can satisfy, (a,) bool."""
@@ -52,6 +55,7 @@ class _Node:
     number: int
     chosen: tuple[int, ...] = field(compare=False)
     excluded: tuple[int, ...] = field(compare=False)
+    is_open: bool = field(compare=False, default=True)
 
 
 class Tree:
@@ -67,8 +71,6 @@ class Tree:
         Relative gap at which to stop.
     limits : Limits
         When to stop early.
-    max_nodes : int
-        Nodes after which to stop.
     cost_rows : sequence of CostRow
         Known lower bounds on the cost of some columns.
 
@@ -91,14 +93,12 @@ class Tree:
         *,
         gap: float,
         limits: Limits,
-        max_nodes: int,
         cost_rows: Sequence[CostRow] = (),
     ) -> None:
         self.program = program
         self.margins = margins
         self.gap = gap
         self.limits = limits
-        self.max_nodes = max_nodes
         self.cost = float("inf")
         self.z: Vector | None = None
         self.bound = float("inf")
@@ -106,7 +106,13 @@ class Tree:
         self.is_limited = False
         self._lp = WarmLp(program, margins, cost_rows)
         self._open: list[_Node] = []
+        self._trail: list[_Node] = []
+        self._weights = np.ones(program.num_avoidances)
+        self._owner = np.repeat(
+            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
+        )
         self._created = 0
+        self._closed = float("inf")
         self._possible = possible_alternatives(program, margins)
         self._table = _padded(program, self._possible)
         left = (self._table >= 0).sum(axis=1)
@@ -127,25 +133,60 @@ class Tree:
         if outcome is LpOutcome.OPTIMAL and cost < self.cost:
             self.cost, self.z = cost, self._lp.point()
 
-    def run(self) -> Tree:
-        """Dive from the best open node until none can improve on the incumbent."""
+    def try_point(self, z: Vector) -> None:
+        """Make an incumbent of a point, if it satisfies the programme."""
+        violations = violations_of(self.program, self.margins, z)
+        cost = float(self.program.cost @ z)
+        if cost < self.cost and self._most_promising(violations) is None:
+            self.cost, self.z = cost, z
+
+    def run(self, max_nodes: int) -> None:
+        """Dive from the best open node until none can improve on the incumbent.
+
+        Stops after so many nodes; called again it goes on where it stood.
+        """
         if self._is_hopeless:
-            return self
-        self._push(-float("inf"), self._forced, ())
-        while self._open and relative_gap(self.cost, self._open[0].bound) > self.gap:
-            node: _Node | None = heapq.heappop(self._open)
-            while node is not None:
-                if self.nodes >= self.max_nodes or self.limits.reached:
-                    self.is_limited = True
-                    heapq.heappush(self._open, node)
-                    break
-                node = self._expand(node)
-            if self.is_limited:
+            return
+        if self.nodes == 0:
+            self._push(-float("inf"), self._forced, ())
+        last = self.nodes + max_nodes
+        self.is_limited = False
+        while self._top() is not None and not self.is_limited:
+            if relative_gap(self.cost, self._open[0].bound) <= self.gap:
                 break
-        if self._open:
-            self._close(self._open[0].bound)
-        self.bound = min(self.bound, self.cost)
-        return self
+            self._dive(heapq.heappop(self._open), last)
+        left = self._top()
+        self.bound = min(self._closed, float("inf") if left is None else left.bound, self.cost)
+
+    def _dive(self, node: _Node | None, last: int) -> None:
+        """Follow a node's best children down; without any solution yet, back up a while."""
+        self._trail.clear()
+        patience = _PATIENCE
+        while node is not None:
+            node.is_open = False
+            if self.nodes >= last or self.limits.reached:
+                self.is_limited = True
+                node.is_open = True
+                heapq.heappush(self._open, node)
+                return
+            node = self._expand(node)
+            if node is None and self.z is None and patience > 0:
+                node = self._backtrack()
+            patience -= 1
+
+    def _backtrack(self) -> _Node | None:
+        """Return the latest open node of this dive."""
+        while self._trail:
+            node = self._trail.pop()
+            if node.is_open:
+                return node
+        return None
+
+    def _top(self) -> _Node | None:
+        """Return the open node of least bound; those taken by a dive are dropped on the way."""
+        while self._open and not self._open[0].is_open:
+            heapq.heappop(self._open)
+        return self._open[0] if self._open else None
 
     def _expand(self, node: _Node) -> _Node | None:
         """Solve a node; return the child to dive into, if it has any."""
@@ -156,6 +197,8 @@ class Tree:
             return None
         self._lp.activate(self._rows(node.chosen), self._rows(node.excluded))
         outcome, bound = self._lp.solve(cutoff)
+        if outcome is not LpOutcome.OPTIMAL and node.chosen:
+            self._weights[self._owner[node.chosen[-1]]] += 1.0
         if outcome is LpOutcome.INFEASIBLE:
             return None
         bound = max(bound, node.bound)
@@ -182,21 +225,23 @@ class Tree:
         violated = np.flatnonzero(least > _VIOLATION_TOL)
         if violated.size == 0:
             return None
-        nearest = np.partition(padded[violated], 1, axis=1) if padded.shape[1] > 1 else None
-        if nearest is None:
-            return int(violated[least[violated].argmax()])
+        if self.z is None or padded.shape[1] == 1:
+            # Without a solution, what failed often fails early: begin there (Boussemart 2004).
+            return int(violated[(least[violated] * self._weights[violated]).argmax()])
+        nearest = np.partition(padded[violated], 1, axis=1)
         return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * nearest[:, 1]).argmax()])
 
     def _branch(self, node: _Node, avoidance: int, violations: Vector, bound: float) -> _Node:
         """Open one child per alternative; return the one violated least."""
         alternatives = [int(a) for a in self._table[avoidance] if a >= 0]
         alternatives.sort(key=lambda a: violations[a])
-        excluded = node.excluded
+        excluded, later = node.excluded, []
         for before, alternative in pairwise(alternatives):
             # Only a single row has an opposite that is a row.
             if self.program.rows_of(before).size == 1:
                 excluded = (*excluded, before)
-            self._push(bound, (*node.chosen, alternative), excluded)
+            later.append(self._push(bound, (*node.chosen, alternative), excluded))
+        self._trail += later[::-1]
         self._created += 1
         chosen = (*node.chosen, alternatives[0])
         return _Node(bound, -len(chosen), self._created, chosen, node.excluded)
@@ -215,12 +260,14 @@ class Tree:
 
     def _close(self, bound: float) -> None:
         """Account for the bound of a node that is not split further."""
-        self.bound = min(self.bound, bound)
+        self._closed = min(self._closed, bound)
 
-    def _push(self, bound: float, chosen: tuple[int, ...], excluded: tuple[int, ...]) -> None:
+    def _push(self, bound: float, chosen: tuple[int, ...], excluded: tuple[int, ...]) -> _Node:
         """Open a node."""
         self._created += 1
-        heapq.heappush(self._open, _Node(bound, -len(chosen), self._created, chosen, excluded))
+        node = _Node(bound, -len(chosen), self._created, chosen, excluded)
+        heapq.heappush(self._open, node)
+        return node
 
 
 def _padded(program: DisjunctiveProgram, possible: np.ndarray) -> Indices:
