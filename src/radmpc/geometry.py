@@ -126,7 +126,9 @@ def halfspaces(normals: npt.ArrayLike, offsets: npt.ArrayLike) -> Polytope:
     unit, rhs = raw / lengths[:, None], rhs / lengths
     inner = _chebyshev_center(unit, rhs)
     try:
-        corners = HalfspaceIntersection(np.column_stack([unit, -rhs]), inner).intersections
+        # Corners at infinity are refused below.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            corners = HalfspaceIntersection(np.column_stack([unit, -rhs]), inner).intersections
     except QhullError as error:
         raise ScenarioError("normals and offsets must describe a bounded set") from error
     if not np.all(np.isfinite(corners)):
