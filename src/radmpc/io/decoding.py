@@ -7,6 +7,7 @@ from radmpc.errors import ScenarioError
 from radmpc.io.checking import check_format, validated
 from radmpc.io.plain import plain_mapping
 from radmpc.io.schema import SCENARIO_FORMAT, ObstacleSpec, ScenarioSpec
+from radmpc.io.text import shown
 from radmpc.io.vehicle_decoding import Shared, build_vehicle
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
@@ -39,7 +40,7 @@ def decode_scenario(data: object) -> Scenario:
     try:
         return _build(spec)
     except ScenarioError as error:
-        raise ScenarioError(error.message, _origin(error.path, spec)) from error
+        raise _at_origin(error, spec) from error
 
 
 def _build(spec: ScenarioSpec) -> Scenario:
@@ -73,14 +74,17 @@ def _vehicles(spec: ScenarioSpec) -> tuple[Vehicle, ...]:
     return tuple(vehicles)
 
 
-def _origin(path: tuple[str | int, ...], spec: ScenarioSpec) -> tuple[str | int, ...]:
-    """Return the path to where a vehicle's field stands: with the vehicle or in the defaults."""
+def _at_origin(error: ScenarioError, spec: ScenarioSpec) -> ScenarioError:
+    """Return an error where its value stands: with the vehicle or in the defaults."""
+    path = error.path
     if len(path) < 3 or path[0] != "vehicles" or not isinstance(path[1], int):
-        return path
-    given = spec.vehicles[path[1]].model_fields_set
-    if path[2] not in given and path[2] in spec.defaults.model_fields_set:
-        return ("defaults", *path[2:])
-    return path
+        return error
+    vehicle = spec.vehicles[path[1]]
+    if path[2] in vehicle.model_fields_set or path[2] not in spec.defaults.model_fields_set:
+        return error
+    # What is wrong for every vehicle shows with the first.
+    whose = f" (for vehicle {shown(vehicle.name)})" if path[1] > 0 else ""
+    return ScenarioError(error.message + whose, ("defaults", *path[2:]))
 
 
 def _workspace(spec: ScenarioSpec) -> Workspace | None:

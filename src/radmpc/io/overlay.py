@@ -211,7 +211,7 @@ def _noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: ImportOpti
     for candidate in (gain, None):
         growth = covariances(system, shape, shape, candidate, horizon)
         spread = float(np.sqrt(growth[-1, 0, 0]))
-        std = options.noise or _rounded_up(_SPREAD * vehicle.radius / spread)
+        std = options.noise or _rounded_up(_SPREAD * vehicle.radius / spread, 3)
         if candidate is None:
             break
         effort = np.einsum("an,knm,am->ka", candidate, growth, candidate)
@@ -286,7 +286,7 @@ def _vehicle(vehicle: ForeignVehicle, dt: float, noise: _Noise) -> Vehicle:
     )
 
 
-def _rounded_up(value: float) -> float:
-    """Return the next larger number of two digits."""
-    digits = 1 - math.floor(math.log10(value))
+def _rounded_up(value: float, num_digits: int = 2) -> float:
+    """Return the next larger number of so many digits."""
+    digits = num_digits - 1 - math.floor(math.log10(value))
     return round(math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits, digits)

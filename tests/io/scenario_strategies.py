@@ -1,0 +1,177 @@
+"""Random scenarios and plans, of everything that files can hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from radmpc.model.dynamics import LinearSystem, double_integrator
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.vehicle import Goal, Vehicle
+
+texts = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=8)
+finite = st.floats(-1e9, 1e9)
+positive = st.floats(1e-9, 1e6)
+probabilities = st.floats(0.0, 1.0)
+
+
+def arrays(*shape: int) -> st.SearchStrategy[np.ndarray]:
+    return hnp.arrays(np.float64, shape, elements=finite)
+
+
+def covariances(size: int) -> st.SearchStrategy[np.ndarray]:
+    roots = hnp.arrays(np.float64, (size, size), elements=st.floats(-10.0, 10.0))
+    return st.one_of(
+        st.just(np.zeros((size, size))),
+        hnp.arrays(np.float64, size, elements=st.floats(0.0, 10.0)).map(np.diag),
+        roots.map(lambda root: root @ root.T),
+    )
+
+
+@st.composite
+def obstacles(draw: st.DrawFn, name: str, d: int, horizon: int) -> Obstacle:
+    corner = np.array(draw(st.lists(st.floats(-100.0, 100.0), min_size=d, max_size=d)))
+    size = draw(st.floats(0.1, 50.0))
+    kind = draw(st.sampled_from(["box", "polygon", "halfspaces", "moving"]))
+    points = np.vstack([np.zeros(d), np.eye(d)])
+    if kind == "box":
+        return Obstacle.box(name, corner, corner + size)
+    if kind == "polygon" and d == 2 and draw(st.booleans()):
+        points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 1.0]])
+    if kind == "polygon":
+        return Obstacle.polygon(name, corner + size * points)
+    if kind == "moving":
+        return Obstacle.moving(name, [corner + k + size * points for k in range(horizon + 1)])
+    normals = np.vstack([np.eye(d), -3.0 * np.eye(d)])
+    return Obstacle.halfspaces(name, normals, np.concatenate([corner + size, -3.0 * corner]))
+
+
+@st.composite
+def systems(draw: st.DrawFn, dt: float, d: int) -> LinearSystem:
+    if draw(st.booleans()):
+        return double_integrator(dt, d)
+    n, m = draw(st.integers(2 * d, 2 * d + 1)), draw(st.integers(1, 3))
+    order = draw(st.permutations(range(n)))
+    velocity = tuple(order[d : 2 * d]) if draw(st.booleans()) else None
+    return LinearSystem(draw(arrays(n, n)), draw(arrays(n, m)), tuple(order[:d]), velocity)
+
+
+@st.composite
+def goals(draw: st.DrawFn, d: int, has_speed: bool) -> Goal:
+    center = draw(hnp.arrays(np.float64, d, elements=st.floats(-50.0, 50.0)))
+    half = draw(hnp.arrays(np.float64, d, elements=st.floats(0.0, 5.0)))
+    speed = hnp.arrays(np.float64, d, elements=st.floats(0.0, 5.0))
+    wants_speed = has_speed and draw(st.booleans())
+    return Goal(center - half, center + half, draw(speed) if wants_speed else None)
+
+
+@st.composite
+def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
+    system = draw(systems(dt, d))
+    n, m = system.num_states, system.num_controls
+    has_velocity = system.velocity is not None
+    limits = hnp.arrays(np.float64, d, elements=positive)
+    at_rest = np.zeros(n)
+    at_rest[list(system.position)] = draw(arrays(d))
+    return Vehicle(
+        name=name,
+        system=system,
+        start=draw(st.one_of(st.just(at_rest), arrays(n))),
+        goal=draw(goals(d, has_velocity)),
+        radius=draw(positive),
+        control_limit=draw(hnp.arrays(np.float64, m, elements=positive)),
+        initial_covariance=draw(covariances(n)),
+        disturbance_covariance=draw(covariances(n)),
+        speed_limit=draw(st.none() | limits) if has_velocity else None,
+        gain=draw(st.none() | arrays(m, n)),
+        control_sigmas=draw(st.just(3.0) | st.floats(0.0, 10.0)),
+        cost_weight=draw(st.just(1.0) | st.floats(0.0, 10.0)),
+    )
+
+
+plain = st.recursive(
+    st.none() | st.booleans() | st.integers(-(10**12), 10**12) | finite | texts,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3),
+    max_leaves=5,
+)
+
+
+@st.composite
+def scenarios(draw: st.DrawFn) -> Scenario:
+    d = draw(st.sampled_from([2, 3]))
+    dt, horizon = draw(st.floats(1e-3, 100.0)), draw(st.integers(1, 3))
+    names = draw(st.lists(texts, min_size=1, max_size=3, unique=True))
+    stones = draw(st.lists(texts, max_size=2, unique=True))
+    # Half of the fleets are of one kind, which files write as defaults.
+    kind = draw(st.none() | vehicles("", dt, d))
+    faces = st.integers(3, 9) if d == 2 else st.sampled_from([6, 8, 14])
+    corner = st.floats(60.0, 1e6)
+    return Scenario(
+        name=draw(texts | st.just("")),
+        dt=dt,
+        horizon=horizon,
+        risk_bound=draw(st.floats(1e-12, 0.4999)),
+        vehicles=tuple(
+            draw(vehicles(name, dt, d)) if kind is None else replace(kind, name=name)
+            for name in names
+        ),
+        obstacles=tuple(draw(obstacles(name, d, horizon)) for name in stones),
+        avoidance=draw(st.sampled_from(["steps", "intervals"])),
+        pair_faces=draw(st.none() | faces),
+        workspace=draw(
+            st.none() | corner.map(lambda size: Workspace(np.full(d, -size), np.full(d, size)))
+        ),
+        source=draw(st.none() | st.dictionaries(texts, plain, max_size=3)),
+    )
+
+
+@st.composite
+def trajectories(draw: st.DrawFn, vehicle: Vehicle, horizon: int) -> Trajectory:
+    n, m = vehicle.system.num_states, vehicle.system.num_controls
+    return Trajectory(
+        name=vehicle.name,
+        controls=draw(arrays(horizon, m)),
+        means=draw(arrays(horizon + 1, n)),
+        covariances=draw(arrays(horizon + 1, n, n)),
+        gain=vehicle.gain,
+    )
+
+
+@st.composite
+def ledger_rows(draw: st.DrawFn) -> LedgerRow:
+    return LedgerRow(
+        draw(st.sampled_from(["obstacle", "pair", "workspace"])),
+        draw(texts),
+        draw(st.none() | texts),
+        draw(st.integers(0, 1000)),
+        draw(probabilities),
+    )
+
+
+@st.composite
+def plans(draw: st.DrawFn) -> Plan:
+    scenario = draw(scenarios())
+    is_found = draw(st.booleans())
+    rows = st.lists(ledger_rows(), max_size=3).map(tuple)
+    return Plan(
+        scenario=scenario,
+        planner=draw(texts),
+        seed=draw(st.none() | st.integers(0, 2**63)),
+        status=draw(st.sampled_from(list(Status))),
+        cost=draw(finite) if is_found else None,
+        lower_bound=draw(st.none() | finite),
+        risk=Risk(scenario.risk_bound, draw(st.none() | probabilities), draw(rows)),
+        sets=tuple((vehicle.name,) for vehicle in scenario.vehicles),
+        seconds=draw(st.dictionaries(texts, positive, max_size=2)),
+        versions=draw(st.dictionaries(texts, texts, max_size=2)),
+        explanation=draw(st.none() | texts),
+        trajectories=tuple(
+            draw(trajectories(vehicle, scenario.horizon))
+            for vehicle in (scenario.vehicles if is_found else ())
+        ),
+    )

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from comparing import differences
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scenario_strategies import plans, scenarios
+
+from radmpc.io.plan_file import decode_plan, encode_plan, load_plan, save_plan
+from radmpc.io.scenario_file import (
+    decode_scenario,
+    encode_scenario,
+    load_scenario,
+    save_scenario,
+)
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+
+often = settings(
+    max_examples=60,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("round_trips")
+
+
+@often
+@given(scenario=scenarios())
+def test_a_scenario_survives_encoding_bit_for_bit(scenario: Scenario) -> None:
+    assert differences(decode_scenario(encode_scenario(scenario)), scenario) == []
+
+
+@often
+@given(scenario=scenarios(), suffix=st.sampled_from([".yaml", ".yml", ".json"]))
+def test_a_scenario_survives_a_file_bit_for_bit(
+    folder: Path, scenario: Scenario, suffix: str
+) -> None:
+    path = folder / f"scenario{suffix}"
+    save_scenario(scenario, path)
+    assert differences(load_scenario(path), scenario) == []
+
+
+@often
+@given(plan=plans())
+def test_a_plan_survives_a_file_bit_for_bit(folder: Path, plan: Plan) -> None:
+    path = folder / "plan.json"
+    save_plan(plan, path)
+    assert differences(load_plan(path), plan) == []
+
+
+@often
+@given(plan=plans())
+def test_a_plan_survives_encoding_bit_for_bit(plan: Plan) -> None:
+    assert differences(decode_plan(encode_plan(plan)), plan) == []
