@@ -13,9 +13,10 @@ from radmpc.errors import ScenarioError
 from radmpc.io.checking import validated
 from radmpc.io.document import Document, read_document
 from radmpc.io.foreign import ForeignModel, ForeignProblem, ForeignVehicle
+from radmpc.io.import_options import ImportOptions
 from radmpc.io.numbers import Text
 from radmpc.io.numbers import Vector as Numbers
-from radmpc.io.overlay import ImportedScenario, ImportOptions, overlay
+from radmpc.io.overlay import ImportedScenario, overlay
 from radmpc.io.schema import FileModel
 from radmpc.io.text import shown
 from radmpc.model.obstacle import Obstacle
@@ -125,6 +126,7 @@ def read_dynobench(document: Document) -> ForeignProblem:
     return ForeignProblem(
         name=Path(document.name).stem,
         format="dynobench",
+        file=Path(document.name).name,
         vehicles=tuple(_vehicle(i, robot, d) for i, robot in enumerate(file.robots)),
         obstacles=tuple(_box(i, o) for i, o in enumerate(file.environment.obstacles or [])),
         workspace=workspace,

@@ -73,8 +73,8 @@ class ForeignProblem:
     ----------
     name : str
         For the scenario.
-    format : str
-        What the file's format is called.
+    format, file : str
+        What the file's format is called, and the file.
     vehicles : tuple of ForeignVehicle
         At least one.
     obstacles : tuple of Obstacle
@@ -89,6 +89,7 @@ class ForeignProblem:
 
     name: str
     format: str
+    file: str
     vehicles: tuple[ForeignVehicle, ...]
     obstacles: tuple[Obstacle, ...] = ()
     workspace: Workspace | None = None

@@ -10,7 +10,8 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.document import Document, read_document
 from radmpc.io.dynobench import is_dynobench, read_dynobench
 from radmpc.io.foreign import ForeignProblem
-from radmpc.io.overlay import ImportedScenario, ImportOptions, overlay
+from radmpc.io.import_options import ImportOptions
+from radmpc.io.overlay import ImportedScenario, overlay
 from radmpc.io.schema import SCENARIO_FORMAT
 from radmpc.io.text import one_line
 

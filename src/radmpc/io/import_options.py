@@ -1,0 +1,62 @@
+"""What the user of an import decides."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from radmpc.errors import ScenarioError
+from radmpc.model.scenario import Avoidance
+
+__all__ = ["ImportOptions"]
+
+
+@dataclass(frozen=True, slots=True)
+class ImportOptions:
+    """What the user has decided; None leaves it to the importer.
+
+    Attributes
+    ----------
+    dt : float or None
+        Step [s].
+    horizon : int or None
+        Number of steps.
+    noise : float or None
+        Standard deviation of the position noise added at every step [m].
+    risk_bound : float or None
+        Joint bound, 0 < Δ < 0.5.
+    radius : float or None
+        Of every vehicle [m].
+    avoidance : {'intervals', 'steps'} or None
+        Whether collisions count between steps.
+    """
+
+    dt: float | None = None
+    horizon: int | None = None
+    noise: float | None = None
+    risk_bound: float | None = None
+    radius: float | None = None
+    avoidance: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse values that no scenario can have."""
+        for name, unit in (("dt", "s"), ("noise", "m"), ("radius", "m")):
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and 0.0 < value <= 1e6):
+                raise ScenarioError(f"must be > 0 {unit}, got {value}", (name,))
+        if self.horizon is not None and not 1 <= self.horizon <= 1000:
+            raise ScenarioError(f"must be 1 to 1000 steps, got {self.horizon}", ("horizon",))
+        if self.risk_bound is not None and not 0.0 < self.risk_bound < 0.5:
+            raise ScenarioError(
+                f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",
+                ("risk_bound",),
+            )
+        if self.avoidance not in {None, "steps", "intervals"}:
+            raise ScenarioError(
+                f"must be 'steps' or 'intervals', got {self.avoidance!r}", ("avoidance",)
+            )
+
+    @property
+    def chosen_avoidance(self) -> Avoidance:
+        """Where collisions count: between steps too, unless asked otherwise."""
+        return "steps" if self.avoidance == "steps" else "intervals"
