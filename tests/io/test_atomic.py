@@ -28,7 +28,7 @@ while True:
 def test_a_kill_in_mid_write_never_leaves_half_a_file(tmp_path: Path) -> None:
     target = tmp_path / "plan.json"
     rng = random.Random(0)
-    for _ in range(8):
+    for _ in range(6):
         writer = subprocess.Popen(
             [sys.executable, "-c", WRITER, str(target)], stdout=subprocess.PIPE, text=True
         )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from ruamel.yaml import YAML
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.importing import import_scenario
@@ -103,8 +104,6 @@ def scenario_data() -> dict[str, object]:
 
 
 def load_text(text: str) -> Any:
-    from ruamel.yaml import YAML  # noqa: PLC0415 - an independent reader
-
     return decode_scenario(YAML(typ="safe", pure=True).load(text))
 
 
@@ -135,7 +134,7 @@ def test_a_spoiled_file_ends_in_one_line(
 ) -> None:
     path = tmp_path / f"spoiled{suffix}"
     num_refused = 0
-    for broken in spoiled_texts(text, 400):
+    for broken in spoiled_texts(text, 250):
         path.write_bytes(broken.encode("utf-8", "surrogatepass"))
         line = refusal(load, path)
         if line is not None:
@@ -143,7 +142,7 @@ def test_a_spoiled_file_ends_in_one_line(
             assert line.startswith(f"{path}:")
             assert line.isprintable()
             assert len(line) <= 400
-    assert num_refused > 200
+    assert num_refused > 125
 
 
 def refusal(load: Callable[[Path], object], path: Path) -> str | None:
@@ -163,9 +162,9 @@ def test_spoiled_data_end_in_a_scenario_error(
     decode: Callable[[object], object], data: dict[str, object]
 ) -> None:
     num_refused = 0
-    for broken in spoiled_values(data, 1500):
+    for broken in spoiled_values(data, 800):
         try:
             decode(broken)
         except ScenarioError:
             num_refused += 1
-    assert num_refused > 700
+    assert num_refused > 400

@@ -258,3 +258,55 @@ def test_long_values_are_cut_in_messages(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match=r":3: dt: must be a number") as caught:
         load_scenario(path)
     assert len(str(caught.value)) < 500
+
+
+def test_the_example_of_the_documentation_is_valid(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+    path = tmp_path / "example.yaml"
+    path.write_text(text.split("```yaml\n")[1].split("```")[0], encoding="utf-8")
+    scenario = load_scenario(path)
+    assert (scenario.num_vehicles, len(scenario.obstacles)) == (2, 3)
+
+
+def test_a_default_that_fits_not_every_vehicle_names_the_one() -> None:
+    data = bare()
+    dynamics = {"A": [[1, 0], [0, 1]], "B": [[1, 0], [0, 1]], "position": [0, 1]}
+    (vehicle,) = data["vehicles"]
+    data["vehicles"] = [vehicle, {**vehicle, "name": "b", "dynamics": dynamics}]
+    data["defaults"] = {"initial_covariance": [1, 1, 1, 1]}
+    with pytest.raises(ScenarioError) as caught:
+        decode_scenario(data)
+    assert str(caught.value) == (
+        "defaults.initial_covariance: must have 2 numbers, got 4 (for vehicle 'b')"
+    )
+
+
+def test_a_file_of_a_thousand_vehicles_is_written_and_read(tmp_path: Path) -> None:
+    data = bare()
+    (vehicle,) = data["vehicles"]
+    data["vehicles"] = [{**vehicle, "name": f"v{i}", "start": [i, -i]} for i in range(1000)]
+    scenario = decode_scenario(data)
+    for suffix in (".yaml", ".json"):
+        save_scenario(scenario, tmp_path / f"many{suffix}")
+        assert differences(load_scenario(tmp_path / f"many{suffix}"), scenario) == []
+
+
+def nested(levels: int) -> dict[str, object]:
+    """Mappings and lists in one another."""
+    value: dict[str, object] = {}
+    for _ in range(levels):
+        value = {"a": [value]}
+    return value
+
+
+@pytest.mark.parametrize(
+    ("source", "line"),
+    [
+        (nested(40), r"source: must not be nested deeper than 20 levels"),
+        ({"a": {1: 2}}, r"source.a: keys must be text, got 1"),
+        ({"a": b"x"}, r"source.a: must be plain data, got b'x'"),
+    ],
+)
+def test_a_source_that_no_file_can_hold_is_refused(source: object, line: str) -> None:
+    with pytest.raises(ScenarioError, match=line):
+        decode_scenario({**bare(), "source": source})

@@ -140,8 +140,8 @@ def _radius_reason(robots: list[_Robot]) -> str:
     radii = sorted({_RADII.get(robot.type, _OTHER_RADIUS) for robot in robots})
     text = f"{' or '.join(f'{radius:g}' for radius in radii)} m, from dynobench's models"
     if any(_is_integrator(robot) for robot in robots):
-        # db-CBS loads dynobench's model when it plans; 0.15 m stands in its older code.
-        text += " (db-CBS's own double integrator has 0.15 m)"
+        # By dynobench's model a plan is judged; db-CBS's search keeps some distance more.
+        text += ", by which db-CBS checks its plans (it searches with 0.15 m)"
     return text
 
 
