@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from radmpc.arrays import Indices, Vector
@@ -18,9 +19,12 @@ from radmpc.program.policy import (
 )
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.frozen import solve_selection
-from radmpc.solvers.solution import Limits, Outcome, Solution, Solver
+from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver
 
-__all__ = ["Solved", "solve_under_policy"]
+__all__ = ["Propose", "Solved", "solve_under_policy"]
+
+Propose = Callable[[Vector], Indices | None]
+"""Proposes one alternative per avoidance at given margins."""
 
 _RESERVE = 1e-7
 """Share of the budget left over for the linear solver's feasibility tolerance."""
@@ -54,6 +58,7 @@ def solve_under_policy(
     limits: Limits,
     stage: str,
     vehicles: tuple[str, ...],
+    propose: Propose | None = None,
 ) -> Solved:
     """Solve a programme under a risk policy.
 
@@ -73,6 +78,8 @@ def solve_under_policy(
         For the steps' record.
     vehicles : tuple of str
         For the steps' record.
+    propose : callable or None
+        Proposes a selection at given margins, for solvers that are slow to find any.
 
     Returns
     -------
@@ -82,7 +89,9 @@ def solve_under_policy(
     if isinstance(policy, NoRisk | Sigmas):
         count = policy.count if isinstance(policy, Sigmas) else 0.0
         margins = count * program.rows.deviations
-        solution = solver.solve(program, margins, gap=gap, limits=limits)
+        solution = solver.solve(
+            program, margins, gap=gap, limits=limits, guide=_guide(propose, margins)
+        )
         step = _step(stage, vehicles, 0, solution, (0, 0, 0.0, 0.0))
         return Solved(solution, None, (step,) if solution.z is not None else ())
     budget = program.budget * (1.0 - _RESERVE)
@@ -91,9 +100,12 @@ def solve_under_policy(
         return Solved(nothing, None, ())
     allotment = uniform_allocation(program, budget)
     if isinstance(policy, Ira):
-        ira = _Ira(program, policy, solver, gap, limits, budget, stage, vehicles)
+        ira = _Ira(program, policy, solver, gap, limits, budget, stage, vehicles, propose)
         return ira.run(allotment)
-    solution = solver.solve(program, margins_of(program, allotment), gap=gap, limits=limits)
+    margins = margins_of(program, allotment)
+    solution = solver.solve(
+        program, margins, gap=gap, limits=limits, guide=_guide(propose, margins)
+    )
     if solution.selection is None or solution.z is None:
         return Solved(solution, allotment, ())
     paid = allocated(program, allotment, solution.selection)
@@ -114,6 +126,7 @@ class _Ira:
     budget: float
     stage: str
     vehicles: tuple[str, ...]
+    propose: Propose | None
 
     def run(self, allocation: Vector) -> Solved:
         """Alternate until the cost stops falling, none or all are active, or a limit."""
@@ -148,13 +161,23 @@ class _Ira:
         """
         margins = margins_of(self.program, allocation)
         solution = self.solver.solve(
-            self.program, margins, gap=self.gap, limits=self.limits, start=start
+            self.program,
+            margins,
+            gap=self.gap,
+            limits=self.limits,
+            start=start,
+            guide=_guide(self.propose, margins) if start is None else None,
         )
         if start is None or solution.selection is None:
             return solution
         if allocated(self.program, allocation, solution.selection) <= self.budget * (1 + 1e-12):
             return solution
         return solve_selection(self.program, margins, start)
+
+
+def _guide(propose: Propose | None, margins: Vector) -> Guide | None:
+    """Return a guide that proposes at these margins."""
+    return None if propose is None else lambda: propose(margins)
 
 
 def _step(

@@ -13,6 +13,7 @@ from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.ira import solve_under_policy
 from radmpc.planners.planner import SolverChoice
 from radmpc.planners.result import Step
+from radmpc.planners.sides import propose_sides
 from radmpc.program.build import build_program, controls_of, whole_subjects
 from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
@@ -93,6 +94,7 @@ def plan_set(task: SetTask, limits: Limits) -> SetPlan:
         limits=limits,
         stage=task.stage,
         vehicles=tuple(v.name for v in scenario.vehicles),
+        propose=lambda margins: propose_sides(program, subjects, margins),
     )
     solution = solved.solution
     if solution.z is not None:

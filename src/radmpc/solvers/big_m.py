@@ -23,7 +23,7 @@ from radmpc.solvers.backends.scip import ScipBackend
 from radmpc.solvers.lp import LpOutcome, WarmLp
 from radmpc.solvers.milp import Backend, MilpModel
 from radmpc.solvers.selection import least_violated, violations_of
-from radmpc.solvers.solution import Limits, Outcome, Solution, relative_gap
+from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, relative_gap
 
 __all__ = ["BACKENDS", "BigM"]
 
@@ -63,12 +63,13 @@ class BigM:
         gap: float,
         limits: Limits,
         start: Indices | None = None,
+        guide: Guide | None = None,
     ) -> Solution:
         """Minimise the cost at fixed margins; see `radmpc.solvers.solution.Solver`.
 
-        ``start`` is not used: the paper's method starts every solve afresh.
+        ``start`` and ``guide`` are not used: the paper's method starts every solve afresh.
         """
-        del start
+        del start, guide
         begun = time.perf_counter()
         nothing = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
         if np.any(program.upper < program.lower) or np.any(np.diff(program.avoidance_starts) == 0):

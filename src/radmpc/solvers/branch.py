@@ -21,7 +21,7 @@ from radmpc.program.restrict import Restriction, avoidance_blocks, restrict
 from radmpc.solvers.lp import CostRow
 from radmpc.solvers.neighborhood import improve, prioritize
 from radmpc.solvers.selection import least_violated, violations_of
-from radmpc.solvers.solution import Limits, Outcome, Solution, relative_gap
+from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, relative_gap
 from radmpc.solvers.tree import Tree
 
 __all__ = ["Branch"]
@@ -56,12 +56,14 @@ class Branch:
         gap: float,
         limits: Limits,
         start: Indices | None = None,
+        guide: Guide | None = None,
     ) -> Solution:
         """Minimise the cost at fixed margins; see `radmpc.solvers.solution.Solver`."""
         begun = time.perf_counter()
         if np.any(np.diff(program.avoidance_starts) == 0):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
-        return _Groups(program, margins, gap, limits, self.max_nodes, start).solve(begun)
+        groups = _Groups(program, margins, gap, limits, self.max_nodes, start, guide)
+        return groups.solve(begun)
 
 
 class _Groups:
@@ -75,6 +77,7 @@ class _Groups:
         limits: Limits,
         max_nodes: int,
         start: Indices | None,
+        guide: Guide | None,
     ) -> None:
         self.program = program
         self.margins = margins
@@ -82,6 +85,7 @@ class _Groups:
         self.limits = limits
         self.max_nodes = max_nodes
         self.start = start
+        self.guide = guide
         self.nodes = 0
         self.lps = 0
         self.cost = float("inf")
@@ -117,7 +121,7 @@ class _Groups:
         tree = self._tree(part, group)
         left = max(self.max_nodes - self.nodes, 1)
         if self.start is not None:
-            tree.try_selection(np.searchsorted(part.alternatives, self.start[part.avoidances]))
+            tree.try_selection(self._start_of(part))
         if len(group) == 1:
             tree.run(left)
         else:
@@ -131,6 +135,12 @@ class _Groups:
         self.known[group] = max([tree.bound, *parts])
         self.solved[group] = (part, tree.z)
 
+    def _start_of(self, part: Restriction) -> Indices:
+        """Return the start's selection of a group, in the group's own numbers."""
+        if self.start is None:
+            return np.zeros(0, dtype=np.int64)
+        return np.searchsorted(part.alternatives, self.start[part.avoidances])
+
     def _tree(self, part: Restriction, group: frozenset[int]) -> Tree:
         """Return a tree that knows what smaller groups cost."""
         blocks = part.program.blocks
@@ -143,8 +153,12 @@ class _Groups:
         return Tree(part.program, margins, gap=self.gap, limits=self.limits, cost_rows=rows)
 
     def _help(self, part: Restriction, tree: Tree) -> None:
-        """Look for a good incumbent by planning one block at a time."""
+        """Look for a good incumbent: from the guide, else by planning one block at a time."""
         margins = self.margins[part.rows]
+        if self.start is None and self.guide is not None:
+            self.start, self.guide = self.guide(), None
+            if self.start is not None:
+                tree.try_selection(self._start_of(part))
         z = tree.z
         if z is None:
             alone = np.zeros(part.program.num_columns)

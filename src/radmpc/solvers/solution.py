@@ -11,7 +11,10 @@ from typing import Protocol
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["Limits", "Outcome", "Solution", "Solver", "relative_gap"]
+__all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "relative_gap"]
+
+Guide = Callable[[], Indices | None]
+"""Proposes one alternative per avoidance, from knowledge that solvers do not have."""
 
 
 def never() -> bool:
@@ -113,6 +116,7 @@ class Solver(Protocol):
         gap: float,
         limits: Limits,
         start: Indices | None = None,
+        guide: Guide | None = None,
     ) -> Solution:
         """Minimise the cost with every chosen row held back by its margin.
 
@@ -128,6 +132,8 @@ class Solver(Protocol):
             When to stop early.
         start : (v,) int array or None
             A selection to try first.
+        guide : callable or None
+            Proposes a selection; asked at most once, where the search is slow to find any.
 
         Returns
         -------
