@@ -179,7 +179,7 @@ def test_a_time_too_short_is_a_warning(problem: Path) -> None:
 
 
 def test_feedback_is_left_out_where_it_would_eat_the_control_limit(problem: Path) -> None:
-    imported = import_scenario(problem, ImportOptions(noise=1.0))
+    imported = import_scenario(problem, ImportOptions(noise=1.0, horizon=24))
     assert all(vehicle.gain is None for vehicle in imported.scenario.vehicles)
     assert imported.choices["feedback"].startswith("none: it would need more")
 
@@ -197,7 +197,7 @@ def test_starts_at_the_border_move_the_workspace_out(tmp_path: Path) -> None:
 def test_vehicles_that_are_there_already_still_get_steps(tmp_path: Path) -> None:
     text = TWO.replace("goal: [4, 1,", "goal: [1, 1,").replace("goal: [1, 4,", "goal: [4, 4,")
     scenario = import_scenario(written(tmp_path, text)).scenario
-    assert (scenario.horizon, scenario.dt) == (10, 0.4)
+    assert (scenario.horizon, scenario.dt) == (10, 0.8)
 
 
 def test_a_problem_in_space_is_read(tmp_path: Path) -> None:

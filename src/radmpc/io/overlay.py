@@ -19,6 +19,7 @@ __all__ = ["ImportedScenario", "overlay"]
 
 _TIME_FACTOR = 1.5  # of the minimum time: room for detours and waiting
 _FEWEST_STEPS, _MOST_STEPS = 10, 30
+_STRIDE = 4.0  # radii per step at full speed: finer steps multiply the choices, not the room
 _RISK_BOUND = 0.05
 _GOAL_HALF_WIDTH = 0.25  # in radii
 _GOAL_SPEED = 0.1  # of the speed limit
@@ -110,8 +111,8 @@ def _steps(
     choices: dict[str, str],
     warnings: list[str],
 ) -> tuple[float, int]:
-    """Return dt and horizon: steps of two radii at full speed where 10 to 30 of them allow."""
-    stride = min(2.0 * v.radius / v.speed_limit for v in vehicles)
+    """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow."""
+    stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles)
     least = max(v.minimum_time() for v in vehicles)
     wanted = _TIME_FACTOR * least if least > 0.0 else _FEWEST_STEPS * stride
     if options.horizon is not None:
