@@ -109,7 +109,7 @@ def main() -> None:
     parser.add_argument("--backend", default="highs", help="of the reference")
     parser.add_argument("--cap", type=float, default=120.0, help="seconds per reference problem")
     options = parser.parse_args()
-    console = Console(file=sys.stdout)
+    console = Console(file=sys.stdout, width=120)
     runs, reference = [], {}
     plan(paper(2, 0))  # imports and caches of the libraries, not counted
     for n in options.sizes:
