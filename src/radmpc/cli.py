@@ -83,10 +83,13 @@ def plan(
     figure: Annotated[
         Path | None, typer.Option("--figure", help="Draw it here: .png, .pdf or .svg.")
     ] = None,
+    ledger: Annotated[
+        Path | None, typer.Option("--ledger", help="Draw where the risk goes, likewise.")
+    ] = None,
     as_json: AsJson = False,
 ) -> int:
     """Plan a scenario; write it where -o says."""
-    request = Request(planner, seed, time_limit, jobs, output, figure, as_json)
+    request = Request(planner, seed, time_limit, jobs, output, figure, as_json, ledger)
     check_request(request)
     return run_plan(load_scenario(scenario), request)
 

@@ -15,7 +15,7 @@ from radmpc.console.files import check_output, demo_text
 from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show, show_json
 from radmpc.console.progress import progress_line, progress_text
-from radmpc.console.report import ledger_table, plan_report, verdict
+from radmpc.console.report import ledger_table, plan_report, vehicle_table, verdict
 from radmpc.console.workers import workers
 from radmpc.errors import SolverError
 from radmpc.experiments.families import circle
@@ -90,6 +90,34 @@ def test_nothing_is_left_of_a_spent_bound(capsys: pytest.CaptureFixture[str]) ->
     rows = (LedgerRow("workspace", "v1", None, 1, 0.06),)
     show(ledger_table(make_plan(risk=Risk(0.05, 0.06, rows))))
     assert "left over" not in capsys.readouterr().out
+
+
+def test_a_sum_above_one_is_not_called_a_probability() -> None:
+    text = verdict(4.0, 0.05).plain
+    assert text.startswith("risk at most 1 (the bounds sum to 4), which EXCEEDS the bound 0.05")
+
+
+def test_vehicles_bear_half_of_their_pairs_the_largest_first(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    rows = (
+        LedgerRow("pair", "v1", "v3", 2, 0.01),
+        LedgerRow("pair", "v1", "v3", 3, 0.01),
+        LedgerRow("obstacle", "v3", "reef", 3, 0.005),
+    )
+    show(vehicle_table(make_plan(risk=Risk(0.05, 0.025, rows))))
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
+    assert lines == [
+        ["v3", "1.00e-02", "5.00e-03", "0.00e+00", "1.50e-02", "30.0", "%"],
+        ["v1", "1.00e-02", "0.00e+00", "0.00e+00", "1.00e-02", "20.0", "%"],
+        ["v2", "0.00e+00", "0.00e+00", "0.00e+00", "0.00e+00", "0.0", "%"],
+    ]
+
+
+def test_many_vehicles_are_summed_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
+    rows = tuple(LedgerRow("workspace", f"v{i}", None, 0, 0.001) for i in range(1, 11))
+    show(vehicle_table(make_plan(scenario=circle(10), risk=Risk(0.05, 0.01, rows))))
+    assert capsys.readouterr().out.splitlines()[-1].split() == ["2", "more", "2.00e-03", "4.0", "%"]
 
 
 def test_a_note_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -38,6 +38,18 @@ def test_plan_and_picture_go_where_they_are_told(run: Run, crossing: Path) -> No
     assert Path("a.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
+def test_the_risk_ledger_is_drawn_where_it_is_told(run: Run, crossing: Path) -> None:
+    result = run("plan", crossing, "--ledger", "risk.svg")
+    assert result.exit_code == 0
+    assert "risk ledger written to risk.svg" in result.stdout
+    assert Path("risk.svg").read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_a_ledger_without_a_plan_is_still_drawn(run: Run, hopeless: Path) -> None:
+    assert run("plan", hopeless, "--ledger", "risk.png").exit_code == 1
+    assert Path("risk.png").exists()
+
+
 def test_json_is_the_plan_without_vehicles_and_nothing_else(run: Run, crossing: Path) -> None:
     result = run("plan", crossing, "--json", "-o", "a.json")
     content = json.loads(result.stdout)
@@ -101,6 +113,7 @@ def test_a_planner_may_carry_a_number(run: Run, crossing: Path) -> None:
         (["--time-limit", "-1"], "--time-limit"),
         (["--figure", "a.bmp"], "a.bmp: a figure must end in"),
         (["--figure", "no/a.png"], "no: No such file or directory"),
+        (["--ledger", "a.txt"], "a.txt: a figure must end in"),
         (["-o", "no/a.json"], "no: No such file or directory"),
         (["-o", "."], "Is a directory"),
         (["--colour"], "No such option: --colour"),

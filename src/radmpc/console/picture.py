@@ -7,7 +7,7 @@ from pathlib import Path
 from radmpc.console.files import check_output
 from radmpc.model.plan import Plan
 
-__all__ = ["check_picture", "write_picture"]
+__all__ = ["check_picture", "write_ledger", "write_picture"]
 
 
 def check_picture(path: Path | None) -> None:
@@ -26,6 +26,13 @@ def check_picture(path: Path | None) -> None:
 
     check_figure_path(path)
     check_output(path)
+
+
+def write_ledger(plan: Plan, path: Path) -> None:
+    """Draw where a plan's risk goes into a file."""
+    from radmpc.plotting import save_ledger  # noqa: PLC0415 - see the file's first line
+
+    save_ledger(plan, path)
 
 
 def write_picture(plan: Plan, path: Path) -> None:

@@ -9,11 +9,12 @@ from radmpc.console.files import check_output
 from radmpc.console.guard import Code
 from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show, show_json
-from radmpc.console.picture import check_picture, write_picture
+from radmpc.console.picture import check_picture, write_ledger, write_picture
 from radmpc.console.progress import progress_line
 from radmpc.console.report import plan_report
 from radmpc.console.workers import workers
 from radmpc.io.plan_file import encode_plan, save_plan
+from radmpc.model.ledger import bound_text
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
 from radmpc.planners.result import Result
@@ -36,8 +37,8 @@ class Request:
         Seconds; None is no limit.
     jobs : int
         Number of processes.
-    output, figure : Path or None
-        Where plan and picture go; None writes none.
+    output, figure, ledger : Path or None
+        Where the plan, its picture and that of its risk go; None writes none.
     as_json : bool
         Whether stdout gets JSON rather than the report.
     """
@@ -49,6 +50,7 @@ class Request:
     output: Path | None = None
     figure: Path | None = None
     as_json: bool = False
+    ledger: Path | None = None
 
 
 def check_request(request: Request) -> None:
@@ -66,6 +68,7 @@ def check_request(request: Request) -> None:
     parse_planner(request.planner)
     check_output(request.output)
     check_picture(request.figure)
+    check_picture(request.ledger)
 
 
 def run_plan(scenario: Scenario, request: Request) -> int:
@@ -95,6 +98,8 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         save_plan(result.record, request.output)
     if request.figure is not None:
         write_picture(result.record, request.figure)
+    if request.ledger is not None:
+        write_ledger(result.record, request.ledger)
     if request.as_json:
         show_json(encode_plan(result.record, with_vehicles=False))
     else:
@@ -109,6 +114,8 @@ def _written(request: Request) -> list[str]:
         lines.append(f"plan written to {request.output}")
     if request.figure is not None:
         lines.append(f"picture written to {request.figure}")
+    if request.ledger is not None:
+        lines.append(f"risk ledger written to {request.ledger}")
     return lines if len(lines) > 1 else []
 
 
@@ -125,7 +132,7 @@ def _conclude(result: Result, was_interrupted: bool) -> Code:
         certified, bound = record.risk.certified, record.risk.bound
         problems = () if result.certificate is None else result.certificate.problems
         if certified is not None and certified > bound:
-            note(f"the certificate {certified:.4g} exceeds the risk bound {bound:g}")
+            note(f"the certificate {bound_text(certified)} exceeds the risk bound {bound:g}")
         else:
             note(f"the plan is not certified: {'; '.join(problems) or 'no certificate'}")
         return Code.NO

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping
 from rich.table import Table
 from rich.text import Text
 
+from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
 from radmpc.model.scenario import Scenario
 
-__all__ = ["facts", "ledger_table", "plan_report", "scenario_line", "verdict"]
+__all__ = ["facts", "ledger_table", "plan_report", "scenario_line", "vehicle_table", "verdict"]
 
 _TOP_ROWS = 8
 _MAX_SETS = 12
@@ -43,7 +44,7 @@ def plan_report(plan: Plan) -> list[Table | Text]:
     rows["seconds"] = _seconds(plan.seconds)
     parts: list[Table | Text] = [Text(scenario_line(plan.scenario), style="bold"), facts(rows)]
     if plan.risk.ledger:
-        parts += [Text(), ledger_table(plan)]
+        parts += [Text(), ledger_table(plan), Text(), vehicle_table(plan)]
     return parts
 
 
@@ -64,7 +65,8 @@ def verdict(certified: float | None, bound: float) -> Text:
     if certified <= bound:
         return Text(f"risk at most {certified:.4g}, within the bound {bound:g}", style="green")
     return Text(
-        f"risk up to {certified:.4g}, which EXCEEDS the bound {bound:g}: do not use this plan",
+        f"risk at most {bound_text(certified)}, which EXCEEDS the bound {bound:g}: "
+        "do not use this plan",
         style="bold red",
     )
 
@@ -87,6 +89,28 @@ def ledger_table(plan: Plan) -> Table:
     left = bound - sum(row.risk for row in rows)
     if left > 0.0:
         table.add_row("left over", "", "", "", f"{left:.2e}", _share(left, bound))
+    return table
+
+
+def vehicle_table(plan: Plan) -> Table:
+    """Return who bears the risk: the two of a pair half of it each."""
+    names = [vehicle.name for vehicle in plan.scenario.vehicles]
+    parts = risk_by_vehicle(plan.risk.ledger, names)
+    totals = {name: sum(causes.values()) for name, causes in parts.items()}
+    ordered = sorted(names, key=lambda name: totals[name], reverse=True)
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("who bears it", no_wrap=True)
+    for column in ("half of pairs", "obstacles", "workspace", "risk", "of bound"):
+        table.add_column(column, justify="right", no_wrap=True)
+    for name in ordered[:_TOP_ROWS]:
+        risks = [*(parts[name][cause] for cause in CAUSES), totals[name]]
+        share = _share(totals[name], plan.risk.bound)
+        table.add_row(name, *(f"{risk:.2e}" for risk in risks), share)
+    hidden = ordered[_TOP_ROWS:]
+    if hidden:
+        rest = sum(totals[name] for name in hidden)
+        share = _share(rest, plan.risk.bound)
+        table.add_row(f"{len(hidden)} more", "", "", "", f"{rest:.2e}", share)
     return table
 
 

@@ -10,6 +10,7 @@ from rich.text import Text
 from radmpc.console.progress import progress_line
 from radmpc.console.report import facts, scenario_line, verdict
 from radmpc.errors import ScenarioError
+from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.referee import certify, simulate
 
@@ -90,7 +91,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
     if is_contradicted:
         problems += (
             f"the simulated collision rate is at least {simulation.rate_low:.4g}, "
-            f"above the certificate {certificate.certified:.4g}",
+            f"above the certificate {bound_text(certificate.certified)}",
         )
     return Verification(
         holds=certificate.holds and not is_contradicted,

@@ -7,13 +7,15 @@ import tempfile
 from pathlib import Path
 
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
 from radmpc.plotting.figure import DPI
+from radmpc.plotting.ledger import plot_ledger
 from radmpc.plotting.plan import plot_plan
 
-__all__ = ["FIGURE_SUFFIXES", "check_figure_path", "save_figure"]
+__all__ = ["FIGURE_SUFFIXES", "check_figure_path", "save_figure", "save_ledger"]
 
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 
@@ -51,6 +53,31 @@ def save_figure(plan: Plan, path: str | os.PathLike[str]) -> None:
     figure = plot_plan(plan).get_figure(root=True)
     if figure is None:
         raise RuntimeError("axes without a figure cannot be saved")
+    _write(figure, target)
+
+
+def save_ledger(plan: Plan, path: str | os.PathLike[str]) -> None:
+    """Write the picture of a plan's risk ledger, in the manner of `save_figure`.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to draw.
+    path : path
+        Ends in ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends otherwise.
+    """
+    target = Path(path)
+    check_figure_path(target)
+    _write(plot_ledger(plan), target)
+
+
+def _write(figure: Figure, target: Path) -> None:
+    """Write a figure beside its place, then move it there."""
     kind = target.suffix.lower()[1:]
     # Dates and random ids would make every file differ from the last.
     undated: dict[str, object] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}

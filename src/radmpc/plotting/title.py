@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 
+from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
 
@@ -24,7 +25,7 @@ def subtitle(plan: Plan) -> str:
         facts.append(f"cost {plan.cost:.4g}")
     if plan.risk.certified is not None:
         sign = "≤" if plan.risk.certified <= plan.risk.bound else ">"
-        facts.append(f"risk {plan.risk.certified:.3g} {sign} {plan.risk.bound:g}")
+        facts.append(f"risk {min(plan.risk.certified, 1.0):.3g} {sign} {plan.risk.bound:g}")
     if "total" in plan.seconds:
         facts.append(f"{plan.seconds['total']:.2g} s")
     line = " · ".join([*facts, plan.planner])
@@ -39,7 +40,7 @@ def alert_text(plan: Plan) -> str | None:
         return "no plan"
     certified = plan.risk.certified
     if certified is not None and certified > plan.risk.bound:
-        return f"certificate {certified:.3g} exceeds the risk bound {plan.risk.bound:g}"
+        return f"certificate {bound_text(certified)} exceeds the risk bound {plan.risk.bound:g}"
     return None
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Cause, LedgerRow, Plan
 from radmpc.model.scenario import Scenario
 from radmpc.referee.bounds import step_risks
@@ -54,7 +55,9 @@ class Certificate:
     def summary(self) -> str:
         """The verdict in one sentence."""
         relation = "at most" if self.certified <= self.bound else "above"
-        risk = f"certified risk {self.certified:.4g} is {relation} the bound {self.bound:.4g}"
+        risk = (
+            f"certified risk {bound_text(self.certified)} is {relation} the bound {self.bound:.4g}"
+        )
         if not self.problems:
             return f"{'holds' if self.holds else 'does not hold'}: {risk}"
         count = len(self.problems)

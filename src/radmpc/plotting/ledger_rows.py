@@ -1,0 +1,90 @@
+"""The rows of a ledger's picture: names and numbers. No matplotlib."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.model.ledger import CAUSES, Exposure, exposures, risk_by_vehicle
+from radmpc.model.plan import Plan
+
+__all__ = ["MAX_ROWS", "map_rows", "share_rows"]
+
+MAX_ROWS = 20
+
+_MAX_NAME = 12  # letters of a vehicle's or an obstacle's name
+
+
+def map_rows(plan: Plan, decades: int) -> tuple[list[str], Matrix]:
+    """Return what may go wrong and its risk at every step, the largest first.
+
+    Parameters
+    ----------
+    plan : Plan
+        With a ledger.
+    decades : int
+        Causes that stay this many powers of ten below the largest get no row of their own.
+
+    Returns
+    -------
+    names : list of str
+        The 20 largest causes at most, and how many others there are.
+    risks : (rows, T+1) array
+        Risk; sums to the certificate [-].
+    """
+    found = exposures(plan.risk.ledger)
+    risks = np.zeros((len(found), plan.scenario.horizon + 1))
+    for row, exposure in enumerate(found):
+        for step, risk in exposure.risks.items():
+            risks[row, step] = risk
+    large = risks.max(axis=1, initial=0.0) >= 10.0**-decades * risks.max(initial=0.0)
+    shown = min(int(np.count_nonzero(large)), MAX_ROWS)
+    names = [_cause_name(exposure) for exposure in found[:shown]]
+    return _with_rest(names, risks)
+
+
+def share_rows(plan: Plan) -> tuple[list[str], Matrix]:
+    """Return the vehicles and their shares of the risk bound by cause, the largest first.
+
+    Parameters
+    ----------
+    plan : Plan
+        With a ledger.
+
+    Returns
+    -------
+    names : list of str
+        The 20 vehicles with the largest shares, and how many others there are.
+    shares : (rows, 3) array
+        Of Δ, for pair (half of each pair's risk), obstacle and workspace [-].
+    """
+    table = risk_by_vehicle(plan.risk.ledger, [v.name for v in plan.scenario.vehicles])
+    ordered = sorted(table, key=lambda name: sum(table[name].values()), reverse=True)
+    shares = np.array([[table[name][cause] for cause in CAUSES] for name in ordered])
+    return _with_rest([_short(name) for name in ordered[:MAX_ROWS]], shares / plan.risk.bound)
+
+
+def _with_rest(names: list[str], values: Matrix) -> tuple[list[str], Matrix]:
+    """Sum the rows beyond the names into one."""
+    hidden = len(values) - len(names)
+    if hidden <= 0:
+        return names, values
+    rest = values[len(names) :].sum(axis=0)
+    label = "1 other" if hidden == 1 else f"{hidden} others"
+    return [*names, label], np.vstack([values[: len(names)], rest])
+
+
+def _cause_name(exposure: Exposure) -> str:
+    """Return who may hit what, in a few letters."""
+    vehicle = _short(exposure.vehicle)
+    if exposure.cause == "workspace":
+        return f"{vehicle}, workspace"
+    if exposure.other is None:
+        return f"{vehicle}, far {exposure.cause}s"
+    link = " – " if exposure.cause == "pair" else ", "
+    return f"{vehicle}{link}{_short(exposure.other)}"
+
+
+def _short(name: str) -> str:
+    """Return a name that leaves room for the picture."""
+    return name if len(name) <= _MAX_NAME else f"{name[: _MAX_NAME - 1]}…"
