@@ -1,0 +1,104 @@
+"""Is the certificate right, and how tight is it: random plans against Monte Carlo.
+
+Run ``python benchmarks/calibration.py --plans 1000 --out calibration.csv``. Random scenarios are
+planned by random planners, good and bad, certified and flown. Each trial is a line of the table,
+written and synced at once; the same command goes on where an interrupted one stopped, and prints
+the report once there are as many plans as asked for. ``--plans 0`` reports on what there is.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import itertools
+import multiprocessing
+import os
+import sys
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import closing
+from pathlib import Path
+
+from calibration_report import report
+from calibration_trial import COLUMNS, Trial, run_trial, trial_of
+
+
+def main() -> None:
+    """Run the trials that are missing and print the report."""
+    options = _options()
+    trials = _known(options.out, options.seed, options.samples)
+    missing = (i for i in itertools.count() if i not in {trial.index for trial in trials})
+    num_plans = sum(trial.has_plan for trial in trials)
+    is_terminal = sys.stderr.isatty()
+    arguments = (options.seed, options.samples, options.time_limit)
+    with closing(_run(missing, options.jobs, *arguments)) as running:
+        while num_plans < options.plans:
+            trial = next(running)
+            _append(options.out, trial)
+            trials.append(trial)
+            num_plans += trial.has_plan
+            if is_terminal:
+                print(f"\r{num_plans}/{options.plans} plans", end="", file=sys.stderr, flush=True)
+    if is_terminal:
+        print(file=sys.stderr)
+    print("\n".join(report(sorted(trials, key=lambda trial: trial.index))))
+
+
+def _options() -> argparse.Namespace:
+    """Return what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--plans", type=int, default=1000, help="plans to collect in all")
+    parser.add_argument("--samples", type=int, default=20_000, help="flights per plan")
+    parser.add_argument("--seed", type=int, default=0, help="of everything random")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--time-limit", type=float, default=1.0, help="seconds per plan")
+    parser.add_argument("--out", type=Path, required=True, help="table of trials, CSV")
+    return parser.parse_args()
+
+
+def _known(path: Path, seed: int, samples: int) -> list[Trial]:
+    """Return the trials of an earlier run; a line cut off by its end is dropped."""
+    if not path.exists():
+        return []
+    content = path.read_bytes()
+    whole = content[: content.rfind(b"\n") + 1]
+    if len(whole) < len(content):
+        os.truncate(path, len(whole))
+    trials = [trial_of(row) for row in csv.DictReader(whole.decode("utf-8").splitlines())]
+    if any((trial.seed, trial.samples) != (seed, samples) for trial in trials):
+        sys.exit(f"{path}: was made with another seed or number of samples")
+    return trials
+
+
+def _append(path: Path, trial: Trial) -> None:
+    """Add a line to the table so that it outlives a crash."""
+    with path.open("a", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        if file.tell() == 0:
+            writer.writeheader()
+        writer.writerow(trial.as_row())
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _run(
+    indices: Iterator[int], jobs: int, seed: int, samples: int, time_limit: float
+) -> Iterator[Trial]:
+    """Yield one trial after the other, here or from processes."""
+    if jobs == 1:
+        for index in indices:
+            yield run_trial(seed, index, samples, time_limit)
+        return
+    context = multiprocessing.get_context("spawn")  # threads and forks do not go together
+    with ProcessPoolExecutor(jobs, context) as executor:
+        running: set[Future[Trial]] = set()
+        while True:
+            for index in itertools.islice(indices, 2 * jobs - len(running)):
+                running.add(executor.submit(run_trial, seed, index, samples, time_limit))
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield future.result()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import calibration
+from calibration_overlap import measure_overlap
+from calibration_report import lower_limit, report, violations
+from calibration_scenes import random_planner, random_scenario
+from calibration_trial import Trial, run_trial, trial_of
+from radmpc.planners.presets import PRESETS
+from radmpc.planning import plan
+from radmpc.referee import simulate
+
+DONE = Trial(
+    seed=0, index=0, samples=1000, planner="dlp", avoidance="steps", status="feasible",
+    dimension=2, vehicles=2, obstacles=0, horizon=4, bound=0.1, certified=0.05,
+    certified_pair=0.05, certified_obstacle=0.0, certified_workspace=0.0, certified_later=0.05,
+    num_sets=1, hits=40, hits_pair=40, hits_obstacle=0, hits_workspace=0,
+    overlap_joint=40, overlap_encounters=40, overlap_events=50,
+    plan_seconds=0.1, certify_seconds=0.1, fly_seconds=0.1,
+)  # fmt: skip
+
+
+def same(first: Trial, second: Trial) -> bool:
+    """Whether all fields agree, clocks left out; nan equals nan."""
+    names = [f.name for f in fields(Trial) if not f.name.endswith("_seconds")]
+    pairs = [(getattr(first, name), getattr(second, name)) for name in names]
+    return all(str(a) == str(b) for a, b in pairs)
+
+
+def test_a_seed_decides_the_scenario_and_many_seeds_make_valid_ones():
+    dimensions, avoidances, sizes = set(), set(), set()
+    for seed in range(40):
+        first, second = (random_scenario(np.random.default_rng(seed), "s") for _ in range(2))
+        assert [v.start.tolist() for v in first.vehicles] == [
+            v.start.tolist() for v in second.vehicles
+        ]
+        dimensions.add(first.dimension)
+        avoidances.add(first.avoidance)
+        sizes.add(first.num_vehicles)
+    assert dimensions == {2, 3}
+    assert avoidances == {"steps", "intervals"}
+    assert {1, 8} <= sizes
+
+
+def test_every_preset_takes_part_the_slow_ones_in_small_fleets():
+    rng = np.random.default_rng(0)
+    small = {random_planner(rng, 2)[0] for _ in range(300)}
+    large = {random_planner(rng, 8)[0] for _ in range(300)}
+    assert set(PRESETS) <= small
+    assert "uncoupled" in large
+    assert "milp" not in large
+
+
+def test_a_line_of_the_table_reads_back():
+    assert same(trial_of(DONE.as_row()), DONE)
+    assert math.isnan(trial_of(DONE.as_row()).own)
+
+
+def test_repeating_a_trial_gives_the_same_numbers():
+    assert same(run_trial(0, 3, 600, 60.0), run_trial(0, 3, 600, 60.0))
+
+
+def test_overlap_counts_what_the_simulation_counts_and_repetitions_besides():
+    rng = np.random.default_rng(8)
+    checked = 0
+    while checked < 4:
+        scenario = random_scenario(rng, "s")
+        found = plan(scenario, "dlp").plan
+        if found is None:
+            continue
+        flown, overlap = simulate(found, 8_000, rng=1), measure_overlap(found, 8_000, 2)
+        assert overlap.joint <= overlap.encounters <= overlap.events
+        # Two estimates of one rate, five standard deviations apart at most.
+        spread = math.sqrt(2.0 * max(flown.rate * (1.0 - flown.rate), 1e-3) / 8_000)
+        assert abs(overlap.joint / 8_000 - flown.rate) <= 5.0 * spread
+        checked += flown.collisions > 100
+
+
+def test_the_lower_limit_is_that_of_clopper_and_pearson():
+    assert lower_limit(0, 100, 0.05) == 0.0
+    # With all of n hits it is the rate whose n-th power is the level.
+    assert lower_limit(100, 100, 0.05) == pytest.approx(0.05 ** (1 / 100))
+
+
+def test_a_certificate_below_the_rate_is_found_and_reported():
+    low = replace(DONE, index=7, certified=0.01)
+    assert violations([DONE, low], 0.05 / 2) == [low]
+    text = "\n".join(report([DONE, low]))
+    assert "VIOLATION: 7" in text
+    assert "VIOLATION" not in "\n".join(report([DONE]))
+
+
+def test_a_plan_that_breaks_its_bound_is_reported():
+    broken = replace(DONE, bound=0.02, certified=0.019)
+    assert "Lower limits above Δ: **1** of 1" in "\n".join(report([broken]))
+
+
+def test_the_slack_is_split_into_its_factors():
+    lines = report([DONE])
+    (single,) = [line for line in lines if line.startswith("| steps: bound of single events")]
+    (time,) = [line for line in lines if line.startswith("| steps: one encounter, several")]
+    assert single.split("|")[3].strip() == "1"
+    assert time.split("|")[3].strip() == "1.25"
+
+
+def test_an_interrupted_run_goes_on_where_it_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "table.csv"
+
+    def run(plans: int, samples: int = 200) -> None:
+        words = ["calibration", "--plans", str(plans), "--samples", str(samples)]
+        monkeypatch.setattr(sys, "argv", [*words, "--out", str(table)])
+        calibration.main()
+
+    run(2)
+    before = table.read_text(encoding="utf-8")
+    table.write_text(before + "0,99,2", encoding="utf-8")  # killed while it wrote
+    run(3)
+    after = table.read_text(encoding="utf-8")
+    assert after.startswith(before)
+    assert "0,99,2" not in after
+    assert "3 plans" in capsys.readouterr().out
+    with pytest.raises(SystemExit, match="another seed"):
+        run(3, samples=100)
