@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
+from radmpc.planners.approximation import Approximation
 from radmpc.planners.coupling import face_risk
 from radmpc.planners.ira import Solved, solve_under_policy
 from radmpc.planners.planner import Receding
@@ -24,43 +24,7 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.subject import Subject, make_subject
 from radmpc.solvers.solution import Limits, Solver
 
-__all__ = ["Approximation", "approximate"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Approximation:
-    """What RADMPC found.
-
-    Attributes
-    ----------
-    controls : tuple of (T, m) array or None
-        Executed controls per vehicle; None if some vehicle has no plan even alone, or a limit
-        was hit.
-    pair_risk : (N, N) array
-        Entry (i, j): largest collision probability of i with j's temporal obstacle at the first
-        step of i's subproblems.
-    forced : tuple of (int, int)
-        Couplings of vehicles whose subproblem had no solution with those in their way.
-    pool : tuple of float
-        The risk pool Δ# after each subproblem.
-    steps : tuple of Step
-        The subproblems.
-    events : tuple of Event
-        Subproblems without a solution.
-    stuck : tuple of int
-        Vehicles without any plan.
-    is_limited : bool
-        Whether a limit ended it.
-    """
-
-    controls: tuple[Matrix, ...] | None
-    pair_risk: Matrix
-    forced: tuple[tuple[int, int], ...]
-    pool: tuple[float, ...]
-    steps: tuple[Step, ...]
-    events: tuple[Event, ...]
-    stuck: tuple[int, ...] = ()
-    is_limited: bool = False
+__all__ = ["approximate"]
 
 
 def approximate(
@@ -162,7 +126,7 @@ class _Radmpc:
         vehicle = self.scenario.vehicles[i]
         subject = self._subject(k, i)
         share = self.risk_pool / max(self.num_traveling, 1)
-        program = self._program(subject, k, share, self._others(k, i))
+        program = self._program(subject, k, share, self._others(i))
         solved = self._solve(program, k, i)
         if solved.solution.z is not None:
             self.controls[i][k:] = controls_of([subject], solved.solution.z)[0]
@@ -211,9 +175,8 @@ class _Radmpc:
         whole = self.covariances[i]
         return whole[: len(whole) - k] if self.resets else whole[k:]
 
-    def _others(self, k: int, i: int) -> list[TemporalObstacle]:
+    def _others(self, i: int) -> list[TemporalObstacle]:
         """Return the other vehicles' temporal obstacles."""
-        del k
         return [o for j, o in enumerate(self.obstacles) if j != i]
 
     def _program(

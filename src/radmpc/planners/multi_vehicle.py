@@ -10,8 +10,9 @@ import numpy as np
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
+from radmpc.planners.approximation import Approximation
 from radmpc.planners.coupling import connected_sets
-from radmpc.planners.decentralized import Approximation, approximate
+from radmpc.planners.decentralized import approximate
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Couplings, Planner, Receding
 from radmpc.planners.result import Draft

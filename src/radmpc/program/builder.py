@@ -1,0 +1,258 @@
+"""Collecting the rows of all dangers and numbering them: rows, events, exposures, avoidances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import block_diag, csr_array, eye_array, vstack
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.gaussian import tail_probability
+from radmpc.geometry import sphere_directions
+from radmpc.model.plan import Cause
+from radmpc.model.scenario import Scenario
+from radmpc.program.hard import hard_rows
+from radmpc.program.keepout import KeepOut
+from radmpc.program.program import ChanceRows, DisjunctiveProgram, Exposure
+from radmpc.program.rows import Body, Part, RowBlock, Windows, danger_rows
+from radmpc.program.subject import Subject
+
+__all__ = ["ProgramBuilder"]
+
+
+@dataclass(slots=True, eq=False)
+class ProgramBuilder:
+    """Collects blocks of rows; numbers rows, events, exposures as they come."""
+
+    scenario: Scenario
+    subjects: tuple[Subject, ...]
+    first_step: int
+    blocks: list[RowBlock] = field(default_factory=list)
+    block_exposures: list[Indices] = field(default_factory=list)
+    exposures: list[Exposure] = field(default_factory=list)
+    avoidances: list[Exposure] = field(default_factory=list)
+    initial: list[tuple[Exposure, float]] = field(default_factory=list)
+    settled_risk: float = 0.0
+    initial_risk: float = 0.0
+    parts: tuple[Part, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Give every vehicle its place among outputs and columns."""
+        d = self.scenario.dimension
+        num_positions = sum(d * (s.horizon + 1) for s in self.subjects)
+        position, controls, parts = 0, num_positions, []
+        for subject in self.subjects:
+            curved = subject.vehicle.system.is_double_integrator
+            bow = self.scenario.dt**2 / 8.0 if curved else 0.0
+            parts.append(Part(1.0, position, controls, subject.control_bounds, bow))
+            position += d * (subject.horizon + 1)
+            controls += 2 * subject.control_bounds.size
+        self.parts = tuple(parts)
+
+    @property
+    def intervals(self) -> bool:
+        """Whether collisions count between steps."""
+        return self.scenario.avoidance == "intervals"
+
+    def keep_out(self, i: int, cause: Cause, keepout: KeepOut) -> None:
+        """Keep a vehicle out of a convex thing."""
+        subject = self.subjects[i]
+        radius = subject.vehicle.radius
+        windows = Windows(
+            -keepout.normals,
+            -(keepout.near + radius),
+            -(keepout.far + radius),
+            keepout.directions,
+            self.intervals,
+        )
+        body = Body(
+            subject.reach_lower, subject.reach_upper, subject.position_covariances, (self.parts[i],)
+        )
+        if keepout.start is not None:
+            normals, offsets = -keepout.start.normals, -(keepout.start.offsets + radius)
+            self._charge_start(body, normals, offsets, (cause, subject.vehicle.name, keepout.name))
+        self._add(body, windows, cause, subject.vehicle.name, keepout.name)
+
+    def keep_apart(self, i: int, j: int) -> None:
+        """Keep two vehicles apart by faces around their relative position."""
+        one, two = self.subjects[i], self.subjects[j]
+        faces = sphere_directions(self.scenario.num_pair_faces, self.scenario.dimension)
+        distance = one.vehicle.radius + two.vehicle.radius
+        other = self.parts[j]
+        body = Body(
+            one.reach_lower - two.reach_upper,
+            one.reach_upper - two.reach_lower,
+            one.position_covariances + two.position_covariances,
+            (
+                self.parts[i],
+                Part(-1.0, other.position, other.controls, other.control_bounds, other.bow),
+            ),
+        )
+        offsets = np.full(len(faces), -distance)
+        names = (one.vehicle.name, two.vehicle.name)
+        self._charge_start(body, -faces, offsets, ("pair", *names))
+        self._add(body, self._constant_windows(-faces, offsets), "pair", *names)
+
+    def keep_in_workspace(self, i: int) -> None:
+        """Keep a vehicle's center inside: convex, so every face is an avoidance of its own."""
+        workspace = self.scenario.workspace
+        if workspace is None:
+            return
+        subject = self.subjects[i]
+        body = Body(
+            subject.reach_lower, subject.reach_upper, subject.position_covariances, (self.parts[i],)
+        )
+        identity = np.eye(self.scenario.dimension)
+        normals = np.concatenate([identity, -identity])
+        offsets = np.concatenate([workspace.upper, -workspace.lower])
+        for face in range(len(normals)):
+            one = slice(face, face + 1)
+            name = subject.vehicle.name
+            self._charge_start(body, normals[one], offsets[one], ("workspace", name, None))
+            windows = self._constant_windows(normals[one], offsets[one])
+            self._add(body, windows, "workspace", name, None)
+
+    def _constant_windows(self, normals: Matrix, offsets: Vector) -> Windows:
+        """Return windows whose faces never change."""
+        horizon = self.subjects[0].horizon
+        repeated = np.tile(offsets, (horizon, 1))
+        return Windows(
+            np.broadcast_to(normals, (horizon, *normals.shape)),
+            repeated,
+            repeated,
+            np.tile(np.arange(len(offsets)), (horizon, 1)),
+            self.intervals,
+        )
+
+    def _add(
+        self, body: Body, windows: Windows, cause: Cause, vehicle: str, other: str | None
+    ) -> None:
+        """Add one danger: its rows, and the risk it carries already."""
+        block = danger_rows(body, windows)
+        if block is None:
+            return
+        self.settled_risk += block.settled_risk
+        if block.avoidance_sizes.size == 0:
+            return
+        base = len(self.exposures)
+        steps, numbers = np.unique(block.event_steps, return_inverse=True)
+        self.exposures += [Exposure(cause, vehicle, other, self.first_step + int(k)) for k in steps]
+        first = self.first_step + (0 if self.intervals else 1)
+        self.avoidances += [
+            Exposure(cause, vehicle, other, first + int(w)) for w in block.avoidance_windows
+        ]
+        self.blocks.append(block)
+        self.block_exposures.append(base + numbers)
+
+    def _charge_start(
+        self, body: Body, normals: Matrix, offsets: Vector, label: tuple[Cause, str, str | None]
+    ) -> None:
+        """Charge the least risk of any face at k = 0, which no control changes.
+
+        Under intervals the rows at k = 0 are part of the alternatives instead.
+        """
+        if self.first_step > 0 or self.intervals:
+            return
+        slack = offsets - normals @ body.lower[0]
+        variances = np.einsum("fa,ab,fb->f", normals, body.covariances[0], normals)
+        deviations = np.sqrt(np.maximum(variances, 0.0))
+        noisy = deviations > 0.0
+        certain = np.where(slack >= -1e-9, np.inf, -np.inf)
+        clearances = np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
+        risk = float(tail_probability(clearances).min())
+        self.initial_risk += risk
+        if risk > 1e-9:
+            self.initial.append((Exposure(*label, 0), risk))
+
+    def finish(self, risk_bound: float) -> DisjunctiveProgram:
+        """Stack the blocks and the hard rows."""
+        cost, upper = self._columns()
+        hard, hard_lower, hard_upper = self._hard_rows()
+        positions, constant = self._positions()
+        outputs = csr_array(vstack([positions, eye_array(cost.size)]))
+        rows = self._rows(outputs.shape[0])
+        return DisjunctiveProgram(
+            cost=cost,
+            lower=np.zeros(cost.size),
+            upper=upper,
+            blocks=np.repeat(
+                np.arange(len(self.subjects)), [2 * s.control_bounds.size for s in self.subjects]
+            ),
+            hard=hard,
+            hard_lower=hard_lower,
+            hard_upper=hard_upper,
+            outputs=outputs,
+            constant=np.concatenate([constant, np.zeros(cost.size)]),
+            output_lower=np.concatenate(
+                [*(s.reach_lower.ravel() for s in self.subjects), np.zeros(cost.size)]
+            ),
+            output_upper=np.concatenate([*(s.reach_upper.ravel() for s in self.subjects), upper]),
+            rows=rows,
+            alternative_starts=_starts([b.alternative_sizes for b in self.blocks]),
+            alternative_rows=np.arange(rows.count),
+            avoidance_starts=_starts([b.avoidance_sizes for b in self.blocks]),
+            avoidances=tuple(self.avoidances),
+            exposures=tuple(self.exposures),
+            risk_bound=risk_bound,
+            initial_risk=self.initial_risk + self.settled_risk,
+            initial=tuple(self.initial),
+        )
+
+    def _columns(self) -> tuple[Vector, Vector]:
+        """Return cost and upper bounds; a negative bound, from feedback, has no solution."""
+        bounds = [np.tile(s.control_bounds.ravel(), 2) for s in self.subjects]
+        weights = [s.vehicle.cost_weight for s in self.subjects]
+        cost = np.concatenate([np.full(b.size, w) for b, w in zip(bounds, weights, strict=True)])
+        return cost, np.concatenate(bounds)
+
+    def _positions(self) -> tuple[csr_array, Vector]:
+        """Return all mean positions over the columns, and their drift."""
+        blocks = []
+        for subject in self.subjects:
+            response = subject.position.reshape(-1, subject.position.shape[2])
+            blocks.append(np.hstack([response, -response]))
+        drift = np.concatenate([s.drift_position.ravel() for s in self.subjects])
+        return csr_array(block_diag(blocks)), drift
+
+    def _hard_rows(self) -> tuple[csr_array, Vector, Vector]:
+        """Return goals and speed limits on the mean; limits that cannot bind are left out."""
+        blocks, lowers, uppers = [], [], []
+        for subject in self.subjects:
+            rows, lower, upper = hard_rows(subject)
+            blocks.append(np.hstack([rows, -rows]))
+            lowers.append(lower)
+            uppers.append(upper)
+        return csr_array(block_diag(blocks)), np.concatenate(lowers), np.concatenate(uppers)
+
+    def _rows(self, num_outputs: int) -> ChanceRows:
+        """Stack all blocks, shifting row, event and exposure numbers."""
+        row_base = event_base = 0
+        entry_rows, events = [], []
+        for block in self.blocks:
+            entry_rows.append(block.entry_rows + row_base)
+            events.append(block.events + event_base)
+            row_base += block.offsets.size
+            event_base += block.event_steps.size
+        values = _join([b.entry_values for b in self.blocks], np.float64)
+        columns = _join([b.entry_outputs for b in self.blocks], np.int64)
+        where = (_join(entry_rows, np.int64), columns)
+        normals = csr_array((values, where), shape=(row_base, num_outputs))
+        rows = ChanceRows(
+            normals=normals,
+            offsets=_join([b.offsets for b in self.blocks], np.float64),
+            deviations=_join([b.deviations for b in self.blocks], np.float64),
+            events=_join(events, np.int64),
+            exposures=_join(self.block_exposures, np.int64),
+        )
+        return rows
+
+
+def _starts(sizes: list[Indices]) -> Indices:
+    """Return where each run starts, and the end, from the runs' lengths."""
+    return np.concatenate([[0], np.cumsum(_join(sizes, np.int64))]).astype(np.int64)
+
+
+def _join(parts: list[np.ndarray], kind: type) -> np.ndarray:
+    """Concatenate arrays, none at all included."""
+    return np.concatenate(parts) if parts else np.zeros(0, dtype=kind)
