@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from scipy.special import betaincinv
+from scipy.special import bdtrc, betaincinv
 
 from calibration_trial import Trial
 
-__all__ = ["lower_limit", "report", "violations"]
+__all__ = ["doubtful", "lower_limit", "report", "second_look", "violations"]
 
 _LEVEL = 0.05
 _LEAST_HITS = 20
@@ -27,6 +27,33 @@ def lower_limit(hits: int, samples: int, level: float) -> float:
 def violations(plans: Sequence[Trial], level: float) -> list[Trial]:
     """Return the plans whose rate is surely above their certificate, each at this level."""
     return [t for t in plans if lower_limit(t.hits, t.samples, level) > t.certified]
+
+
+def doubtful(trials: Sequence[Trial]) -> list[Trial]:
+    """Return the plans that collide, the least likely under their certificate first."""
+    # The chance of as many hits under the certificate, if that were the truth: a binomial's tail.
+    chances = {
+        t.index: float(bdtrc(t.hits - 1, t.samples, min(t.certified, 1.0)))
+        for t in trials
+        if t.hits > 0
+    }
+    found = [t for t in trials if t.index in chances]
+    return sorted(found, key=lambda t: chances[t.index])
+
+
+def second_look(trials: Sequence[Trial]) -> list[str]:
+    """Return a table of single plans: certificate and rate with its 95 % interval."""
+    lines = [
+        f"**Second look**, {trials[0].samples:,} flights each",
+        "",
+        "| trial | certificate | rate | 95 % interval |",
+        "|---|---|---|---|",
+    ]
+    for t in trials:
+        low = lower_limit(t.hits, t.samples, 0.025)
+        high = 1.0 - lower_limit(t.samples - t.hits, t.samples, 0.025)
+        lines.append(f"| {t.index} | {t.certified:.6g} | {t.rate:.6g} | {low:.6g} to {high:.6g} |")
+    return lines
 
 
 def report(trials: Sequence[Trial]) -> list[str]:
@@ -186,15 +213,22 @@ def _slack(plans: Sequence[Trial]) -> list[str]:
         found = [t for t in _of(plans, avoidance) if t.overlap_joint >= _LEAST_HITS]
         rows += [(f"{avoidance}: {name}", [factor(t) for t in found]) for name, factor in factors]
     lines += [*_table(rows), ""]
-    flat = [t for t in _of(plans, "steps") if t.dimension == 2 and t.overlap_events >= 0]
-    if flat:
-        expected = sum(t.certified * t.samples for t in flat)
-        counted = sum(t.overlap_events for t in flat)
-        lines.append(
-            f"Steps in the plane, pooled over {len(flat)} plans: certificates ask for "
-            f"{expected:,.0f} events, {counted:,} were counted: ratio {expected / counted:.4f}."
-        )
+    flat = [t for t in _of(plans, "steps") if t.dimension == 2 and t.overlap_events > 0]
+    pairs = [t for t in flat if t.certified_obstacle == t.certified_workspace == 0.0]
+    lines += _pooled("Steps in the plane", flat) + _pooled("Of these, pairs alone", pairs)
     return lines
+
+
+def _pooled(name: str, plans: Sequence[Trial]) -> list[str]:
+    """Return events asked for and counted: equal but for chance where the bound is exact."""
+    if not plans:
+        return []
+    expected = sum(t.certified * t.samples for t in plans)
+    counted = sum(t.overlap_events for t in plans)
+    return [
+        f"{name}, pooled over {len(plans)} plans: certificates ask for {expected:,.0f} events, "
+        f"{counted:,} were counted: ratio {expected / counted:.4f}.",
+    ]
 
 
 def _table(rows: Iterable[tuple[str, Sequence[float]]]) -> list[str]:

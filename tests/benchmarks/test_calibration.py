@@ -10,7 +10,7 @@ import pytest
 
 import calibration
 from calibration_overlap import measure_overlap
-from calibration_report import lower_limit, report, violations
+from calibration_report import doubtful, lower_limit, report, second_look, violations
 from calibration_scenes import random_planner, random_scenario
 from calibration_trial import Trial, run_trial, trial_of
 from radmpc.planners.presets import PRESETS
@@ -95,6 +95,17 @@ def test_a_certificate_below_the_rate_is_found_and_reported():
     text = "\n".join(report([DONE, low]))
     assert "VIOLATION: 7" in text
     assert "VIOLATION" not in "\n".join(report([DONE]))
+
+
+def test_the_least_likely_plans_get_a_second_look_first():
+    likely = replace(DONE, index=1, certified=0.2)
+    odd = replace(DONE, index=2, certified=0.03)
+    never = replace(DONE, index=3, hits=0)
+    assert [t.index for t in doubtful([likely, never, odd, DONE])] == [2, 0, 1]
+    (row,) = second_look([DONE])[4:]
+    low, high = (float(word) for word in row.split("|")[4].split("to"))
+    assert low == pytest.approx(0.02873, abs=1e-4)
+    assert high == pytest.approx(0.05407, abs=1e-4)
 
 
 def test_a_plan_that_breaks_its_bound_is_reported():
