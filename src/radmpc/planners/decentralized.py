@@ -21,10 +21,14 @@ from radmpc.planners.temporal import (
 from radmpc.program.build import build_program, controls_of, responses
 from radmpc.program.policy import Policy, Pool
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.start import start_pair_risk
 from radmpc.program.subject import Subject, make_subject
-from radmpc.solvers.solution import Limits, Solver
+from radmpc.solvers.solution import Limits, Outcome, Solver
 
 __all__ = ["approximate"]
+
+_NO_ENCOUNTER = 1e-9
+"""Collision probability below which a vehicle does not stand in another's way."""
 
 
 def approximate(
@@ -66,15 +70,18 @@ def approximate(
     """
     run = _Radmpc(scenario, policy, solver, receding, gap, limits)
     total = scenario.horizon * scenario.num_vehicles
+    if run.risk_pool <= 0.0 and isinstance(policy, Pool):
+        run.stuck = list(range(scenario.num_vehicles))
+        return run.finish()
     for k in range(scenario.horizon):
+        run.num_waiting = scenario.num_vehicles
         for done, i in enumerate(rng.permutation(scenario.num_vehicles)):
             if limits.reached:
-                return run.finish(is_limited=True)
-            run.advance(k, int(i))
+                run.is_limited = True
+            else:
+                run.advance(k, int(i))
             progress(k * scenario.num_vehicles + done + 1, total)
-            if run.stuck:
-                return run.finish()
-            if run.num_traveling == 0:
+            if run.stuck or run.is_limited or run.num_traveling == 0:
                 return run.finish()
     return run.finish()
 
@@ -97,6 +104,7 @@ class _Radmpc:
         self.gap = gap
         self.limits = limits
         self.resets = receding.covariances == "reset"
+        self.intervals = scenario.avoidance == "intervals"
         T, N = scenario.horizon, scenario.num_vehicles
         self.responses = responses(scenario)
         self.covariances = [v.covariances(T) for v in scenario.vehicles]
@@ -105,11 +113,16 @@ class _Radmpc:
         ]
         # O <- initTemporalObstacles(V): nobody has a plan yet.
         self.obstacles: list[TemporalObstacle] = [
-            standing_obstacle(v, c)
+            standing_obstacle(v, c, intervals=self.intervals)
             for v, c in zip(scenario.vehicles, self.covariances, strict=True)
         ]
-        self.risk_pool = scenario.risk_bound
+        # Pairs at k = 0 are no part of any subproblem under steps.
+        at_start = 0.0 if self.intervals else start_pair_risk(scenario, self.covariances)
+        self.risk_pool = scenario.risk_bound - at_start
+        self.booked = np.zeros((N, T + 1))
+        self.is_limited = False
         self.num_traveling = N
+        self.num_waiting = N
         self.has_arrived = [False] * N
         self.means = [v.start for v in scenario.vehicles]
         self.controls = [np.zeros((T, v.system.num_controls)) for v in scenario.vehicles]
@@ -125,17 +138,20 @@ class _Radmpc:
         """Solve vehicle i's subproblem at step k and execute its first control."""
         vehicle = self.scenario.vehicles[i]
         subject = self._subject(k, i)
-        share = self.risk_pool / max(self.num_traveling, 1)
+        share = self.risk_pool / max(self.num_traveling, self.num_waiting)
         program = self._program(subject, k, share, self._others(i))
-        solved = self._solve(program, k, i)
+        solved = self._solve(program, i)
         if solved.solution.z is not None:
             self.controls[i][k:] = controls_of([subject], solved.solution.z)[0]
             self.has_plan[i] = True
-            self.risk_pool -= self._charge(program, solved, k)
+            self.booked[i] = self._booked(program, solved, k)
         else:
             self._fall_back(subject, k, i, share)
-            if self.stuck:
+            if self.stuck or self.is_limited:
                 return
+        executed = self.booked[i, k + 1] + (self.booked[i, 0] if k == 0 else 0.0)
+        self.risk_pool = max(self.risk_pool - executed, 0.0)
+        self.num_waiting -= 1
         self.pools.append(self.risk_pool)
         plan = self._planned(k, i)
         self._record_risks(k, i, plan)
@@ -144,11 +160,13 @@ class _Radmpc:
             # Once, when it first enters its goal; the pseudo-code would subtract it every step.
             self.has_arrived[i] = True
             self.num_traveling -= 1
-        self.obstacles[i] = make_temporal_obstacle(vehicle, plan, self._noise(k, i), k)
+        self.obstacles[i] = make_temporal_obstacle(
+            vehicle, plan, self._noise(k, i), k, intervals=self.intervals
+        )
 
-    def finish(self, *, is_limited: bool = False) -> Approximation:
+    def finish(self) -> Approximation:
         """Return what was executed; vehicles that all arrived early keep their last plans."""
-        complete = not is_limited and not self.stuck
+        complete = not self.is_limited and not self.stuck
         return Approximation(
             controls=tuple(self.controls) if complete else None,
             pair_risk=self.pair_risk,
@@ -157,7 +175,7 @@ class _Radmpc:
             steps=tuple(self.steps),
             events=tuple(self.events),
             stuck=tuple(self.stuck),
-            is_limited=is_limited,
+            is_limited=self.is_limited,
         )
 
     def _subject(self, k: int, i: int) -> Subject:
@@ -184,15 +202,14 @@ class _Radmpc:
     ) -> DisjunctiveProgram:
         """Build the subproblem: one vehicle, the others as temporal obstacles."""
         last = self.scenario.horizon
-        intervals = self.scenario.avoidance == "intervals"
         # The piece at k covers the way to k+1.
-        windows = range(k, last) if intervals else range(k + 1, last + 1)
+        windows = range(k, last) if self.intervals else range(k + 1, last + 1)
         temporal = [o.keepout(windows) for o in others]
         return build_program(
             self.scenario, [subject], risk_bound=share, first_step=k, temporal=temporal
         )
 
-    def _solve(self, program: DisjunctiveProgram, k: int, i: int) -> Solved:
+    def _solve(self, program: DisjunctiveProgram, i: int) -> Solved:
         """Solve a subproblem: fastIRA is one pass at uniform risk."""
         name = self.scenario.vehicles[i].name
         solved = solve_under_policy(
@@ -207,22 +224,25 @@ class _Radmpc:
         self.steps += solved.steps
         return solved
 
-    def _charge(self, program: DisjunctiveProgram, solved: Solved, k: int) -> float:
-        """Return what the executed step takes out of the pool."""
+    def _booked(self, program: DisjunctiveProgram, solved: Solved, k: int) -> Vector:
+        """Return what a plan was allotted at every absolute step, (T+1,).
+
+        It leaves the pool as the plan is executed, also where later only its tail is kept.
+        """
+        booked = np.zeros(self.scenario.horizon + 1)
         solution = solved.solution
-        if not isinstance(self.policy, Pool) or solved.allocation is None:
-            return 0.0
-        if solution.selection is None or solution.z is None:
-            return 0.0
+        if solved.allocation is None or solution.selection is None or solution.z is None:
+            return booked
         steps = np.array([e.step for e in program.exposures], dtype=np.int64)
-        executed = np.where(steps <= k + 1, 1.0, 0.0)
         events = np.unique(program.rows.events[program.selected_rows(solution.selection)])
         exposures = program.rows.exposures[events]
         risks = solved.allocation[exposures]
-        if self.policy.charge == "used":
+        if isinstance(self.policy, Pool) and self.policy.charge == "used":
             risks = np.minimum(risks, program.event_risks(solution.z, solution.selection)[events])
-        at_start = program.initial_risk if k == 0 else 0.0
-        return min(at_start + float((executed[exposures] * risks).sum()), program.risk_bound)
+        np.add.at(booked, steps[exposures], risks)
+        if k == 0:
+            booked[0] += program.initial_risk
+        return booked
 
     def _fall_back(self, subject: Subject, k: int, i: int, share: float) -> None:
         """Keep the tail of the last plan; at k = 0 plan without the other vehicles.
@@ -230,12 +250,17 @@ class _Radmpc:
         The paper is silent about subproblems without a solution.
         """
         if not self.has_plan[i]:
-            alone = self._solve(self._program(subject, k, share, []), k, i)
+            program = self._program(subject, k, share, [])
+            alone = self._solve(program, i)
             if alone.solution.z is None:
-                self.stuck.append(i)
+                if alone.solution.outcome is Outcome.LIMIT:
+                    self.is_limited = True
+                else:
+                    self.stuck.append(i)
                 return
             self.controls[i][k:] = controls_of([subject], alone.solution.z)[0]
             self.has_plan[i] = True
+            self.booked[i] = self._booked(program, alone, k)
         blocking = self._blocking(k, i, share)
         self.forced += [(i, j) for j in blocking]
         names = tuple(self.scenario.vehicles[j].name for j in blocking)
@@ -251,9 +276,7 @@ class _Radmpc:
                 risks[j] = max(self._window_risk(i, j, k, plan, w) for w in windows)
         # A uniform share is at least this much; whoever exceeds it stands in the way.
         least = share / max(len(plan) * self.scenario.num_vehicles, 1)
-        found = np.flatnonzero(risks > least)
-        if found.size == 0 and self.scenario.num_vehicles > 1:
-            found = np.array([int(np.argmax(risks))])
+        found = np.flatnonzero(risks > max(least, _NO_ENCOUNTER))
         return [int(j) for j in found if j != i]
 
     def _record_risks(self, k: int, i: int, plan: Matrix) -> None:
@@ -268,7 +291,7 @@ class _Radmpc:
         noise = self._noise(k, i)
         vehicle = self.scenario.vehicles[i]
         axes = list(vehicle.system.position)
-        if self.scenario.avoidance == "steps":
+        if not self.intervals:
             piece, steps = self.obstacles[j].at(k + window + 1), [window + 1]
         else:
             piece, steps = self.obstacles[j].at(k + window), [window, window + 1]

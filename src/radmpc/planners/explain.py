@@ -6,8 +6,11 @@ from itertools import combinations
 
 import numpy as np
 
+from radmpc.geometry import sphere_directions
+from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.planners.ira import solve_under_policy
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import NoRisk, Policy, Sigmas
@@ -52,19 +55,26 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
             return reason
     program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
     deterministic = isinstance(policy, NoRisk | Sigmas)
-    if program.budget <= 0.0 and not deterministic:
-        return _start_too_risky(program)
+    at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
+    if at_start >= (0.5 if deterministic else program.risk_bound):
+        return _start_too_risky(program, at_start)
     hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
     if hopeless.size:
         return _cannot_avoid(scenario, [program.avoidances[int(i)] for i in hopeless])
+    is_open = False
     for size in (1, 2):
         for members in combinations(range(len(subjects)), size):
-            if limits.reached:
-                return _GENERAL
-            if not _solves(scenario, members, policy, gap, limits):
+            outcome = _solved_alone(scenario, members, policy, gap, limits)
+            if outcome is Outcome.INFEASIBLE:
                 return _cannot_be_planned(scenario, members)
-    return _GENERAL
+            is_open |= outcome is Outcome.LIMIT
+    return _OPEN if is_open else _GENERAL
 
+
+_OPEN = (
+    "No plan was found, and a limit ended the search for the reason: raise the time limit, "
+    "the risk bound or the horizon."
+)
 
 _GENERAL = (
     "Each vehicle and each pair can be planned, but not all together within the risk bound: "
@@ -110,12 +120,12 @@ def _without_dangers(scenario: Scenario, subject: Subject) -> Scenario:
     )
 
 
-def _start_too_risky(program: DisjunctiveProgram) -> str:
+def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
     """Name what is too close at k = 0."""
     ranked = sorted(program.initial, key=lambda item: -item[1])
     parts = [f"{_danger(exposure)} (risk {risk:.3g})" for exposure, risk in ranked[:3]]
     return (
-        f"The starts alone carry a collision risk of {program.initial_risk:.3g}, above the "
+        f"The starts alone carry a collision risk of {at_start:.3g}, above the "
         f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
         "initial_covariance."
     )
@@ -123,25 +133,44 @@ def _start_too_risky(program: DisjunctiveProgram) -> str:
 
 def _cannot_avoid(scenario: Scenario, exposures: list[Exposure]) -> str:
     """Name dangers that exist wherever the vehicles may be at that time."""
-    first = exposures[0]
-    last = scenario.horizon if scenario.avoidance == "steps" else scenario.horizon - 1
-    at_goal = [e for e in exposures if e.step == last]
-    if at_goal and at_goal[0].cause == "pair":
-        e = at_goal[0]
-        return (
-            f"The goals of vehicles {e.vehicle!r} and {e.other!r} are too close to each other: "
-            "both cannot be in their goals at the horizon without touching. Move a goal."
-        )
-    if at_goal and at_goal[0].cause == "obstacle":
-        e = at_goal[0]
-        return (
-            f"The goal of vehicle {e.vehicle!r} lies within obstacle {e.other!r} grown by the "
-            "vehicle's radius. Move the goal."
-        )
-    when = f"step {first.step}" + ("" if scenario.avoidance == "steps" else " and after")
+    for first, second in combinations(scenario.vehicles, 2):
+        if _goals_too_close(scenario, first, second):
+            return (
+                f"The goals of vehicles {first.name!r} and {second.name!r} are too close to each "
+                "other: both cannot be in their goals at the horizon without touching. Move a goal."
+            )
+    for vehicle in scenario.vehicles:
+        for obstacle in scenario.obstacles:
+            if _goal_is_taken(scenario, vehicle, obstacle):
+                return (
+                    f"The goal of vehicle {vehicle.name!r} lies within obstacle "
+                    f"{obstacle.name!r} grown by the vehicle's radius. Move the goal."
+                )
+    first_one = exposures[0]
+    when = f"at step {first_one.step}"
+    if scenario.avoidance == "intervals":
+        when = f"between steps {first_one.step} and {first_one.step + 1}"
     return (
-        f"{_danger(first)} cannot be avoided at {when}: wherever limits and goals let the "
-        "vehicles be at that time, they collide."
+        f"{_danger(first_one)} cannot be kept apart {when}: no side is left for any motion that "
+        "limits and goals allow. Lengthen the horizon or shorten dt."
+    )
+
+
+def _goals_too_close(scenario: Scenario, first: Vehicle, second: Vehicle) -> bool:
+    """Whether two vehicles touch wherever they are in their goals."""
+    faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
+    apart = faces @ (first.goal.center - second.goal.center)
+    room = 0.5 * (first.goal.upper - first.goal.lower + second.goal.upper - second.goal.lower)
+    return bool(np.max(apart + np.abs(faces) @ room) < first.radius + second.radius)
+
+
+def _goal_is_taken(scenario: Scenario, vehicle: Vehicle, obstacle: Obstacle) -> bool:
+    """Whether a vehicle touches an obstacle wherever it is in its goal."""
+    room = 0.5 * (vehicle.goal.upper - vehicle.goal.lower)
+    return any(
+        np.max(p.normals @ vehicle.goal.center + np.abs(p.normals) @ room - p.offsets)
+        < vehicle.radius
+        for p in obstacle.at(scenario.horizon)
     )
 
 
@@ -155,16 +184,18 @@ def _danger(exposure: Exposure) -> str:
     return f"vehicle {exposure.vehicle!r} and the workspace border"
 
 
-def _solves(
+def _solved_alone(
     scenario: Scenario, members: tuple[int, ...], policy: Policy, gap: float, limits: Limits
-) -> bool:
-    """Whether some of the vehicles can be planned alone with the whole Δ."""
+) -> Outcome:
+    """Return how planning some of the vehicles alone with the whole Δ ends."""
+    if limits.reached:
+        return Outcome.LIMIT
     alone = scenario.subset(members, scenario.risk_bound)
     program = build_program(alone, whole_subjects(alone), risk_bound=scenario.risk_bound)
     solved = solve_under_policy(
         program, policy, Branch(_MAX_NODES), gap=gap, limits=limits, stage="explain", vehicles=()
     )
-    return solved.solution.outcome is not Outcome.INFEASIBLE
+    return solved.solution.outcome
 
 
 def _cannot_be_planned(scenario: Scenario, members: tuple[int, ...]) -> str:

@@ -26,6 +26,8 @@ __all__ = ["Propose", "Solved", "solve_under_policy"]
 Propose = Callable[[Vector], Indices | None]
 """Proposes one alternative per avoidance at given margins."""
 
+_NOTHING = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
+
 _RESERVE = 1e-7
 """Share of the budget left over for the linear solver's feasibility tolerance."""
 
@@ -89,6 +91,8 @@ def solve_under_policy(
     if isinstance(policy, NoRisk | Sigmas):
         count = policy.count if isinstance(policy, Sigmas) else 0.0
         margins = count * program.rows.deviations
+        if any(risk >= 0.5 for _, risk in program.initial):
+            return Solved(_NOTHING, None, ())
         solution = solver.solve(
             program, margins, gap=gap, limits=limits, guide=_guide(propose, margins)
         )
@@ -96,8 +100,7 @@ def solve_under_policy(
         return Solved(solution, None, (step,) if solution.z is not None else ())
     budget = program.budget * (1.0 - _RESERVE)
     if budget <= 0.0:
-        nothing = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
-        return Solved(nothing, None, ())
+        return Solved(_NOTHING, None, ())
     allotment = uniform_allocation(program, budget)
     if isinstance(policy, Ira):
         ira = _Ira(program, policy, solver, gap, limits, budget, stage, vehicles, propose)

@@ -170,7 +170,9 @@ def _explanation(
     """Say why an approximation found nothing."""
     if not run.stuck:
         return None
-    alone = scenario.subset(run.stuck, scenario.risk_bound)
+    # They were planned with their share of the risk; with more they might have been.
+    share = scenario.risk_bound * len(run.stuck) / scenario.num_vehicles
+    alone = scenario.subset(run.stuck, share)
     return explain_infeasible(alone, policy, gap, limits)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
@@ -151,13 +151,15 @@ def run_sets(
     if executor is None:
         plans = []
         for done, one in enumerate(tasks):
-            plans.append(plan_set(one, limits))
+            # An equal part of the time left for each, so that one hard set starves no other.
+            part = limits.seconds_left / (len(tasks) - done)
+            plans.append(plan_set(one, replace(limits, deadline=time.monotonic() + part)))
             progress(done + 1, len(tasks))
         return plans
-    # Clocks and stop flags of this process mean nothing in another: send the seconds left.
+    # Only the wall clock means the same in another process; a queued task must not restart it.
+    deadline = time.time() + limits.seconds_left
     futures: dict[Future[SetPlan], int] = {
-        executor.submit(_plan_set_within, one, limits.seconds_left): i
-        for i, one in enumerate(tasks)
+        executor.submit(_plan_set_until, one, deadline): i for i, one in enumerate(tasks)
     }
     answers: dict[int, SetPlan] = {}
     for done, future in enumerate(as_completed(futures)):
@@ -166,6 +168,6 @@ def run_sets(
     return [answers[i] for i in range(len(tasks))]
 
 
-def _plan_set_within(task: SetTask, seconds: float) -> SetPlan:
-    """Plan a set with its own clock."""
-    return plan_set(task, Limits(deadline=time.monotonic() + seconds))
+def _plan_set_until(task: SetTask, deadline: float) -> SetPlan:
+    """Plan a set until a time of the wall clock."""
+    return plan_set(task, Limits(deadline=time.monotonic() + max(0.0, deadline - time.time())))

@@ -54,7 +54,12 @@ class TemporalObstacle:
 
 
 def make_temporal_obstacle(
-    vehicle: Vehicle, means: Matrix, covariances: Tensor, first_step: int
+    vehicle: Vehicle,
+    means: Matrix,
+    covariances: Tensor,
+    first_step: int,
+    *,
+    intervals: bool = False,
 ) -> TemporalObstacle:
     """Bound a plan's 3σ regions (paper, section Temporal Obstacles).
 
@@ -68,35 +73,48 @@ def make_temporal_obstacle(
         State covariances at these steps.
     first_step : int
         Absolute step of the first entry.
+    intervals : bool
+        Whether the way between steps counts: then k = 0 is no exception.
 
     Returns
     -------
     TemporalObstacle
         The hull of the squares at k and k+1; a square alone at k = 0, at the horizon and where
-        the vehicle is in its goal.
+        the vehicle is in its goal and stays there.
     """
     system = vehicle.system
     positions = means[:, list(system.position)]
     halves = _half_sides(vehicle, covariances)
     speeds = None if system.velocity is None else means[:, list(system.velocity)]
-    alone = np.array(
+    arrived = np.array(
         [
             vehicle.goal.contains(position, None if speeds is None else speeds[i])
             for i, position in enumerate(positions)
         ]
     )
-    alone[-1] = True
-    alone[0] |= first_step == 0
+    alone = np.append(arrived[:-1] & arrived[1:], True)
+    alone[0] |= first_step == 0 and not intervals
     following = np.where(alone, np.arange(len(positions)), np.arange(len(positions)) + 1)
     return _hulls(vehicle.name, first_step, (positions, halves), following)
 
 
-def standing_obstacle(vehicle: Vehicle, covariances: Tensor) -> TemporalObstacle:
-    """Return the square around a vehicle that has no plan yet: at its start, for all steps."""
+def standing_obstacle(
+    vehicle: Vehicle, covariances: Tensor, *, intervals: bool = False
+) -> TemporalObstacle:
+    """Return the square around a vehicle that has no plan yet: at its start, for all steps.
+
+    Under intervals, the hull with the square that it drifts to within the first step.
+    """
     count = len(covariances)
     half = _half_sides(vehicle, covariances[:1])[0]
-    squares = (np.tile(vehicle.start_position, (count, 1)), np.full(count, half))
-    return _hulls(vehicle.name, 0, squares, np.arange(count))
+    drifted = (vehicle.system.A @ vehicle.start)[list(vehicle.system.position)]
+    ends = [vehicle.start_position, drifted if intervals else vehicle.start_position]
+    squares = (np.tile(np.array(ends), (count, 1)), np.full(2 * count, half))
+    both = _hulls(vehicle.name, 0, squares, np.arange(2 * count) // 2 * 2 + 1)
+    every = slice(0, None, 2)
+    return TemporalObstacle(
+        vehicle.name, 0, both.normals[every], both.offsets[every], both.directions[every]
+    )
 
 
 def _half_sides(vehicle: Vehicle, covariances: Tensor) -> Vector:

@@ -148,11 +148,11 @@ class ProgramBuilder:
     def _charge_start(
         self, body: Body, normals: Matrix, offsets: Vector, label: tuple[Cause, str, str | None]
     ) -> None:
-        """Charge the least risk of any face at k = 0, which no control changes.
+        """Note the least risk of any face at k = 0, which no control changes; charge it.
 
-        Under intervals the rows at k = 0 are part of the alternatives instead.
+        Under intervals the rows at k = 0 are part of the alternatives, and charged there.
         """
-        if self.first_step > 0 or self.intervals:
+        if self.first_step > 0:
             return
         slack = offsets - normals @ body.lower[0]
         variances = np.einsum("fa,ab,fb->f", normals, body.covariances[0], normals)
@@ -161,7 +161,8 @@ class ProgramBuilder:
         certain = np.where(slack >= -1e-9, np.inf, -np.inf)
         clearances = np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
         risk = float(tail_probability(clearances).min())
-        self.initial_risk += risk
+        if not self.intervals:
+            self.initial_risk += risk
         if risk > 1e-9:
             self.initial.append((Exposure(*label, 0), risk))
 
@@ -183,6 +184,7 @@ class ProgramBuilder:
             hard_lower=hard_lower,
             hard_upper=hard_upper,
             outputs=outputs,
+            num_positions=positions.shape[0],
             constant=np.concatenate([constant, np.zeros(cost.size)]),
             output_lower=np.concatenate(
                 [*(s.reach_lower.ravel() for s in self.subjects), np.zeros(cost.size)]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
+from radmpc.errors import ScenarioError
 from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
 
@@ -44,10 +45,15 @@ class Sigmas:
     Attributes
     ----------
     count : float
-        Standard deviations kept, > 0.
+        Standard deviations kept, 0 to 7: what always keeps 7 is left out of programmes.
     """
 
     count: float = 3.0
+
+    def __post_init__(self) -> None:
+        """Refuse counts that programmes cannot keep."""
+        if not 0.0 <= self.count <= 7.0:
+            raise ScenarioError(f"sigmas must lie between 0 and 7, got {self.count:g}")
 
     def __str__(self) -> str:
         return f"sigmas({self.count:g})"
@@ -122,7 +128,7 @@ def uniform_allocation(program: DisjunctiveProgram, budget: float) -> Vector:
     """
     counts = _largest_counts(program)
     unavoidable = _unavoidable(program)
-    left = budget - float(unavoidable.sum())
+    left = budget - float((counts * unavoidable).sum())
     if counts.sum() == 0 or left <= 0.0:
         return unavoidable
     spread: Vector = unavoidable + left / float(counts.sum())

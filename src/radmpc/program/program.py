@@ -97,7 +97,9 @@ class DisjunctiveProgram:
     hard_lower, hard_upper : (h,) array
         Bounds of the hard rows.
     outputs : (p, n) sparse array
-        What the chance rows see, without its constant.
+        What the chance rows see, without its constant: positions first, then the controls.
+    num_positions : int
+        How many of the outputs are positions.
     constant : (p,) array
         Constant part of the outputs.
     output_lower, output_upper : (p,) array
@@ -119,7 +121,8 @@ class DisjunctiveProgram:
     initial_risk : float
         Risk no control can change, charged to Δ first: at k = 0, and of settled avoidances.
     initial : tuple of (Exposure, float)
-        The parts of the initial risk at k = 0 that are not negligible.
+        Risk at k = 0 that is not negligible, danger by danger. Under intervals it is that of
+        rows within alternatives, and not part of ``initial_risk``.
     """
 
     cost: Vector
@@ -130,6 +133,7 @@ class DisjunctiveProgram:
     hard_lower: Vector
     hard_upper: Vector
     outputs: csr_array
+    num_positions: int
     constant: Vector
     output_lower: Vector
     output_upper: Vector
@@ -190,9 +194,14 @@ class DisjunctiveProgram:
         return np.where(noisy, slacks / np.where(noisy, deviations, 1.0), certain)
 
     def fixed_rows(self) -> np.ndarray:
-        """Return which rows no control can move, (r,) bool: those at the first step."""
-        touched = abs(self.rows.normals) @ (abs(self.outputs) @ np.ones(self.num_columns))
-        return np.asarray(touched == 0.0)
+        """Return which rows look at a place that no control can move, (r,) bool.
+
+        Those at the first step, and later ones where the control comes with a delay. Their bow
+        may still depend on the control.
+        """
+        places = slice(0, self.num_positions)
+        moved = abs(self.outputs[places]) @ np.ones(self.num_columns)
+        return np.asarray(abs(self.rows.normals[:, places]) @ moved == 0.0)
 
     def column_rows(self, rows: Indices) -> tuple[csr_array, Vector]:
         """Return chosen rows over the decision variables: coefficients and right sides."""

@@ -121,6 +121,8 @@ def make_subject(
     if system.is_double_integrator:
         low, high = _reach_by_speeds(vehicle, start, np.maximum(bounds, 0.0))
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
+    # The start is where it is, also where no admissible control leads from there to the goal.
+    lower[0] = upper[0] = drift[0]
     return Subject(
         vehicle=vehicle,
         horizon=horizon,

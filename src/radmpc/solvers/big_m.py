@@ -20,7 +20,7 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.backends.gurobi import GurobiBackend
 from radmpc.solvers.backends.highs import HighsBackend
 from radmpc.solvers.backends.scip import ScipBackend
-from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.frozen import solve_selection
 from radmpc.solvers.milp import Backend, MilpModel
 from radmpc.solvers.selection import least_violated, violations_of
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, relative_gap
@@ -82,7 +82,13 @@ class BigM:
             )
         z = answer.x[: program.num_columns]
         selection = least_violated(program, violations_of(program, margins, z))
-        cost, z = _polished(program, margins, selection, z)
+        polished = solve_selection(program, margins, selection)
+        if polished.z is None:
+            # Only the integrality slack made the point feasible: it is none.
+            return Solution(
+                Outcome.LIMIT, None, None, float("inf"), answer.bound, answer.nodes, 0, seconds
+            )
+        cost, z = polished.cost, polished.z
         bound = min(answer.bound, cost)
         closed = relative_gap(cost, bound) <= gap * (1.0 + 1e-6) + 1e-9
         return Solution(
@@ -148,15 +154,3 @@ def _largest_excess(program: DisjunctiveProgram, margins: Vector) -> Vector:
     largest = up @ program.output_upper + down @ program.output_lower
     excess: Vector = largest - program.rows.offsets + margins
     return np.maximum(excess, 0.0)
-
-
-def _polished(
-    program: DisjunctiveProgram, margins: Vector, selection: Indices, z: Vector
-) -> tuple[float, Vector]:
-    """Solve the linear programme of the selection, free of the backend's integrality slack."""
-    lp = WarmLp(program, margins)
-    lp.activate(program.selected_rows(selection))
-    outcome, cost = lp.solve()
-    if outcome is LpOutcome.OPTIMAL:
-        return cost, lp.point()
-    return float(program.cost @ z), z

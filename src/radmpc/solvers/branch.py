@@ -62,6 +62,8 @@ class Branch:
         begun = time.perf_counter()
         if np.any(np.diff(program.avoidance_starts) == 0):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
+        if _has_lost_cause(program, margins):
+            return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
         groups = _Groups(program, margins, gap, limits, self.max_nodes, start, guide)
         return groups.solve(begun)
 
@@ -209,7 +211,8 @@ class _Groups:
         for avoidance in ranked:
             span = self.touched.indptr[avoidance : avoidance + 2]
             members = sorted({owner[int(b)] for b in self.touched.indices[span[0] : span[1]]})
-            pairs.append((members[0], members[-1]))
+            if members:
+                pairs.append((members[0], members[-1]))
         return pairs
 
     def _note(self, z: Vector) -> None:
@@ -253,6 +256,18 @@ class _Groups:
         self.lps += tree.lps
         if tree.z is not None:
             self._note(tree.z)
+
+
+def _has_lost_cause(program: DisjunctiveProgram, margins: Vector) -> bool:
+    """Whether an avoidance that no control touches is violated."""
+    if program.num_avoidances == 0:
+        return False
+    least = np.minimum.reduceat(
+        violations_of(program, margins, np.zeros(program.num_columns)),
+        program.avoidance_starts[:-1],
+    )
+    untouched = np.diff(avoidance_blocks(program).indptr) == 0
+    return bool(np.any(least[untouched] > _TOUCH_TOL))
 
 
 def _merged(groups: list[frozenset[int]], conflicts: list[tuple[int, int]]) -> list[frozenset[int]]:
