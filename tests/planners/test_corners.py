@@ -1,0 +1,211 @@
+"""Corners of the problem where a plan is easily lost, or a danger easily missed."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from radmpc.errors import ScenarioError
+from radmpc.experiments.families import paper
+from radmpc.model.dynamics import LinearSystem, double_integrator
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Status
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.explain import explain_infeasible
+from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
+from radmpc.planners.sets import SetTask, _plan_set_until
+from radmpc.planning import plan
+from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.policy import Ira, Pool, Sigmas, uniform_allocation
+from radmpc.solvers.branch import Branch
+from radmpc.solvers.solution import Limits, Outcome
+
+EULER = LinearSystem(
+    A=np.block([[np.eye(2), np.eye(2)], [np.zeros((2, 2)), np.eye(2)]]),
+    B=np.vstack([np.zeros((2, 2)), np.eye(2)]),
+    position=(0, 1),
+    velocity=(2, 3),
+)
+
+
+def _vehicle(name, start, goal, **more):
+    half = more.pop("half", 0.2)
+    goal_speed = more.pop("goal_speed", np.full(2, 0.05))
+    options = {
+        "system": double_integrator(1.0, 2),
+        "radius": 0.4,
+        "control_limit": np.full(2, 2.0),
+        "initial_covariance": 1e-3,
+        "disturbance_covariance": 1e-3,
+    }
+    full = np.concatenate([start, np.zeros(4 - len(start))])
+    goal = np.array(goal, float)
+    return Vehicle(
+        name=name,
+        start=full,
+        goal=Goal(goal - half, goal + half, goal_speed),
+        **(options | more),
+    )
+
+
+def _scenario(*vehicles, **more):
+    options = {"dt": 1.0, "horizon": 8, "risk_bound": 0.05, "avoidance": "intervals"}
+    return Scenario(name="s", vehicles=vehicles, **(options | more))
+
+
+@pytest.mark.parametrize("sigmas", [2.6, 2.8])
+@pytest.mark.parametrize("planner", ["ira", "uniform", "radmpc", "multi-vehicle"])
+def test_a_start_close_to_a_wall_is_paid_first_also_under_intervals(sigmas, planner):
+    noise = np.diag([0.02, 0.02, 1e-6, 1e-6])
+    vehicle = _vehicle("a", (0, 0), (6, 0), initial_covariance=noise, disturbance_covariance=1e-7)
+    wall = Obstacle.box("wall", [-3, -1], [-0.4 - sigmas * np.sqrt(0.02), 1])
+    result = plan(_scenario(vehicle, obstacles=(wall,)), planner)
+    assert result.is_certified
+    assert 0.002 < result.certificate.certified <= 0.05
+
+
+def test_a_stop_at_any_moment_is_a_limit_and_never_called_infeasible():
+    for count in range(1, 12):
+        calls = iter(range(10**6))
+        result = plan(paper(2, 1), stop=lambda calls=calls, n=count: next(calls) >= n)
+        assert result.status is not Status.INFEASIBLE
+
+
+def test_a_node_limit_is_a_limit_and_never_called_infeasible():
+    for planner in (
+        Planner(Pool(), Branch(1), Receding()),
+        Planner(Ira(), Branch(1), Couplings()),
+        Planner(Ira(), Branch(1), Centralized()),
+    ):
+        assert plan(paper(2, 4), planner).status is not Status.INFEASIBLE
+
+
+def test_an_explanation_that_ran_out_of_time_says_so():
+    text = explain_infeasible(paper(2, 1), Ira(), 1e-3, Limits(deadline=0.0))
+    assert "a limit ended the search for the reason" in text
+
+
+def test_vehicles_that_meet_within_the_first_interval_are_coupled():
+    common = {
+        "radius": 0.25,
+        "control_limit": np.full(2, 3.0),
+        "half": 0.5,
+        "goal_speed": None,
+        "initial_covariance": 2e-4,
+        "disturbance_covariance": 2e-4,
+    }
+    scenario = _scenario(
+        _vehicle("a", (0.571, 1.97, 1.847, -0.597), (8.482, -1.778), **common),
+        _vehicle("b", (1.886, 0.669, -0.153, 1.493), (0.312, 6.015), **common),
+        horizon=6,
+    )
+    result = plan(scenario, "multi-vehicle")
+    assert result.sets == (("a", "b"),)
+    assert result.is_certified
+
+
+def test_the_reach_at_the_start_is_the_start_however_fast_it_begins():
+    vehicle = _vehicle("a", (0, 0, 3, 0), (2, 0), speed_limit=np.full(2, 1.0))
+    behind = Obstacle.box("behind", [-2, -1], [-0.1, 1])
+    scenario = _scenario(vehicle, obstacles=(behind,), horizon=1, avoidance="steps")
+    [subject] = whole_subjects(scenario)
+    assert subject.reach_lower[0] == pytest.approx([0.0, 0.0])
+    assert subject.reach_upper[0] == pytest.approx([0.0, 0.0])
+    program = build_program(scenario, [subject], risk_bound=0.05)
+    assert program.initial_risk > 0.5
+
+
+def test_places_that_no_control_moves_are_allotted_once_per_face():
+    scenario = _scenario(
+        _vehicle("a", (0, 0, 1, 1), (6, 6), system=EULER, radius=0.3, initial_covariance=2e-3),
+        obstacles=(Obstacle.box("corner", [2, -3], [5, -0.6]),),
+    )
+    program = build_program(scenario, whole_subjects(scenario), risk_bound=0.05)
+    allocation = uniform_allocation(program, program.budget)
+    starts = program.avoidance_starts
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        selection = np.array([rng.integers(a, b) for a, b in pairwise(starts)])
+        events = np.unique(program.rows.events[program.selected_rows(selection)])
+        paid = allocation[program.rows.exposures[events]].sum()
+        assert paid <= program.budget * (1 + 1e-9)
+
+
+def test_an_obstacle_nobody_can_steer_around_yet_is_no_crash():
+    scenario = _scenario(
+        _vehicle("a", (0, 0, 1, 1), (6, 6), system=EULER, radius=0.3),
+        _vehicle("b", (0, 20), (6, 20), system=EULER, radius=0.3),
+        obstacles=(Obstacle.box("block", [0.9, 0.9], [1.1, 1.1]),),
+        avoidance="steps",
+    )
+    result = plan(scenario, Planner(Sigmas(3.0), Branch(), Centralized()))
+    assert result.status is Status.INFEASIBLE
+
+
+def test_a_vehicle_that_has_arrived_leaves_the_pool_to_those_that_travel():
+    noise = np.diag([1e-3, 1e-3, 1e-4, 1e-4])
+    calm = {"initial_covariance": noise, "disturbance_covariance": noise}
+    resting = _vehicle("a", (0, 0), (0, 0), **calm)
+    traveling = _vehicle("b", (30, 0), (36, 0), **calm)
+    obstacles = (Obstacle.box("o", [1.1, -1], [2, 1]), Obstacle.box("p", [35, 1.2], [37, 2]))
+    for seed in range(6):
+        scenario = _scenario(resting, traveling, obstacles=obstacles, avoidance="steps")
+        result = plan(scenario, "multi-vehicle", rng=seed)
+        assert result.sets == (("a",), ("b",))
+        assert result.events == ()
+
+
+def test_pairs_that_start_too_close_are_charged_to_the_pool():
+    scenario = _scenario(
+        _vehicle("a", (0, 0), (8, 0), initial_covariance=0.01),
+        _vehicle("b", (1.0, 0), (0, 8), initial_covariance=0.01),
+        avoidance="steps",
+    )
+    result = plan(scenario, "radmpc")
+    assert result.status is Status.INFEASIBLE
+    assert "vehicles 'a' and 'b' (risk 0.0786)" in result.explanation
+
+
+def test_an_obstacle_in_the_way_is_not_mistaken_for_one_on_the_goal():
+    vehicle = _vehicle("a", (0, 0), (2, 0), control_limit=np.full(2, 9.0), goal_speed=None)
+    scenario = _scenario(vehicle, obstacles=(Obstacle.box("o", [0.9, -3], [1.1, 3]),), horizon=1)
+    result = plan(scenario, "ira")
+    assert result.status is Status.INFEASIBLE
+    assert "vehicle 'a' and obstacle 'o' cannot be kept apart" in result.explanation
+
+
+def test_a_set_that_waited_for_a_worker_does_not_restart_the_clock():
+    task = SetTask(paper(2, 0), Ira(), Branch(), 1e-3, "sets")
+    assert _plan_set_until(task, time.time() - 1.0).outcome is Outcome.LIMIT
+    assert _plan_set_until(task, time.time() + 60.0).outcome is Outcome.OPTIMAL
+
+
+def test_deterministic_planners_refuse_to_start_inside_an_obstacle():
+    scenario = _scenario(
+        _vehicle("a", (0, 0), (6, 0)),
+        obstacles=(Obstacle.box("o", [-1, -1], [0.2, 1]),),
+        avoidance="steps",
+    )
+    result = plan(scenario, "dlp")
+    assert result.status is Status.INFEASIBLE
+    assert "starts alone" in result.explanation
+
+
+def test_more_deviations_than_programmes_keep_are_refused():
+    with pytest.raises(ScenarioError, match="sigmas must lie between 0 and 7"):
+        Sigmas(8.0)
+
+
+def test_intervals_catch_what_steps_do_not():
+    wall = Obstacle.box("wall", [3.9, -0.6], [4.1, 0.6])
+    vehicle = _vehicle("a", (0, 0), (8, 0), radius=0.1, disturbance_covariance=1e-6)
+    scenario = _scenario(vehicle, obstacles=(wall,), horizon=6)
+    loose = plan(replace(scenario, avoidance="steps"), "ira")
+    tight = plan(scenario, "ira")
+    assert loose.cost < tight.cost
+    assert tight.is_certified
