@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,15 +11,15 @@ import numpy as np
 import pytest
 
 from radmpc.errors import ScenarioError
-from radmpc.experiments.families import paper
+from radmpc.experiments.families import circle, paper
 from radmpc.model.dynamics import LinearSystem, double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
-from radmpc.model.scenario import Scenario
+from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
-from radmpc.planners.sets import SetTask, _plan_set_until
+from radmpc.planners.sets import SetTask, _plan_set_until, run_sets
 from radmpc.planning import plan
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import Ira, Pool, Sigmas, uniform_allocation
@@ -176,13 +177,66 @@ def test_an_obstacle_in_the_way_is_not_mistaken_for_one_on_the_goal():
     scenario = _scenario(vehicle, obstacles=(Obstacle.box("o", [0.9, -3], [1.1, 3]),), horizon=1)
     result = plan(scenario, "ira")
     assert result.status is Status.INFEASIBLE
-    assert "vehicle 'a' and obstacle 'o' cannot be kept apart" in result.explanation
+    assert "Vehicle 'a' and obstacle 'o' cannot be kept apart" in result.explanation
 
 
-def test_a_set_that_waited_for_a_worker_does_not_restart_the_clock():
+def test_a_set_that_waited_for_a_worker_does_not_restart_the_clock(tmp_path):
     task = SetTask(paper(2, 0), Ira(), Branch(), 1e-3, "sets")
-    assert _plan_set_until(task, time.time() - 1.0).outcome is Outcome.LIMIT
-    assert _plan_set_until(task, time.time() + 60.0).outcome is Outcome.OPTIMAL
+    flag = tmp_path / "stop"
+    assert _plan_set_until(task, time.time() - 1.0, str(flag)).outcome is Outcome.LIMIT
+    assert _plan_set_until(task, time.time() + 60.0, str(flag)).outcome is Outcome.OPTIMAL
+
+
+def test_a_stop_reaches_sets_that_are_planned_elsewhere():
+    task = SetTask(replace(circle(10), avoidance="intervals"), Ira(), Branch(), 1e-3, "sets")
+    begun = time.monotonic()
+    limits = Limits(is_stopped=lambda: time.monotonic() > begun + 1.0)
+    with ThreadPoolExecutor(1) as executor:
+        [answer] = run_sets([task], limits, executor, lambda done, total: None)
+    assert answer.outcome in {Outcome.LIMIT, Outcome.FEASIBLE}
+
+
+def test_rows_that_need_much_are_not_starved_by_a_uniform_start():
+    workspace = Workspace(np.array([-1.0, -1.0]), np.array([9.0, 1.0]))
+    noise = np.diag([0.004, 0.004, 0.0, 0.0])
+    vehicle = _vehicle(
+        "a",
+        (0, 0),
+        (8, 0.55),
+        half=0.05,
+        disturbance_covariance=noise,
+        initial_covariance=0.0,
+    )
+    scenario = _scenario(vehicle, workspace=workspace, horizon=8, risk_bound=0.005)
+    uniform = plan(scenario, "uniform")
+    assert uniform.status is Status.INFEASIBLE
+    assert "near are the workspace border" in uniform.explanation
+    for planner in ("ira", "multi-vehicle"):
+        assert plan(scenario, planner).is_certified
+
+
+def test_a_vehicle_that_needs_more_than_its_share_gets_it_from_the_others():
+    workspace = Workspace(np.array([-1.0, -9.0]), np.array([9.0, 1.0]))
+    noise = {"disturbance_covariance": np.diag([0.004, 0.004, 0.0, 0.0]), "initial_covariance": 0.0}
+    needy = _vehicle("a", (0, 0), (8, 0.56), half=0.05, **noise)
+    easy = _vehicle("b", (0, -5), (8, -5), **noise)
+    scenario = _scenario(needy, easy, workspace=workspace, risk_bound=0.005)
+    result = plan(scenario, "multi-vehicle")
+    assert result.is_certified
+    assert result.sets == (("a", "b"),)
+
+
+def test_a_start_inside_something_is_told_plainly():
+    inside = Obstacle.box("o", [-1, -1], [0.2, 1])
+    for avoidance in ("steps", "intervals"):
+        scenario = _scenario(
+            _vehicle("a", (0, 0), (6, 0)), obstacles=(inside,), avoidance=avoidance
+        )
+        text = plan(scenario, "multi-vehicle").explanation
+        assert "start of vehicle 'a' lies within obstacle 'o'" in text
+    outside = Workspace(np.array([1.0, -5.0]), np.array([9.0, 5.0]))
+    text = plan(_scenario(_vehicle("a", (0, 0), (6, 0)), workspace=outside)).explanation
+    assert "start of vehicle 'a' lies outside the workspace" in text
 
 
 def test_deterministic_planners_refuse_to_start_inside_an_obstacle():
@@ -193,7 +247,7 @@ def test_deterministic_planners_refuse_to_start_inside_an_obstacle():
     )
     result = plan(scenario, "dlp")
     assert result.status is Status.INFEASIBLE
-    assert "starts alone" in result.explanation
+    assert "start of vehicle 'a' lies within obstacle 'o'" in result.explanation
 
 
 def test_more_deviations_than_programmes_keep_are_refused():

@@ -221,7 +221,7 @@ def test_a_goal_within_an_obstacle_is_named():
 
 def test_starts_in_conflict_are_named_with_their_risk():
     text = _explained(
-        _scenario(_vehicle("a", (0, 0), (8, 0)), _vehicle("b", (0.5, 0), (0, 8))), "ira"
+        _scenario(_vehicle("a", (0, 0), (8, 0)), _vehicle("b", (0.83, 0), (0, 8))), "ira"
     )
     assert "vehicles 'a' and 'b' (risk" in text
 
@@ -243,7 +243,7 @@ def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():
         risk_bound=1e-4,
         avoidance="intervals",
     )
-    assert "Vehicle 'a' alone cannot pass" in _explained(scenario)
+    assert "Vehicle 'a' alone finds no way" in _explained(scenario)
 
 
 def test_everyone_through_one_point_is_planned_within_the_bound():

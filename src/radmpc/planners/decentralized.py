@@ -19,7 +19,7 @@ from radmpc.planners.temporal import (
     standing_obstacle,
 )
 from radmpc.program.build import build_program, controls_of, responses
-from radmpc.program.policy import Policy, Pool
+from radmpc.program.policy import Ira, Policy, Pool
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.start import start_pair_risk
 from radmpc.program.subject import Subject, make_subject
@@ -209,12 +209,12 @@ class _Radmpc:
             self.scenario, [subject], risk_bound=share, first_step=k, temporal=temporal
         )
 
-    def _solve(self, program: DisjunctiveProgram, i: int) -> Solved:
+    def _solve(self, program: DisjunctiveProgram, i: int, policy: Policy | None = None) -> Solved:
         """Solve a subproblem: fastIRA is one pass at uniform risk."""
         name = self.scenario.vehicles[i].name
         solved = solve_under_policy(
             program,
-            self.policy,
+            policy or self.policy,
             self.solver,
             gap=self.gap,
             limits=self.limits,
@@ -252,6 +252,8 @@ class _Radmpc:
         if not self.has_plan[i]:
             program = self._program(subject, k, share, [])
             alone = self._solve(program, i)
+            if alone.solution.outcome is Outcome.INFEASIBLE and isinstance(self.policy, Pool):
+                alone = self._solve(program, i, Ira(max_iterations=1))
             if alone.solution.z is None:
                 if alone.solution.outcome is Outcome.LIMIT:
                     self.is_limited = True

@@ -56,7 +56,7 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
     program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
     deterministic = isinstance(policy, NoRisk | Sigmas)
     at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
-    if at_start >= (0.5 if deterministic else program.risk_bound):
+    if program.initial and at_start >= (0.5 if deterministic else program.risk_bound):
         return _start_too_risky(program, at_start)
     hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
     if hopeless.size:
@@ -123,12 +123,30 @@ def _without_dangers(scenario: Scenario, subject: Subject) -> Scenario:
 def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
     """Name what is too close at k = 0."""
     ranked = sorted(program.initial, key=lambda item: -item[1])
+    worst, risk = ranked[0]
+    if risk >= 0.5:
+        return _start_in_conflict(worst)
     parts = [f"{_danger(exposure)} (risk {risk:.3g})" for exposure, risk in ranked[:3]]
     return (
         f"The starts alone carry a collision risk of {at_start:.3g}, above the "
         f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
         "initial_covariance."
     )
+
+
+def _start_in_conflict(exposure: Exposure) -> str:
+    """Name a start that is no place to be."""
+    if exposure.cause == "pair":
+        return (
+            f"The starts of vehicles {exposure.vehicle!r} and {exposure.other!r} are too close: "
+            "they touch before anything moves. Move a start."
+        )
+    if exposure.cause == "obstacle":
+        return (
+            f"The start of vehicle {exposure.vehicle!r} lies within obstacle {exposure.other!r} "
+            "grown by the vehicle's radius. Move the start."
+        )
+    return f"The start of vehicle {exposure.vehicle!r} lies outside the workspace. Move the start."
 
 
 def _cannot_avoid(scenario: Scenario, exposures: list[Exposure]) -> str:
@@ -151,9 +169,14 @@ def _cannot_avoid(scenario: Scenario, exposures: list[Exposure]) -> str:
     if scenario.avoidance == "intervals":
         when = f"between steps {first_one.step} and {first_one.step + 1}"
     return (
-        f"{_danger(first_one)} cannot be kept apart {when}: no side is left for any motion that "
-        "limits and goals allow. Lengthen the horizon or shorten dt."
+        f"{_capitalized(_danger(first_one))} cannot be kept apart {when}: no side is left for any "
+        "motion that limits and goals allow. Lengthen the horizon or shorten dt."
     )
+
+
+def _capitalized(text: str) -> str:
+    """Return a text with a capital at its front, names within it as they are."""
+    return text[:1].upper() + text[1:]
 
 
 def _goals_too_close(scenario: Scenario, first: Vehicle, second: Vehicle) -> bool:
@@ -199,14 +222,22 @@ def _solved_alone(
 
 
 def _cannot_be_planned(scenario: Scenario, members: tuple[int, ...]) -> str:
-    """Name vehicles that have no plan even with the whole Δ to themselves."""
+    """Name vehicles for which no plan was found even with the whole Δ to themselves."""
     names = [repr(scenario.vehicles[i].name) for i in members]
-    if len(names) == 1:
+    bound = f"the risk bound {scenario.risk_bound:g}"
+    if len(names) == 2:
         return (
-            f"Vehicle {names[0]} alone cannot pass the obstacles within the risk bound "
-            f"{scenario.risk_bound:g}: raise risk_bound, lengthen the horizon, or widen its way."
+            f"Vehicles {names[0]} and {names[1]} alone find no way past each other within "
+            f"{bound} that this planner sees: raise risk_bound, lengthen the horizon, or move "
+            "their goals."
         )
+    alone = scenario.subset(members, scenario.risk_bound)
+    program = build_program(alone, whole_subjects(alone), risk_bound=scenario.risk_bound)
+    dangers = dict.fromkeys(
+        repr(e.other) if e.other else "the workspace border" for e in program.exposures
+    )
     return (
-        f"Vehicles {names[0]} and {names[1]} alone cannot be kept apart within the risk bound "
-        f"{scenario.risk_bound:g}: raise risk_bound, lengthen the horizon, or move their goals."
+        f"Vehicle {names[0]} alone finds no way within {bound} that this planner sees; near are "
+        f"{', '.join(dangers)}. Raise risk_bound, lengthen the horizon, reduce the noise, or "
+        "widen its way."
     )

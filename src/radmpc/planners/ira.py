@@ -13,11 +13,13 @@ from radmpc.program.policy import (
     Policy,
     Sigmas,
     allocated,
+    allocation_from,
     margins_of,
     reallocate,
     uniform_allocation,
 )
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.branch import Branch
 from radmpc.solvers.frozen import solve_selection
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver
 
@@ -27,6 +29,10 @@ Propose = Callable[[Vector], Indices | None]
 """Proposes one alternative per avoidance at given margins."""
 
 _NOTHING = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
+
+_START_SIGMAS = (4.0, 3.6, 3.2, 2.9, 2.6, 2.3, 2.0, 1.7)
+_START_NODES = 1_000
+_START_GAP = 0.01
 
 _RESERVE = 1e-7
 """Share of the budget left over for the linear solver's feasibility tolerance."""
@@ -136,8 +142,14 @@ class _Ira:
         best: Solution | None = None
         best_allocation = allocation
         steps: list[Step] = []
+        start: Indices | None = None
         for iteration in range(self.policy.max_iterations):
-            solution = self._solve(allocation, None if best is None else best.selection)
+            solution = self._solve(allocation, start)
+            if solution.outcome is Outcome.INFEASIBLE and iteration == 0:
+                found = self._other_start()
+                if found is not None:
+                    allocation, start = found
+                    solution = self._solve(allocation, start)
             if solution.z is None or solution.selection is None:
                 return Solved(best or solution, best_allocation, tuple(steps))
             upper = reallocate(
@@ -151,10 +163,29 @@ class _Ira:
                 best, best_allocation = solution, allocation
             if not fell or upper.num_active in {0, upper.num_chosen} or self.limits.reached:
                 break
-            allocation = upper.allocation
+            allocation, start = upper.allocation, solution.selection
         if best is None:  # max_iterations < 1
             return Solved(self._solve(allocation, None), allocation, ())
         return Solved(best, best_allocation, tuple(steps))
+
+    def _other_start(self) -> tuple[Vector, Indices] | None:
+        """Return an allocation and sides to begin with where the uniform one has no solution.
+
+        A uniform allocation starves the few rows that need much. Every row is first held back by
+        the same number of standard deviations, the most that leaves a solution within budget;
+        what its rows run then is what they are allotted.
+        """
+        search = Branch(_START_NODES)
+        for count in _START_SIGMAS:
+            if self.limits.reached:
+                return None
+            margins = count * self.program.rows.deviations
+            solution = search.solve(self.program, margins, gap=_START_GAP, limits=self.limits)
+            if solution.z is None or solution.selection is None:
+                continue
+            allocation = allocation_from(self.program, solution.selection, solution.z, self.budget)
+            return None if allocation is None else (allocation, solution.selection)
+        return None
 
     def _solve(self, allocation: Vector, start: Indices | None) -> Solution:
         """Run the lower stage; the sides of the last solve stay if new ones would pay more than Δ.

@@ -15,7 +15,7 @@ from radmpc.planners.coupling import connected_sets
 from radmpc.planners.decentralized import approximate
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Couplings, Planner, Receding
-from radmpc.planners.result import Draft
+from radmpc.planners.result import Draft, Step
 from radmpc.planners.sets import SetPlan, SetTask, plan_sets
 from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
@@ -23,6 +23,9 @@ from radmpc.solvers.solution import Limits, Outcome
 __all__ = ["plan_multi_vehicle", "plan_receding"]
 
 Progress = Callable[[str, int, int | None], None]
+
+_MOST_TOGETHER = 12
+"""Sets that are planned as one after some of them had no plan on its own share."""
 
 
 def plan_receding(
@@ -99,7 +102,8 @@ def plan_multi_vehicle(
     Returns
     -------
     Draft
-        Its sets are the connected components of the coupling graph.
+        Its sets are the connected components of the coupling graph; all vehicles together where
+        a share by head count was too little for some of them.
     """
     begun = time.perf_counter()
     run = _approximate(
@@ -113,26 +117,41 @@ def plan_multi_vehicle(
     )
     approximated = time.perf_counter()
     seconds = {"radmpc": approximated - begun}
-    if run.controls is None:
-        explanation = _explanation(scenario, planner.policy, planner.gap, run, limits)
-        return Draft(_status(run), (), (), run.steps, run.events, seconds, explanation)
-    sets = connected_sets(run.pair_risk, couplings.threshold, run.forced)
-    plans = plan_sets(
-        scenario,
-        sets,
-        lambda part: SetTask(part, planner.policy, planner.solver, planner.gap, "sets"),
-        limits,
-        executor,
-        lambda done, total: progress("sets", done, total),
-    )
+    if run.is_limited:
+        return Draft(Status.LIMIT, (), (), run.steps, run.events, seconds)
+    everyone: tuple[tuple[int, ...], ...] = (tuple(range(scenario.num_vehicles)),)
+    sets = everyone
+    if not run.stuck:
+        sets = connected_sets(run.pair_risk, couplings.threshold, run.forced)
+
+    def plan_all(sets: tuple[tuple[int, ...], ...]) -> list[SetPlan]:
+        return plan_sets(
+            scenario,
+            sets,
+            lambda part: SetTask(part, planner.policy, planner.solver, planner.gap, "sets"),
+            limits,
+            executor,
+            lambda done, total: progress("sets", done, total),
+        )
+
+    plans = plan_all(sets)
+    steps = run.steps + _steps_of(plans)
+    if any(p.outcome is Outcome.INFEASIBLE for p in plans) and 1 < len(sets) <= _MOST_TOGETHER:
+        # Shares by head count may starve a set that needs more: together they may share freely.
+        sets, plans = everyone, plan_all(everyone)
+        steps += _steps_of(plans)
     seconds["sets"] = time.perf_counter() - approximated
-    steps = run.steps + tuple(step for plan in plans for step in plan.steps)
     status, explanation = _verdict(scenario, sets, plans)
     controls = {
         i: c for s, p in zip(sets, plans, strict=True) for i, c in zip(s, p.controls, strict=False)
     }
     ordered = tuple(controls[i] for i in sorted(controls)) if status is Status.FEASIBLE else ()
     return Draft(status, ordered, sets, steps, run.events, seconds, explanation)
+
+
+def _steps_of(plans: list[SetPlan]) -> tuple[Step, ...]:
+    """Return the solves of all sets."""
+    return tuple(step for plan in plans for step in plan.steps)
 
 
 def _approximate(

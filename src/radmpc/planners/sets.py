@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
@@ -19,6 +21,8 @@ from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["SetPlan", "SetTask", "plan_sets", "run_sets"]
+
+_POLL_SECONDS = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,18 +160,34 @@ def run_sets(
             plans.append(plan_set(one, replace(limits, deadline=time.monotonic() + part)))
             progress(done + 1, len(tasks))
         return plans
-    # Only the wall clock means the same in another process; a queued task must not restart it.
+    return _run_elsewhere(tasks, limits, executor, progress)
+
+
+def _run_elsewhere(
+    tasks: Sequence[SetTask],
+    limits: Limits,
+    executor: Executor,
+    progress: Callable[[int, int], None],
+) -> list[SetPlan]:
+    """Run tasks on an executor.
+
+    Only the wall clock means the same in another process, and a queued task must not restart it.
+    A stop reaches the workers of this machine as a file that appears.
+    """
     deadline = time.time() + limits.seconds_left
-    futures: dict[Future[SetPlan], int] = {
-        executor.submit(_plan_set_until, one, deadline): i for i, one in enumerate(tasks)
-    }
-    answers: dict[int, SetPlan] = {}
-    for done, future in enumerate(as_completed(futures)):
-        answers[futures[future]] = future.result()
-        progress(done + 1, len(tasks))
-    return [answers[i] for i in range(len(tasks))]
+    with tempfile.TemporaryDirectory(prefix="radmpc-") as folder:
+        flag = Path(folder) / "stop"
+        futures = [executor.submit(_plan_set_until, task, deadline, str(flag)) for task in tasks]
+        waiting: set[Future[SetPlan]] = set(futures)
+        while waiting:
+            _, waiting = wait(waiting, timeout=_POLL_SECONDS, return_when=FIRST_COMPLETED)
+            progress(len(tasks) - len(waiting), len(tasks))
+            if waiting and limits.is_stopped():
+                flag.touch()
+        return [future.result() for future in futures]
 
 
-def _plan_set_until(task: SetTask, deadline: float) -> SetPlan:
-    """Plan a set until a time of the wall clock."""
-    return plan_set(task, Limits(deadline=time.monotonic() + max(0.0, deadline - time.time())))
+def _plan_set_until(task: SetTask, deadline: float, flag: str) -> SetPlan:
+    """Plan a set until a time of the wall clock, or until a file appears."""
+    left = max(0.0, deadline - time.time())
+    return plan_set(task, Limits(time.monotonic() + left, lambda: Path(flag).exists()))

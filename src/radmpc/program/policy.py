@@ -24,6 +24,7 @@ __all__ = [
     "Sigmas",
     "Uniform",
     "allocated",
+    "allocation_from",
     "margins_of",
     "reallocate",
     "uniform_allocation",
@@ -150,6 +151,47 @@ def allocated(program: DisjunctiveProgram, allocation: Vector, selection: Indice
     return float(allocation[program.rows.exposures[events]].sum())
 
 
+def allocation_from(
+    program: DisjunctiveProgram, selection: Indices, z: Vector, budget: float
+) -> Vector | None:
+    """Allot what a point's sides run, and spread the rest of the budget evenly over them.
+
+    The point is feasible at this allocation, however far from uniform it is.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme.
+    selection : (v,) int array
+        The sides.
+    z : (n,) array
+        The point.
+    budget : float
+        Risk to spread, > 0.
+
+    Returns
+    -------
+    (x,) array or None
+        Risk of each event of every exposure; None if the point runs more than the budget.
+    """
+    paid, needed = _needed(program, selection, z)
+    left = budget - float((paid * needed).sum())
+    if left < 0.0:
+        return None
+    return np.minimum(needed + left / max(float(paid.sum()), 1.0), 0.5)
+
+
+def _needed(program: DisjunctiveProgram, selection: Indices, z: Vector) -> tuple[Indices, Vector]:
+    """Return how many events of each exposure are chosen, and the largest risk among them."""
+    rows, num = program.rows, len(program.exposures)
+    risks = program.event_risks(z, selection)
+    events = np.unique(rows.events[program.selected_rows(selection)])
+    paid = np.bincount(rows.exposures[events], minlength=num)
+    needed = np.zeros(num)
+    np.maximum.at(needed, rows.exposures[events], risks[events])
+    return paid, needed
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Reallocation:
     """One upper stage of IRA.
@@ -205,13 +247,7 @@ def reallocate(
     Reallocation
         The next allocation and what it was made from.
     """
-    rows = program.rows
-    chosen_rows = program.selected_rows(selection)
-    event_risk = program.event_risks(z, selection)
-    events = np.unique(rows.events[chosen_rows])
-    paid = np.bincount(rows.exposures[events], minlength=allocation.size)
-    needed = np.zeros(allocation.size)
-    np.maximum.at(needed, rows.exposures[events], event_risk[events])
+    paid, needed = _needed(program, selection, z)
     chosen = paid > 0
     active = chosen & (np.abs(allocation - needed) <= policy.active_tol * allocation)
     result = allocation.copy()
@@ -224,7 +260,7 @@ def reallocate(
         allocation=np.minimum(result, 0.5),
         num_active=int(active.sum()),
         num_chosen=int(chosen.sum()),
-        used=float(event_risk.sum()),
+        used=float(program.event_risks(z, selection).sum()),
     )
 
 
