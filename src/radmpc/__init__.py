@@ -38,7 +38,7 @@ from radmpc.referee import Certificate, Simulation, certify, simulate
 from radmpc.version import __version__
 
 if TYPE_CHECKING:
-    from radmpc.plotting import plot_plan, plot_scenario
+    from radmpc.plotting import plot_ledger, plot_plan, plot_scenario
 
 __all__ = [
     "Certificate",
@@ -67,6 +67,7 @@ __all__ = [
     "load_scenario",
     "lqr_gain",
     "plan",
+    "plot_ledger",
     "plot_plan",
     "plot_scenario",
     "save_plan",
@@ -79,7 +80,7 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 def __getattr__(name: str) -> object:
     """Load the plotting functions when first used: matplotlib takes longer than planning."""
-    if name in {"plot_plan", "plot_scenario"}:
+    if name in {"plot_ledger", "plot_plan", "plot_scenario"}:
         import radmpc.plotting  # noqa: PLC0415 - see above
 
         return getattr(radmpc.plotting, name)
