@@ -6,15 +6,13 @@ import numpy as np
 import shapely
 
 from radmpc.arrays import Matrix
-from radmpc.errors import ScenarioError
+from radmpc.experiments.scatter import Room
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 
-__all__ = ["circle", "paper", "regular_polygon"]
-
-_MAX_DRAWS = 100_000
+__all__ = ["circle", "clutter", "fleet", "paper", "paper_vehicle", "regular_polygon"]
 
 
 def paper(num_vehicles: int, seed: int) -> Scenario:
@@ -55,6 +53,115 @@ def paper(num_vehicles: int, seed: int) -> Scenario:
             paper_vehicle(f"v{i + 1}", start, goal)
             for i, (start, goal) in enumerate(zip(starts, goals, strict=True))
         ),
+    )
+
+
+def fleet(num_vehicles: int, seed: int) -> Scenario:
+    """Return the paper's density without end: a square of side 20·√(N/8) m.
+
+    Three obstacles for every eight vehicles, their centers at least 6 m apart; goals within 14 m
+    per axis of their starts; all else as in `paper`.
+
+    Parameters
+    ----------
+    num_vehicles : int
+        Fleet size N, 8 to 1,000 and more.
+    seed : int
+        Seed of the draw.
+
+    Returns
+    -------
+    Scenario
+        T = 10, dt = 1 s, Δ = 0.05, avoidance at the steps.
+    """
+    rng = np.random.default_rng(seed)
+    side = 20.0 * np.sqrt(num_vehicles / 8.0)
+    low, high = np.zeros(2), np.full(2, side)
+    centers = Room(low + 3.0, high - 3.0, apart=6.0).scatter(rng, round(3 * num_vehicles / 8))
+    obstacles = tuple(
+        Obstacle.polygon(f"o{i + 1}", regular_polygon((6, 5, 4)[i % 3], (x, y), 1.8))
+        for i, (x, y) in enumerate(centers)
+    )
+    outlines = tuple(shapely.Polygon(o.at(0)[0].vertices) for o in obstacles)
+    room = Room(low + 1.0, high - 1.0, outlines, clearance=1.2, apart=3.0)
+    starts = room.scatter(rng, num_vehicles)
+    near = Room(low + 1.0, high - 1.0, outlines, clearance=1.2, apart=3.0, around=(starts, 14.0))
+    return Scenario(
+        name=f"fleet-{num_vehicles}-{seed}",
+        dt=1.0,
+        horizon=10,
+        risk_bound=0.05,
+        avoidance="steps",
+        pair_faces=4,
+        obstacles=obstacles,
+        vehicles=tuple(
+            paper_vehicle(f"v{i + 1}", start, goal)
+            for i, (start, goal) in enumerate(
+                zip(starts, near.scatter(rng, num_vehicles), strict=True)
+            )
+        ),
+    )
+
+
+def clutter(num_vehicles: int, num_boxes: int, seed: int) -> Scenario:
+    """Return small vehicles among unit boxes, over a long horizon under feedback.
+
+    32 m × 32 m; boxes on distinct grid cells; starts and goals 2 m apart and 0.5 m clear of boxes,
+    goals 12 to 22 m away in the larger axis.
+
+    Parameters
+    ----------
+    num_vehicles : int
+        Fleet size N.
+    num_boxes : int
+        Boxes m.
+    seed : int
+        Seed of the draw.
+
+    Returns
+    -------
+    Scenario
+        T = 30, dt = 1 s, Δ = 0.05, avoidance along intervals.
+    """
+    rng = np.random.default_rng(seed)
+    cells = rng.choice(32 * 32, num_boxes, replace=False)
+    corners = np.column_stack([cells % 32, cells // 32]).astype(float)
+    obstacles = tuple(
+        Obstacle.box(f"b{i + 1}", corner, corner + 1.0) for i, corner in enumerate(corners)
+    )
+    outlines = tuple(shapely.box(*corner, *(corner + 1.0)) for corner in corners)
+    room = Room(np.full(2, 0.5), np.full(2, 31.5), outlines, clearance=0.5, apart=2.0)
+    starts = room.scatter(rng, num_vehicles)
+    goals = room.scatter(
+        rng, num_vehicles, lambda i, p: 12.0 <= float(np.abs(p - starts[i]).max()) <= 22.0
+    )
+    return Scenario(
+        name=f"clutter-{num_vehicles}-{num_boxes}-{seed}",
+        dt=1.0,
+        horizon=30,
+        risk_bound=0.05,
+        obstacles=obstacles,
+        vehicles=tuple(
+            _small_vehicle(f"v{i + 1}", start, goal)
+            for i, (start, goal) in enumerate(zip(starts, goals, strict=True))
+        ),
+    )
+
+
+def _small_vehicle(name: str, start: Matrix, goal: Matrix) -> Vehicle:
+    """Return a vehicle of the clutter family."""
+    noise = np.diag([0.005, 0.005, 0.0005, 0.0005])
+    return Vehicle(
+        name=name,
+        system=double_integrator(1.0, 2),
+        start=np.concatenate([start, [0.0, 0.0]]),
+        goal=Goal(goal - 0.2, goal + 0.2, np.full(2, 0.05)),
+        radius=0.18,
+        control_limit=np.ones(2),
+        speed_limit=np.ones(2),
+        initial_covariance=noise,
+        disturbance_covariance=noise,
+        gain=np.array([[-0.3, 0.0, -0.9, 0.0], [0.0, -0.3, 0.0, -0.9]]),
     )
 
 
@@ -111,16 +218,9 @@ def regular_polygon(sides: int, center: tuple[float, float], circumradius: float
 def _scattered(
     rng: np.random.Generator, count: int, obstacles: tuple[Obstacle, ...], starts: Matrix | None
 ) -> Matrix:
-    """Draw points one by one until each is clear of obstacles, of one another and in reach."""
-    outlines = [shapely.Polygon(o.at(0)[0].vertices) for o in obstacles]
-    points: list[Matrix] = []
-    for _ in range(_MAX_DRAWS):
-        if len(points) == count:
-            return np.array(points)
-        point = rng.uniform(1.0, 19.0, 2)
-        clear = all(outline.distance(shapely.Point(point)) >= 1.2 for outline in outlines)
-        apart = all(np.linalg.norm(point - other) >= 3.0 for other in points)
-        in_reach = starts is None or bool(np.all(np.abs(point - starts[len(points)]) <= 16.0))
-        if clear and apart and in_reach:
-            points.append(point)
-    raise ScenarioError(f"no room for {count} vehicles 3 m apart in 20 m x 20 m")
+    """Draw the paper's starts, or goals in reach of them."""
+    outlines = tuple(shapely.Polygon(o.at(0)[0].vertices) for o in obstacles)
+    room = Room(np.full(2, 1.0), np.full(2, 19.0), outlines, clearance=1.2, apart=3.0)
+    if starts is None:
+        return room.scatter(rng, count)
+    return room.scatter(rng, count, lambda i, p: bool(np.all(np.abs(p - starts[i]) <= 16.0)))

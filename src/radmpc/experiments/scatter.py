@@ -1,0 +1,120 @@
+"""Points at random that keep their distance."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ScenarioError
+
+__all__ = ["Room"]
+
+_DRAWS_EACH = 20_000
+
+
+def _anywhere(number: int, point: Vector) -> bool:
+    """Accept every point."""
+    del number, point
+    return True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Room:
+    """A box to draw points in.
+
+    Attributes
+    ----------
+    lower, upper : (2,) array
+        Corners [m].
+    outlines : tuple of Polygon
+        Shapes to stay clear of.
+    clearance : float
+        By how much [m].
+    apart : float
+        Least distance between points [m].
+    around : tuple of (N, 2) array and float, or None
+        Draw point i within this distance per axis of the i-th of these points.
+    """
+
+    lower: Vector
+    upper: Vector
+    outlines: tuple[shapely.Polygon, ...] = ()
+    clearance: float = 0.0
+    apart: float = 0.0
+    around: tuple[Matrix, float] | None = None
+
+    def scatter(
+        self,
+        rng: np.random.Generator,
+        count: int,
+        accept: Callable[[int, Vector], bool] = _anywhere,
+    ) -> Matrix:
+        """Draw points one by one, each until it fits.
+
+        Parameters
+        ----------
+        rng : Generator
+            Source of the draws.
+        count : int
+            How many.
+        accept : callable
+            Further condition on the i-th point.
+
+        Returns
+        -------
+        (count, 2) array
+            The points [m].
+
+        Raises
+        ------
+        ScenarioError
+            If some point finds no place.
+        """
+        tree = shapely.STRtree(self.outlines)
+        points = np.empty((count, 2))
+        taken: dict[tuple[int, int], list[int]] = defaultdict(list)
+        for i in range(count):
+            for _ in range(_DRAWS_EACH):
+                point = self._draw(rng, i)
+                if accept(i, point) and self._is_free(point, points, taken, tree):
+                    break
+            else:
+                raise ScenarioError(f"no room for {count} points {self.apart:g} m apart")
+            points[i] = point
+            taken[self._cell(point)].append(i)
+        return points
+
+    def _draw(self, rng: np.random.Generator, number: int) -> Vector:
+        """Draw one point."""
+        low, high = self.lower, self.upper
+        if self.around is not None:
+            center, reach = self.around[0][number], self.around[1]
+            low, high = np.maximum(low, center - reach), np.minimum(high, center + reach)
+        return rng.uniform(low, high)
+
+    def _cell(self, point: Vector) -> tuple[int, int]:
+        """Return the cell of a grid as wide as points are apart."""
+        width = max(self.apart, 1e-9)
+        return int(point[0] // width), int(point[1] // width)
+
+    def _is_free(
+        self,
+        point: Vector,
+        points: Matrix,
+        taken: dict[tuple[int, int], list[int]],
+        tree: shapely.STRtree,
+    ) -> bool:
+        """Whether a point keeps its distance from points and shapes."""
+        x, y = self._cell(point)
+        near = [
+            i for dx in (-1, 0, 1) for dy in (-1, 0, 1) for i in taken.get((x + dx, y + dy), ())
+        ]
+        if near and np.linalg.norm(points[near] - point, axis=1).min() < self.apart:
+            return False
+        spot = shapely.Point(point)
+        return bool(tree.query(spot, "dwithin", distance=self.clearance).size == 0)
