@@ -7,7 +7,7 @@ import pytest
 from referee_scenes import glider, make_plan, straight_controls, straight_plan
 
 from radmpc.errors import ScenarioError
-from radmpc.model.plan import Risk
+from radmpc.model.plan import Risk, Status
 from radmpc.model.scenario import Scenario
 from radmpc.referee import certify, simulate
 
@@ -236,3 +236,17 @@ def test_noise_beyond_all_bounds_is_a_problem_not_a_crash(plan):
     scenario = replace(plan.scenario, vehicles=(wild, plan.scenario.vehicles[1]))
     broken = with_trajectory(replace(plan, scenario=scenario), 0, gain=1e90 * GAIN)
     assert certify(broken).problems == ("vehicle 'ann': its covariances overflow",)
+
+
+def test_words_that_cannot_be_true_together_are_caught(plan):
+    cost = plan.cost
+    faults = {
+        "status is 'infeasible', yet there are trajectories": {"status": Status.INFEASIBLE},
+        "status is 'optimal' without a lower bound": {"status": Status.OPTIMAL},
+        "lower bound": {"lower_bound": cost + 1.0},
+        "sets do not hold every vehicle once": {"sets": (("nobody",),)},
+    }
+    for text, change in faults.items():
+        certificate = certify(replace(plan, **change))
+        assert not certificate.holds
+        assert any(text in problem for problem in certificate.problems)

@@ -38,7 +38,7 @@ def run_demo(folder: Path) -> int:
         "",
         "Try next:",
         f"  radmpc verify {plan_path}",
-        f"  radmpc plan {scenario_path} --planner radmpc --figure {folder / 'radmpc.png'}",
+        f"  radmpc plan {scenario_path} --seed 1 --ledger {folder / 'ledger.png'}",
         "  radmpc planners",
     )
     return code

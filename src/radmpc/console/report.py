@@ -39,6 +39,9 @@ def plan_report(plan: Plan) -> list[Table | Text]:
         rows["cost"] = _cost(plan)
         rows["certificate"] = verdict(plan.risk.certified, plan.risk.bound)
         rows["planned together"] = _sets(plan.sets)
+        advice = _advice(plan)
+        if advice:
+            rows["advice"] = Text(advice, style="yellow")
     else:
         rows["no plan"] = Text(plan.explanation or plan.status.sentence, style="red")
     rows["seconds"] = _seconds(plan.seconds)
@@ -120,6 +123,24 @@ def _ledger_cells(row: LedgerRow, bound: float) -> Iterable[str]:
     return (
         row.cause, row.vehicle, other, str(row.step), f"{row.risk:.2e}", _share(row.risk, bound)
     )  # fmt: skip
+
+
+def _advice(plan: Plan) -> str | None:
+    """Return what to try where vehicles that were planned apart may meet."""
+    certified = plan.risk.certified
+    if certified is None or certified <= plan.risk.bound or not plan.risk.ledger:
+        return None
+    worst = max(plan.risk.ledger, key=lambda row: row.risk)
+    group_of = {name: i for i, group in enumerate(plan.sets) for name in group}
+    if worst.cause != "pair" or worst.other is None:
+        return None
+    if group_of.get(worst.vehicle) == group_of.get(worst.other):
+        return None
+    return (
+        f"{worst.vehicle} and {worst.other} were planned apart but may meet: try another --seed, "
+        "a lower threshold such as --planner 'multi-vehicle(1e-12)', or --planner ira for a "
+        "small fleet"
+    )
 
 
 def _cost(plan: Plan) -> str:

@@ -107,11 +107,14 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
 
 def verify_report(plan: Plan, verification: Verification) -> list[Table | Text]:
     """Return the same as parts to show."""
-    rows: dict[str, Text | str] = {"certificate": verdict(verification.certified, plan.risk.bound)}
+    rows: dict[str, Text | str] = {
+        "certificate": verdict(verification.certified, verification.bound)
+    }
     if verification.rate is not None:
+        hits = round(verification.rate * verification.samples)
         rows["simulated"] = (
-            f"{verification.rate:.4g} of {verification.samples} missions collide "
-            f"({verification.rate_low:.4g} to {verification.rate_high:.4g} with confidence)"
+            f"{hits} of {verification.samples} missions collide: {verification.rate:.4g} "
+            f"({verification.rate_low:.4g} to {verification.rate_high:.4g} with 95 % confidence)"
         )
     if verification.problems:
         rows["problems"] = Text("\n".join(verification.problems), style="red")

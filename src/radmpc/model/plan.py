@@ -29,8 +29,8 @@ class Status(Enum):
         return {
             Status.OPTIMAL: "plan found, proven optimal within the gap",
             Status.FEASIBLE: "plan found, without a proof that it is the best",
-            Status.INFEASIBLE: "no plan found within the risk bound",
-            Status.LIMIT: "a limit was hit before any plan was found: raise --time-limit",
+            Status.INFEASIBLE: "no plan found",
+            Status.LIMIT: "ended before any plan was found (time limit, node limit or Ctrl-C)",
         }[self]
 
 

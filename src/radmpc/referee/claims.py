@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.model.plan import Plan, Trajectory
+from radmpc.model.plan import Plan, Status, Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.motion import FleetMotion
 
@@ -58,12 +58,31 @@ def _array_problems(horizon: int, vehicle: Vehicle, trajectory: Trajectory) -> l
     return problems
 
 
+def statement_problems(plan: Plan) -> list[str]:
+    """Return which of a plan's words about itself cannot be true together."""
+    problems = []
+    if plan.status in {Status.INFEASIBLE, Status.LIMIT}:
+        problems.append(f"plan: status is {plan.status.value!r}, yet there are trajectories")
+    if plan.status is Status.OPTIMAL and plan.lower_bound is None:
+        problems.append("plan: status is 'optimal' without a lower bound")
+    if plan.cost is not None and plan.lower_bound is not None:
+        excess = plan.lower_bound - plan.cost
+        if excess > 1e-9 * max(abs(plan.cost), 1.0):
+            problems.append(
+                f"plan: lower bound {plan.lower_bound:.9g} is above the cost {plan.cost:.9g}"
+            )
+    names = sorted(v.name for v in plan.scenario.vehicles)
+    if sorted(name for group in plan.sets for name in group) != names:
+        problems.append("plan: its sets do not hold every vehicle once")
+    return problems
+
+
 def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     """Return where stated means, covariances, gains, cost or bound are not the true ones.
 
     Numbers may differ by 1e-6, or by 1e-6 of the larger where they exceed one.
     """
-    problems = []
+    problems = statement_problems(plan)
     for i, (vehicle, stated) in enumerate(
         zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     ):
