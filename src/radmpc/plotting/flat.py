@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
@@ -11,15 +9,15 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
 from radmpc.arrays import Matrix
-from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.curves import confidence_ellipses, mean_path, point_along, positions
 from radmpc.plotting.labels import LabelBoard
-from radmpc.plotting.style import MUTED, OBSTACLE_EDGE, OBSTACLE_FILL
+from radmpc.plotting.obstacles import along_lines
+from radmpc.plotting.style import MUTED, NUMBER_SIZE, STAR_SIZE, Dashes, numbered_steps
 
-__all__ = ["Color", "draw_ends", "draw_obstacle", "draw_trajectory", "draw_workspace"]
+__all__ = ["Color", "draw_ends", "draw_trajectory", "draw_workspace", "number_steps"]
 
 Color = tuple[float, float, float]
 
@@ -42,41 +40,7 @@ def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard) -> None:
     )
     low, high = workspace.lower, workspace.upper
     corners = np.array([low, (high[0], low[1]), high, (low[0], high[1]), low])
-    board.avoid(_dense(corners, 60))
-
-
-def draw_obstacle(ax: Axes, obstacle: Obstacle, board: LabelBoard) -> None:
-    """Draw an obstacle and its name; a moving one fades in from its first step to its last."""
-    last = len(obstacle.steps) - 1
-    for step, pieces in enumerate(obstacle.steps):
-        outline = shapely.union_all([shapely.Polygon(piece.vertices) for piece in pieces])
-        alpha = 1.0 if last == 0 else 0.08 + 0.72 * (step / last) ** 2
-        ax.add_patch(
-            Polygon(
-                _ring(outline),
-                facecolor=OBSTACLE_FILL,
-                edgecolor=OBSTACLE_EDGE,
-                linewidth=0.6,
-                alpha=alpha,
-                zorder=2,
-                gid=f"obstacle:{obstacle.name}",
-            )
-        )
-        board.avoid(_dense(_ring(outline)))
-    _name_obstacle(obstacle, board)
-
-
-def _name_obstacle(obstacle: Obstacle, board: LabelBoard) -> None:
-    """Write the name inside the largest piece, upright or turned, else beside it."""
-    largest = max(obstacle.steps[-1], key=lambda p: shapely.Polygon(p.vertices).area)
-    width, height = np.ptp(largest.vertices, axis=0)
-    center = largest.vertices.mean(axis=0)
-    if board.fits(obstacle.name, width, height):
-        board.put(obstacle.name, center, MUTED)
-    elif board.fits(obstacle.name, height, width):
-        board.put(obstacle.name, center, MUTED, rotation=90.0)
-    else:
-        board.beside(obstacle.name, center, 0.5 * np.array([width, height]), MUTED)
+    board.avoid(along_lines(corners, 60))
 
 
 def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
@@ -86,10 +50,10 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
         Circle(
             (float(x), float(y)),
             vehicle.radius,
-            facecolor="white",
+            facecolor="none",
             edgecolor=color,
             linewidth=0.9,
-            zorder=6,
+            zorder=4,
             gid=f"start:{vehicle.name}",
         )
     )
@@ -109,7 +73,7 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
     ax.plot(
         *vehicle.goal.center[:, None],
         marker="*",
-        markersize=5.5,
+        markersize=STAR_SIZE,
         markeredgewidth=0.4,
         markeredgecolor="white",
         color=color,
@@ -119,7 +83,12 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
 
 
 def draw_trajectory(
-    ax: Axes, vehicle: Vehicle, trajectory: Trajectory, dt: float, color: Color
+    ax: Axes,
+    vehicle: Vehicle,
+    trajectory: Trajectory,
+    dt: float,
+    color: Color,
+    dashes: Dashes = "solid",
 ) -> None:
     """Draw the swept hull, the 3σ ellipses, the mean path, its steps and its direction."""
     name, path = vehicle.name, mean_path(vehicle, trajectory, dt)
@@ -144,7 +113,7 @@ def draw_trajectory(
         ),
         autolim=False,
     )
-    ax.plot(*path.T, color=color, linewidth=1.1, zorder=5, gid=f"path:{name}")
+    ax.plot(*path.T, color=color, linewidth=1.1, linestyle=dashes, zorder=5, gid=f"path:{name}")
     steps = positions(vehicle, trajectory)[1:]
     ax.plot(
         *steps.T, linestyle="none", marker=".", markersize=3.2, color=color, zorder=5.5,
@@ -152,6 +121,22 @@ def draw_trajectory(
     )  # fmt: skip
     for share in (0.3, 0.7):
         _draw_arrow(ax, path, share, color, name)
+
+
+def number_steps(vehicle: Vehicle, trajectory: Trajectory, color: Color, board: LabelBoard) -> None:
+    """Write the numbers of some steps beside their dots, unless the vehicle stays."""
+    places = positions(vehicle, trajectory)
+    if np.ptp(places, axis=0).max() <= vehicle.radius:
+        return
+    for k in numbered_steps(len(places) - 1):
+        board.beside(
+            str(k),
+            places[k],
+            np.zeros(2),
+            color,
+            size=NUMBER_SIZE,
+            gid=f"step:{vehicle.name}:{k}",
+        )
 
 
 def _draw_arrow(ax: Axes, path: Matrix, share: float, color: Color, name: str) -> None:
@@ -176,15 +161,3 @@ def _draw_arrow(ax: Axes, path: Matrix, share: float, color: Color, name: str) -
             gid=f"arrow:{name}",
         )
     )
-
-
-def _ring(polygon: shapely.Geometry) -> Matrix:
-    """Return the outer corners of a polygon."""
-    outline = polygon if polygon.geom_type == "Polygon" else polygon.convex_hull
-    return np.asarray(outline.exterior.coords)
-
-
-def _dense(ring: Matrix, count: int = 8) -> Matrix:
-    """Return points along a closed line, so that texts notice its sides too."""
-    share = np.linspace(0.0, 1.0, count, endpoint=False)[:, None]
-    return np.vstack([a + share * (b - a) for a, b in pairwise(ring)])

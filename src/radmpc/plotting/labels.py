@@ -45,20 +45,29 @@ class LabelBoard:
         """Keep later texts off these points, each (p, 2) [m]."""
         self.points.extend(clouds)
 
-    def size(self, text: str) -> Vector:
-        """Return the width and height of a text [m]."""
+    def size(self, text: str, size: float = LABEL_SIZE) -> Vector:
+        """Return the width and height of a text of a font size [m]."""
         pixels_per_point = self.axes.figure.dpi / 72.0
         window = self.axes.get_window_extent()
         left, right = self.axes.get_xlim()
         scale = (right - left) / (max(window.width, 1.0) / pixels_per_point)
-        return np.array([_LETTER[0] * len(text), _LETTER[1]]) * LABEL_SIZE * scale
+        return np.array([_LETTER[0] * len(text), _LETTER[1]]) * size * scale
 
     def fits(self, text: str, width: float, height: float) -> bool:
         """Whether a text has room in a box of this size [m]."""
         needed = self.size(text)
         return bool(needed[0] <= width and needed[1] <= height)
 
-    def beside(self, text: str, center: Vector, half_size: Vector, color: object) -> None:
+    def beside(
+        self,
+        text: str,
+        center: Vector,
+        half_size: Vector,
+        color: object,
+        *,
+        size: float = LABEL_SIZE,
+        gid: str | None = None,
+    ) -> None:
         """Write a text next to a thing.
 
         Parameters
@@ -71,8 +80,12 @@ class LabelBoard:
             Half the width and height of the box around it [m].
         color : color
             Of the text.
+        size : float
+            Of the font [pt].
+        gid : str or None
+            Id of the text; None for ``label:`` and the text.
         """
-        half = 0.5 * self.size(text)
+        half = 0.5 * self.size(text, size)
         obstacles = np.vstack(self.points) if self.points else np.empty((0, 2))
         best: tuple[float, Vector] | None = None
         letter = half[1]
@@ -85,11 +98,20 @@ class LabelBoard:
                 if best is None or badness < best[0]:
                     best = (badness, place)
         if best is not None:
-            self.put(text, best[1], color)
+            self.put(text, best[1], color, size=size, gid=gid)
 
-    def put(self, text: str, center: Vector, color: object, rotation: float = 0.0) -> None:
+    def put(
+        self,
+        text: str,
+        center: Vector,
+        color: object,
+        *,
+        rotation: float = 0.0,
+        size: float = LABEL_SIZE,
+        gid: str | None = None,
+    ) -> None:
         """Write a text at a place, whatever is there."""
-        half = 0.5 * self.size(text)
+        half = 0.5 * self.size(text, size)
         if rotation:
             half = half[::-1]
         self.boxes.append(np.concatenate([center - half, center + half]))
@@ -98,13 +120,13 @@ class LabelBoard:
             float(center[1]),
             text,
             color=to_rgba(color),  # type: ignore[arg-type] # any color matplotlib knows
-            fontsize=LABEL_SIZE,
+            fontsize=size,
             ha="center",
             va="center",
             rotation=rotation,
             zorder=10,
             clip_on=True,
-            gid=f"label:{text}",
+            gid=gid or f"label:{text}",
             path_effects=[withStroke(linewidth=1.4, foreground="white")],
         )
 

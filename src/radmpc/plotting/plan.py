@@ -3,95 +3,84 @@
 from __future__ import annotations
 
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.transforms import ScaledTranslation
 from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.model.plan import Plan
 from radmpc.plotting.curves import confidence_ellipses, mean_path
 from radmpc.plotting.extent import plan_extent
 from radmpc.plotting.figure import new_axes, settle_axes, settle_layout
-from radmpc.plotting.flat import draw_trajectory
+from radmpc.plotting.flat import Color, draw_trajectory, number_steps
 from radmpc.plotting.labels import LabelBoard
+from radmpc.plotting.legend import draw_legend, num_legend_lines
 from radmpc.plotting.scenario import draw_surroundings, name_vehicles
-from radmpc.plotting.space import draw_trajectory_3d
-from radmpc.plotting.style import MUTED, TICK_SIZE, vehicle_colors
+from radmpc.plotting.space import draw_trajectory_3d, number_steps_3d
+from radmpc.plotting.style import MAX_LABELS, vehicle_colors, vehicle_dashes
 from radmpc.plotting.title import draw_title, num_title_lines
+from radmpc.plotting.worst import draw_worst
 
 __all__ = ["plot_plan"]
 
-_LEGEND_DROP = 0.27  # from the axes' lower edge, past ticks and label [in]
 
-
-def plot_plan(plan: Plan, ax: Axes | None = None) -> Axes:
+def plot_plan(plan: Plan, ax: Axes | None = None, *, details: bool = True) -> Axes:
     """Draw a plan in its scenario: mean paths, 3σ ellipses, hulls, one hue per set.
+
+    Some steps have their numbers: paths that cross at other times do not meet. Where the
+    certificate exceeds the bound, red rings show the steps that risk the most.
 
     Parameters
     ----------
     plan : Plan
-        What to draw; without trajectories the scenario alone, and a note.
+        What to draw; without trajectories the scenario alone, and why.
     ax : Axes or None
         Where; three-dimensional for a scenario in space. None makes a figure of one column.
+    details : bool
+        Whether run time and planner are told.
 
     Returns
     -------
     Axes
         The axes drawn on; nothing is shown and nothing saved.
     """
-    scenario = plan.scenario
     extent = plan_extent(plan)
-    axes = new_axes(extent, num_title_lines(plan) + 1) if ax is None else ax
+    lines = num_title_lines(plan, details=details) + num_legend_lines(plan)
+    axes = new_axes(extent, lines) if ax is None else ax
     settle_axes(axes, extent)
-    draw_title(axes, plan)
+    draw_title(axes, plan, details=details)
     if ax is None:
-        _draw_legend(axes)
+        draw_legend(axes, plan)
     settle_layout(axes)
-    colors = vehicle_colors([v.name for v in scenario.vehicles], plan.sets)
+    scenario, names = plan.scenario, [v.name for v in plan.scenario.vehicles]
+    colors = vehicle_colors(names, plan.sets)
     board = LabelBoard(axes)
-    for vehicle, trajectory in zip(scenario.vehicles, plan.trajectories, strict=False):
-        color = colors[vehicle.name]
-        if isinstance(axes, Axes3D):
-            draw_trajectory_3d(axes, vehicle, trajectory, scenario.dt, color)
-        else:
-            draw_trajectory(axes, vehicle, trajectory, scenario.dt, color)
-            board.avoid(mean_path(vehicle, trajectory, scenario.dt)[::2])
-            board.avoid(*(outline[::4] for outline in confidence_ellipses(vehicle, trajectory)))
+    _draw_trajectories(axes, plan, board, colors)
     draw_surroundings(axes, scenario, board, colors)
     name_vehicles(axes, scenario, board, colors)
+    _number_steps(axes, plan, board, colors)
+    draw_worst(axes, plan)
     return axes
 
 
-def _draw_legend(ax: Axes) -> None:
-    """Say below the axes what the signs mean."""
-    figure = ax.get_figure(root=True)
-    if figure is None:
+def _draw_trajectories(ax: Axes, plan: Plan, board: LabelBoard, colors: dict[str, Color]) -> None:
+    """Draw where all vehicles go."""
+    scenario = plan.scenario
+    dashes = vehicle_dashes(list(colors), plan.sets)
+    for vehicle, trajectory in zip(scenario.vehicles, plan.trajectories, strict=False):
+        look = colors[vehicle.name], dashes[vehicle.name]
+        if isinstance(ax, Axes3D):
+            draw_trajectory_3d(ax, vehicle, trajectory, scenario.dt, *look)
+        else:
+            draw_trajectory(ax, vehicle, trajectory, scenario.dt, *look)
+            board.avoid(mean_path(vehicle, trajectory, scenario.dt)[::2])
+            board.avoid(*(outline[::4] for outline in confidence_ellipses(vehicle, trajectory)))
+
+
+def _number_steps(ax: Axes, plan: Plan, board: LabelBoard, colors: dict[str, Color]) -> None:
+    """Write step numbers on the paths, unless there are too many to read."""
+    if plan.scenario.num_vehicles > MAX_LABELS:
         return
-    start = Line2D([], [], color=MUTED, linestyle="none", marker="o", markersize=5)
-    start.set_markerfacecolor("white")
-    entries = {
-        "start": start,
-        "mean path, steps": Line2D([], [], color=MUTED, linewidth=1.1, marker=".", markersize=4),
-        "3σ": Patch(facecolor="#55555533", edgecolor="#55555573", linewidth=0.35),
-        "swept hull": Patch(facecolor="#5555551A"),
-        "goal": Line2D([], [], color=MUTED, linestyle="none", marker="*", markersize=6),
-    }
-    is_flat = not isinstance(ax, Axes3D)
-    if not is_flat:
-        del entries["swept hull"]
-    below = ScaledTranslation(0.0, -_LEGEND_DROP if is_flat else 0.0, figure.dpi_scale_trans)
-    ax.legend(
-        list(entries.values()),
-        list(entries),
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        bbox_transform=ax.transAxes + below,
-        ncols=len(entries),
-        fontsize=TICK_SIZE,
-        frameon=False,
-        handlelength=1.4,
-        handletextpad=0.4,
-        columnspacing=1.0,
-        borderaxespad=0.0,
-        borderpad=0.1,
-    )
+    for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
+        color = colors[vehicle.name]
+        if isinstance(ax, Axes3D):
+            number_steps_3d(ax, vehicle, trajectory, color)
+        else:
+            number_steps(vehicle, trajectory, color, board)

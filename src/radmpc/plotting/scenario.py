@@ -10,8 +10,9 @@ from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
 from radmpc.plotting.extent import scenario_extent
 from radmpc.plotting.figure import new_axes, settle_axes, settle_layout
-from radmpc.plotting.flat import Color, draw_ends, draw_obstacle, draw_workspace
+from radmpc.plotting.flat import Color, draw_ends, draw_workspace
 from radmpc.plotting.labels import LabelBoard
+from radmpc.plotting.obstacles import draw_obstacle
 from radmpc.plotting.space import (
     draw_ends_3d,
     draw_name_3d,

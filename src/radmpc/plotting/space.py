@@ -6,6 +6,7 @@ from typing import cast
 
 import numpy as np
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from scipy.spatial import ConvexHull
@@ -17,7 +18,16 @@ from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.curves import ellipsoid_rings, mean_path, point_along, positions
 from radmpc.plotting.flat import Color
-from radmpc.plotting.style import LABEL_SIZE, MUTED, OBSTACLE_EDGE, OBSTACLE_FILL
+from radmpc.plotting.style import (
+    LABEL_SIZE,
+    MUTED,
+    NUMBER_SIZE,
+    OBSTACLE_EDGE,
+    OBSTACLE_FILL,
+    STAR_SIZE,
+    Dashes,
+    numbered_steps,
+)
 
 __all__ = [
     "draw_ends_3d",
@@ -25,6 +35,7 @@ __all__ = [
     "draw_obstacle_3d",
     "draw_trajectory_3d",
     "draw_workspace_3d",
+    "number_steps_3d",
 ]
 
 
@@ -88,36 +99,56 @@ def _edges(normals: Matrix, offsets: Matrix, vertices: Matrix) -> list[Matrix]:
 
 
 def draw_ends_3d(ax: Axes3D, vehicle: Vehicle, color: Color) -> None:
-    """Draw the hull at the start as three open rings, the goal as a star."""
-    angles = np.linspace(0.0, 2.0 * np.pi, 33)
-    circle = vehicle.radius * np.stack([np.cos(angles), np.sin(angles), np.zeros(33)])
-    for turn in range(3):
-        ring = vehicle.start_position[:, None] + np.roll(circle, turn, axis=0)
-        ax.plot(*ring, color=color, linewidth=0.7, gid=f"start:{vehicle.name}")
+    """Draw the start as an open circle, the goal as a star, both in front of all else."""
+    # matplotlib sorts faces and edges by depth, but marks only by zorder.
+    ax.plot(
+        *vehicle.start_position[:, None],
+        linestyle="none",
+        marker="o",
+        markersize=7.0,
+        markerfacecolor="none",
+        markeredgewidth=0.9,
+        color=color,
+        zorder=52,
+        gid=f"start:{vehicle.name}",
+    )
     ax.plot(
         *vehicle.goal.center[:, None],
         linestyle="none",
         marker="*",
-        markersize=6.0,
+        markersize=STAR_SIZE + 1.0,
+        markeredgewidth=0.4,
+        markeredgecolor="white",
         color=color,
+        zorder=54,
         gid=f"goal:{vehicle.name}",
     )
 
 
 def draw_trajectory_3d(
-    ax: Axes3D, vehicle: Vehicle, trajectory: Trajectory, dt: float, color: Color
+    ax: Axes3D,
+    vehicle: Vehicle,
+    trajectory: Trajectory,
+    dt: float,
+    color: Color,
+    dashes: Dashes = "solid",
 ) -> None:
-    """Draw the 3σ ellipsoids as rings, the mean path, its steps and its direction."""
+    """Draw some 3σ ellipsoids as rings, the mean path, its shadow, steps and direction."""
     name, path = vehicle.name, mean_path(vehicle, trajectory, dt)
-    rings = list(ellipsoid_rings(vehicle, trajectory))
+    all_rings = ellipsoid_rings(vehicle, trajectory)
+    last = len(all_rings) // 3 - 1
+    rings = [ring for k in (*numbered_steps(last), last) for ring in all_rings[3 * k : 3 * k + 3]]
     ax.add_collection3d(
-        Line3DCollection(rings, colors=[(*color, 0.35)], linewidths=0.3, gid=f"ellipses:{name}")
+        Line3DCollection(rings, colors=[(*color, 0.4)], linewidths=0.35, gid=f"ellipses:{name}")
     )
-    ax.plot(*path.T, color=color, linewidth=1.1, gid=f"path:{name}")
+    floor = np.column_stack([path[:, :2], np.full(len(path), ax.get_zlim()[0])])
+    ax.plot(*floor.T, color=color, alpha=0.35, linewidth=0.7, gid=f"shadow:{name}")
+    ax.plot(*path.T, color=color, linewidth=1.1, linestyle=dashes, zorder=50, gid=f"path:{name}")
     steps = positions(vehicle, trajectory)[1:]
     ax.plot(
-        *steps.T, linestyle="none", marker=".", markersize=3.0, color=color, gid=f"steps:{name}"
-    )
+        *steps.T, linestyle="none", marker=".", markersize=3.0, color=color, zorder=51,
+        gid=f"steps:{name}",
+    )  # fmt: skip
     found = point_along(path, 0.5)
     if found is not None:
         point, direction = found
@@ -128,11 +159,23 @@ def draw_trajectory_3d(
         )  # fmt: skip
 
 
-def draw_name_3d(ax: Axes3D, name: str, place: Matrix, color: object) -> None:
+def number_steps_3d(ax: Axes3D, vehicle: Vehicle, trajectory: Trajectory, color: Color) -> None:
+    """Write the numbers of some steps above their dots."""
+    places = positions(vehicle, trajectory)
+    for k in numbered_steps(len(places) - 1):
+        draw_name_3d(ax, str(k), places[k], color, size=NUMBER_SIZE).set_gid(
+            f"step:{vehicle.name}:{k}"
+        )
+
+
+def draw_name_3d(
+    ax: Axes3D, name: str, place: Matrix, color: object, size: float = LABEL_SIZE
+) -> Text:
     """Write a name above a point."""
-    text = ax.text(
+    text: Text = ax.text(
         float(place[0]), float(place[1]), float(place[2]), f"{name}\n",
-        color=cast("str", color), fontsize=LABEL_SIZE, linespacing=0.7, ha="center", va="bottom",
-        zorder=20, path_effects=[withStroke(linewidth=1.4, foreground="white")],
+        color=cast("str", color), fontsize=size, linespacing=0.7, ha="center", va="bottom",
+        zorder=56, path_effects=[withStroke(linewidth=1.4, foreground="white")],
     )  # fmt: skip
     text.set_gid(f"label:{name}")
+    return text

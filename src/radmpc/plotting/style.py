@@ -6,18 +6,25 @@ from collections.abc import Sequence
 
 from matplotlib.colors import to_rgb
 
+Dashes = str | tuple[int, tuple[float, ...]]
+
 __all__ = [
     "ALERT",
     "COLUMN_WIDTH",
     "LABEL_SIZE",
     "MAX_LABELS",
     "MUTED",
+    "NUMBER_SIZE",
     "OBSTACLE_EDGE",
     "OBSTACLE_FILL",
     "PALETTE",
+    "STAR_SIZE",
     "TICK_SIZE",
     "TITLE_SIZE",
+    "Dashes",
+    "numbered_steps",
     "vehicle_colors",
+    "vehicle_dashes",
 ]
 
 # Okabe and Ito, "Color universal design" (2008), less black, which means text here, and yellow,
@@ -33,10 +40,14 @@ COLUMN_WIDTH = 3.5  # [in]
 TITLE_SIZE = 8.0  # [pt]
 LABEL_SIZE = 6.5  # [pt]
 TICK_SIZE = 6.0  # [pt]
+NUMBER_SIZE = 4.8  # of step numbers [pt]
+STAR_SIZE = 5.5  # [pt]
 
 MAX_LABELS = 24  # with more vehicles their names would cover the picture
 
-_SHADES = (0.0, -0.38, 0.30, -0.2, 0.45)
+# Far apart in lightness, so that they differ in gray print, too.
+_SHADES = (0.0, -0.55, 0.42, -0.28, 0.2)
+_DASHES: tuple[Dashes, ...] = ("solid", (0, (5, 1.2)), (0, (6, 1.2, 1.2, 1.2)), (0, (2, 1)))
 
 
 def vehicle_colors(
@@ -63,6 +74,33 @@ def vehicle_colors(
         for j, name in enumerate(group):
             colors[name] = _shade(PALETTE[i % len(PALETTE)], _SHADES[j % len(_SHADES)])
     return colors
+
+
+def vehicle_dashes(names: Sequence[str], sets: Sequence[Sequence[str]]) -> dict[str, Dashes]:
+    """Return a line style per vehicle: they repeat from set to set, solid for the first of each.
+
+    Parameters
+    ----------
+    names : sequence of str
+        All vehicles; those in no set are solid.
+    sets : sequence of sequence of str
+        Which vehicles were planned together.
+
+    Returns
+    -------
+    dict
+        What matplotlib takes as ``linestyle``, per name.
+    """
+    dashes: dict[str, Dashes] = dict.fromkeys(names, "solid")
+    for group in sets:
+        dashes |= {name: _DASHES[j % len(_DASHES)] for j, name in enumerate(group)}
+    return dashes
+
+
+def numbered_steps(horizon: int) -> range:
+    """Return the steps whose numbers are written: about three between start and end."""
+    stride = max(1, round(horizon / 4))
+    return range(stride, horizon, stride)
 
 
 def _shade(color: str, amount: float) -> tuple[float, float, float]:

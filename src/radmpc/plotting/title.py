@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from matplotlib.axes import Axes
 
 from radmpc.model.ledger import bound_text
@@ -11,21 +13,25 @@ from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
 __all__ = ["alert_text", "draw_title", "num_title_lines", "subtitle"]
 
 _LINE_CHARACTERS = 62  # of a line of facts in one column
+_MOST_LINES = 5  # of an explanation
 
 
-def num_title_lines(plan: Plan) -> int:
+def num_title_lines(plan: Plan, *, details: bool = True) -> int:
     """Return how many lines stand above the axes."""
-    return 1 + len(subtitle(plan).splitlines()) + (alert_text(plan) is not None)
+    texts = [text for _, text, _ in _blocks(plan, details=details)]
+    return 1 + sum(len(text.splitlines()) for text in texts)
 
 
-def subtitle(plan: Plan) -> str:
-    """Return the facts of a plan: cost, risk against its bound, seconds, planner."""
+def subtitle(plan: Plan, *, details: bool = True) -> str:
+    """Return the facts of a plan: cost, risk against its bound and, as details, how it was made."""
     facts = []
     if plan.cost is not None:
         facts.append(f"cost {plan.cost:.4g}")
     if plan.risk.certified is not None:
         sign = "≤" if plan.risk.certified <= plan.risk.bound else ">"
         facts.append(f"risk {min(plan.risk.certified, 1.0):.3g} {sign} {plan.risk.bound:g}")
+    if not details:
+        return " · ".join(facts)
     if "total" in plan.seconds:
         facts.append(f"{plan.seconds['total']:.2g} s")
     line = " · ".join([*facts, plan.planner])
@@ -44,19 +50,17 @@ def alert_text(plan: Plan) -> str | None:
     return None
 
 
-def draw_title(ax: Axes, plan: Plan) -> None:
+def draw_title(ax: Axes, plan: Plan, *, details: bool = True) -> None:
     """Write headline, facts and, in red, what is wrong above the axes."""
-    alert = alert_text(plan)
-    facts = subtitle(plan)
+    blocks = _blocks(plan, details=details)
     # The title's empty last lines make room for the smaller lines below it, which no layout
     # engine would otherwise see.
-    below = "\n" * (num_title_lines(plan) - 1)
+    below = "\n" * (num_title_lines(plan, details=details) - 1)
     ax.set_title(
         plan.scenario.name + below, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0
     )
-    lines = [(facts, MUTED)] if alert is None else [(alert, ALERT), (facts, MUTED)]
     offset = 3.0
-    for text, color in lines:
+    for gid, text, color in reversed(blocks):
         ax.annotate(
             text,
             (0.0, 1.0),
@@ -67,6 +71,21 @@ def draw_title(ax: Axes, plan: Plan) -> None:
             color=color,
             va="bottom",
             annotation_clip=False,
-            gid="alert" if color == ALERT else "facts",
+            gid=gid,
         )
         offset += 1.35 * LABEL_SIZE * len(text.splitlines())
+
+
+def _blocks(plan: Plan, *, details: bool) -> list[tuple[str, str, str]]:
+    """Return id, text and color of what stands below the headline, from the top down."""
+    alert, facts = alert_text(plan), subtitle(plan, details=details)
+    blocks = [("facts", facts, MUTED)] if facts else []
+    if alert is not None:
+        blocks.append(("alert", alert, ALERT))
+    if not plan.trajectories:
+        why = textwrap.wrap(plan.explanation or plan.status.sentence, _LINE_CHARACTERS)
+        lines = [*why[:_MOST_LINES]]
+        if len(why) > _MOST_LINES:
+            lines[-1] += " …"
+        blocks.append(("explanation", "\n".join(lines), MUTED))
+    return blocks

@@ -35,6 +35,8 @@ class Restriction:
 def avoidance_blocks(program: DisjunctiveProgram) -> csr_array:
     """Return which blocks each avoidance touches, (v, b), nonzero where it does."""
     rows, num_blocks = program.rows, int(program.blocks.max(initial=-1)) + 1
+    if num_blocks == 1 and not program.fixed_rows().any():
+        return csr_array(np.ones((program.num_avoidances, 1)))
     n = program.num_columns
     block_of_column = csr_array((np.ones(n), (np.arange(n), program.blocks)), shape=(n, num_blocks))
     row_blocks = csr_array(abs(rows.normals) @ (abs(program.outputs) @ block_of_column))

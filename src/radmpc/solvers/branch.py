@@ -62,9 +62,10 @@ class Branch:
         begun = time.perf_counter()
         if np.any(np.diff(program.avoidance_starts) == 0):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
-        if _has_lost_cause(program, margins):
+        touched = avoidance_blocks(program)
+        if _has_lost_cause(program, margins, touched):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
-        groups = _Groups(program, margins, gap, limits, self.max_nodes, start, guide)
+        groups = _Groups(program, margins, touched, gap, limits, self.max_nodes, start, guide)
         return groups.solve(begun)
 
 
@@ -75,6 +76,7 @@ class _Groups:
         self,
         program: DisjunctiveProgram,
         margins: Vector,
+        touched: csr_array,
         gap: float,
         limits: Limits,
         max_nodes: int,
@@ -92,7 +94,7 @@ class _Groups:
         self.lps = 0
         self.cost = float("inf")
         self.z: Vector | None = None
-        self.touched: csr_array = avoidance_blocks(program)
+        self.touched = touched
         self.whole = frozenset(range(int(self.touched.shape[1])))
         self.known: dict[frozenset[int], float] = {}
         self.solved: dict[frozenset[int], tuple[Restriction, Vector | None]] = {}
@@ -258,15 +260,15 @@ class _Groups:
             self._note(tree.z)
 
 
-def _has_lost_cause(program: DisjunctiveProgram, margins: Vector) -> bool:
+def _has_lost_cause(program: DisjunctiveProgram, margins: Vector, touched: csr_array) -> bool:
     """Whether an avoidance that no control touches is violated."""
-    if program.num_avoidances == 0:
+    untouched = np.diff(touched.indptr) == 0
+    if not untouched.any():
         return False
     least = np.minimum.reduceat(
         violations_of(program, margins, np.zeros(program.num_columns)),
         program.avoidance_starts[:-1],
     )
-    untouched = np.diff(avoidance_blocks(program).indptr) == 0
     return bool(np.any(least[untouched] > _TOUCH_TOL))
 
 
