@@ -18,7 +18,8 @@ DPI = 300  # of files and of the layout
 
 _BESIDE_AXES = 0.32  # ticks and label of the y axis [in]
 _BELOW_AXES = 0.30  # ticks and label of the x axis [in]
-_LINE = 0.125  # a line of text [in]
+_LINE = 0.135  # a line of text [in]
+_EDGES = 0.12  # above the first line and below the last [in]
 
 
 def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
@@ -41,7 +42,7 @@ def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
     width, height = (extent[1] - extent[0])[:2]
     is_flat = extent.shape[1] == 2
     ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else 0.78
-    inches = (COLUMN_WIDTH - _BESIDE_AXES) * ratio + _BELOW_AXES + _LINE * num_lines
+    inches = (COLUMN_WIDTH - _BESIDE_AXES) * ratio + _BELOW_AXES + _LINE * num_lines + _EDGES
     figure = Figure(figsize=(COLUMN_WIDTH, inches), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     # Axes in space read the grid's looks only when they are made.
@@ -60,7 +61,7 @@ def settle_axes(ax: Axes, extent: Matrix) -> None:
         ax.set_zlim(*extent[:, 2])
         ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-8.0)
         ax.tick_params(pad=-2.0)
-        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=0.97)
+        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=0.95)
         return
     ax.set_aspect("equal", adjustable="box")
     for spine in ax.spines.values():

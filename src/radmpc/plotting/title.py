@@ -13,6 +13,7 @@ from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
 __all__ = ["alert_text", "draw_title", "num_title_lines", "subtitle"]
 
 _LINE_CHARACTERS = 62  # of a line of facts in one column
+_ALERT_CHARACTERS = 48  # must fit beside narrow axes, too
 _MOST_LINES = 5  # of an explanation
 
 
@@ -81,7 +82,7 @@ def _blocks(plan: Plan, *, details: bool) -> list[tuple[str, str, str]]:
     alert, facts = alert_text(plan), subtitle(plan, details=details)
     blocks = [("facts", facts, MUTED)] if facts else []
     if alert is not None:
-        blocks.append(("alert", alert, ALERT))
+        blocks.append(("alert", textwrap.fill(alert, _ALERT_CHARACTERS), ALERT))
     if not plan.trajectories:
         why = textwrap.wrap(plan.explanation or plan.status.sentence, _LINE_CHARACTERS)
         lines = [*why[:_MOST_LINES]]
