@@ -88,10 +88,9 @@ class LabelBoard:
         half = 0.5 * self.size(text, size)
         obstacles = np.vstack(self.points) if self.points else np.empty((0, 2))
         best: tuple[float, Vector] | None = None
-        letter = half[1]
         for gap in (0.5, 1.5, 3.0):
             for i, direction in enumerate(_DIRECTIONS):
-                place = center + np.asarray(direction) * (half + half_size + gap * letter)
+                place = center + np.asarray(direction) * (half + half_size + gap * half[1])
                 box = np.concatenate([place - half, place + half])
                 # Ties go to the nearer and earlier candidate: pictures stay the same.
                 badness = self._badness(box, obstacles) + 0.6 * gap + 0.01 * i
