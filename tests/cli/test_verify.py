@@ -25,6 +25,12 @@ def tamper(path: Path, change: str, value: object) -> None:
     path.write_text(json.dumps(content), encoding="utf-8")
 
 
+def claim(path: Path, **claims: object) -> None:
+    """Change what the plan says about itself."""
+    content = json.loads(path.read_text(encoding="utf-8")) | claims
+    path.write_text(json.dumps(content), encoding="utf-8")
+
+
 def test_a_good_plan_holds(run: Run, plan_file: Path) -> None:
     result = run("verify", plan_file, "--samples", 2000)
     assert result.exit_code == 0
@@ -100,3 +106,42 @@ def test_a_rate_above_the_certificate_speaks_against_both(
     result = run("verify", plan_file, "--json")
     assert result.exit_code == 1
     assert "collision rate is at least 0.4" in json.loads(result.stdout)["problems"][0]
+
+
+def test_collisions_are_counted_in_whole_missions(
+    run: Run, plan_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Counted:
+        samples, rate, rate_low, rate_high = 100_000, 0.00204, 0.00177, 0.00234
+
+    monkeypatch.setattr("radmpc.console.verifying.simulate", lambda *a, **k: Counted())
+    expected = "204 of 100000 missions collide: 0.00204 (0.00177 to 0.00234 with 95 % confidence)"
+    assert expected in run("verify", plan_file).stdout
+
+
+def test_the_bound_that_counts_is_the_scenarios(run: Run, plan_file: Path) -> None:
+    risk = json.loads(plan_file.read_text(encoding="utf-8"))["risk"]
+    claim(plan_file, risk=risk | {"bound": 0.4})
+    result = run("verify", plan_file, "--samples", 100)
+    assert result.exit_code == 1
+    assert "within the bound 0.05" in result.stdout
+    assert "states a risk bound of 0.4" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("claims", "expected"),
+    [
+        ({"lower_bound": 1e6}, "lower bound 1000000 is above the cost"),
+        ({"status": "optimal"}, "'optimal' without a lower bound"),
+        ({"status": "limit"}, "'limit', yet there are trajectories"),
+        ({"sets": [["east"]]}, "sets do not hold every vehicle once"),
+        ({"vehicles": []}, "'feasible', yet there are no trajectories"),
+    ],
+)
+def test_false_claims_do_not_hold(
+    run: Run, plan_file: Path, claims: dict[str, object], expected: str
+) -> None:
+    claim(plan_file, **claims)
+    result = run("verify", plan_file, "--samples", 100)
+    assert result.exit_code == 1
+    assert expected in result.stdout

@@ -7,7 +7,7 @@ import pytest
 from referee_scenes import glider, make_plan, straight_controls, straight_plan
 
 from radmpc.errors import ScenarioError
-from radmpc.model.plan import Risk, Status
+from radmpc.model.plan import LedgerRow, Risk, Status
 from radmpc.model.scenario import Scenario
 from radmpc.referee import certify, simulate
 
@@ -109,7 +109,8 @@ def test_a_vehicle_twice_is_caught(plan):
 
 
 def test_an_empty_plan_is_caught(plan):
-    certificate = certify(replace(plan, trajectories=(), cost=None))
+    nothing = replace(plan, status=Status.LIMIT, trajectories=(), cost=None)
+    certificate = certify(nothing)
     assert certificate.problems == ("plan: holds no trajectories",)
     assert certificate.certified == 1.0
 
@@ -250,3 +251,48 @@ def test_words_that_cannot_be_true_together_are_caught(plan):
         certificate = certify(replace(plan, **change))
         assert not certificate.holds
         assert any(text in problem for problem in certificate.problems)
+
+
+@pytest.mark.parametrize("status", [Status.OPTIMAL, Status.FEASIBLE])
+def test_a_plan_that_is_said_to_be_found_but_is_not_there_is_caught(plan, status):
+    problem = only_problem(replace(plan, status=status, trajectories=(), cost=None))
+    assert problem == f"plan: status is {status.value!r}, yet there are no trajectories"
+
+
+@pytest.mark.parametrize("excess", [0.0, 1e-12])
+def test_a_lower_bound_that_the_cost_attains_is_accepted(plan, excess):
+    attained = plan.cost * (1.0 + excess)
+    assert certify(replace(plan, status=Status.OPTIMAL, lower_bound=attained)).holds
+
+
+@pytest.mark.parametrize("sets", [(), (("ann",),), (("ann", "bob"), ("bob",)), (("ann", "eve"),)])
+def test_sets_that_are_no_partition_are_caught(plan, sets):
+    problem = only_problem(replace(plan, sets=sets))
+    assert problem == "plan: its sets do not hold every vehicle once"
+
+
+@pytest.mark.parametrize(
+    ("row", "what"),
+    [
+        (LedgerRow("pair", "eve", "bob", 1, 0.0), "vehicle 'eve', who is not in the scenario"),
+        (LedgerRow("pair", "ann", "eve", 1, 0.0), "other 'eve', which is none of the scenario's"),
+        (LedgerRow("pair", "ann", "ann", 1, 0.0), "other 'ann', which is none of the scenario's"),
+        (
+            LedgerRow("obstacle", "ann", "bob", 1, 0.0),
+            "other 'bob', which is none of the scenario's",
+        ),
+        (
+            LedgerRow("workspace", "ann", "bob", 1, 0.0),
+            "other 'bob', which is none of the scenario's",
+        ),
+        (LedgerRow("pair", "ann", "bob", 11, 0.0), "step 11, the last is 10"),
+    ],
+)
+def test_a_ledger_row_about_what_is_not_there_is_caught(plan, row, what):
+    problem = only_problem(replace(plan, risk=Risk(0.05, 0.05, (row, row))))
+    assert problem == f"plan: a ledger row of cause {row.cause!r} names {what}"
+
+
+def test_ledger_rows_without_a_partner_are_sums(plan):
+    rows = tuple(LedgerRow(cause, "ann", None, 1, 0.0) for cause in ("pair", "obstacle"))
+    assert certify(replace(plan, risk=Risk(0.05, 0.05, rows))).holds

@@ -11,7 +11,7 @@ from radmpc.console.progress import progress_line
 from radmpc.console.report import facts, scenario_line, verdict
 from radmpc.errors import ScenarioError
 from radmpc.model.ledger import bound_text
-from radmpc.model.plan import Plan
+from radmpc.model.plan import Plan, Status
 from radmpc.referee import certify, simulate
 
 __all__ = ["Verification", "verify_plan", "verify_report"]
@@ -70,8 +70,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
     """
     bound = plan.scenario.risk_bound
     if not plan.trajectories:
-        reason = plan.explanation or plan.status.sentence
-        return Verification(False, bound, None, None, None, None, 0, (f"no plan: {reason}",))
+        return Verification(False, bound, None, None, None, None, 0, _reasons(plan))
     certificate = certify(plan)
     problems = certificate.problems
     try:
@@ -103,6 +102,13 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
         samples=simulation.samples,
         problems=problems,
     )
+
+
+def _reasons(plan: Plan) -> tuple[str, ...]:
+    """Return why a file holds no plan; one that says it does is wrong."""
+    if plan.status in {Status.OPTIMAL, Status.FEASIBLE}:
+        return certify(plan).problems
+    return (f"no plan: {plan.explanation}" if plan.explanation else plan.status.sentence,)
 
 
 def verify_report(plan: Plan, verification: Verification) -> list[Table | Text]:

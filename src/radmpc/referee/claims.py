@@ -17,6 +17,8 @@ _TOL = 1e-6
 
 def shape_problems(plan: Plan) -> list[str]:
     """Return why a plan cannot be judged at all: vehicles or arrays that do not fit."""
+    if not plan.trajectories and plan.status in {Status.OPTIMAL, Status.FEASIBLE}:
+        return [f"plan: status is {plan.status.value!r}, yet there are no trajectories"]
     if not plan.trajectories:
         return ["plan: holds no trajectories"]
     problems = []
@@ -74,7 +76,29 @@ def statement_problems(plan: Plan) -> list[str]:
     names = sorted(v.name for v in plan.scenario.vehicles)
     if sorted(name for group in plan.sets for name in group) != names:
         problems.append("plan: its sets do not hold every vehicle once")
-    return problems
+    return problems + _ledger_problems(plan)
+
+
+def _ledger_problems(plan: Plan) -> list[str]:
+    """Name rows of the ledger about vehicles, obstacles or steps that the scenario lacks."""
+    vehicles = {v.name for v in plan.scenario.vehicles}
+    partners = {
+        "pair": vehicles,
+        "obstacle": {o.name for o in plan.scenario.obstacles},
+        "workspace": set[str](),
+    }
+    problems = []
+    for row in plan.risk.ledger:
+        about = f"plan: a ledger row of cause {row.cause!r} names"
+        if row.vehicle not in vehicles:
+            problems.append(f"{about} vehicle {row.vehicle!r}, who is not in the scenario")
+        # Without a partner a row is the sum over all that is far away.
+        is_itself = row.cause == "pair" and row.other == row.vehicle
+        if row.other is not None and (is_itself or row.other not in partners[row.cause]):
+            problems.append(f"{about} other {row.other!r}, which is none of the scenario's")
+        if not 0 <= row.step <= plan.scenario.horizon:
+            problems.append(f"{about} step {row.step}, the last is {plan.scenario.horizon}")
+    return list(dict.fromkeys(problems))
 
 
 def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
