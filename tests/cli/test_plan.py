@@ -20,6 +20,7 @@ def test_a_certified_plan_is_reported_with_exit_code_zero(run: Run, crossing: Pa
     for word in ("crossing: 2 vehicles", "status", "cost", "within the bound 0.05", "seconds"):
         assert word in result.stdout
     assert "where the risk goes" in result.stdout
+    assert "multi-vehicle: ira, branch, couplings" in result.stdout
     assert result.stderr == ""
 
 
@@ -89,6 +90,13 @@ def test_without_a_plan_the_reason_is_given(run: Run, hopeless: Path) -> None:
     assert content["cost"] is None
     assert content["explanation"]
     assert Path("a.png").exists()
+
+
+def test_a_limit_without_a_plan_is_told_in_few_words(run: Run, crossing: Path) -> None:
+    result = run("plan", crossing, "--time-limit", 0)
+    assert result.exit_code == 1
+    line = assert_one_line(result.stderr)
+    assert (result.stdout + line).count("before any plan") <= 2
 
 
 def test_json_without_a_plan_is_still_one_object(run: Run, hopeless: Path) -> None:

@@ -103,7 +103,8 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     if request.as_json:
         show_json(encode_plan(result.record, with_vehicles=False))
     else:
-        show(*plan_report(result.record), *_written(request))
+        report = plan_report(result.record, request.planner.strip(), len(result.events))
+        show(*report, *_written(request))
     return _conclude(result, was_interrupted)
 
 
@@ -126,7 +127,7 @@ def _conclude(result: Result, was_interrupted: bool) -> Code:
         note("interrupted before any plan was found")
         return Code.NO
     if result.plan is None:
-        note(f"no plan: {record.explanation or record.status.sentence}")
+        note(f"no plan: {record.explanation}" if record.explanation else record.status.sentence)
         return Code.NO
     if not result.is_certified:
         certified, bound = record.risk.certified, record.risk.bound

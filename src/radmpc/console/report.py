@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 from rich.table import Table
@@ -15,6 +16,7 @@ __all__ = ["facts", "ledger_table", "plan_report", "scenario_line", "vehicle_tab
 
 _TOP_ROWS = 8
 _MAX_SETS = 12
+_LEAST_SHARE = 1e-9  # of the bound; lines below it are summed up
 
 
 def scenario_line(scenario: Scenario) -> str:
@@ -29,11 +31,26 @@ def scenario_line(scenario: Scenario) -> str:
     return f"{scenario.name}: {', '.join(parts)}"
 
 
-def plan_report(plan: Plan) -> list[Table | Text]:
-    """Return a plan's summary as parts to show."""
+def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table | Text]:
+    """Return a plan's summary as parts to show.
+
+    Parameters
+    ----------
+    plan : Plan
+        What planning ended with.
+    preset : str
+        The planner as it was asked for.
+    num_events : int
+        How many subproblems had no solution on the way.
+
+    Returns
+    -------
+    list of Table or Text
+        From top to bottom.
+    """
     rows: dict[str, Text | str] = {
         "status": f"{plan.status.value}: {plan.status.sentence}",
-        "planner": plan.planner,
+        "planner": f"{preset}: {plan.planner}" if preset else plan.planner,
     }
     if plan.trajectories:
         rows["cost"] = _cost(plan)
@@ -42,8 +59,10 @@ def plan_report(plan: Plan) -> list[Table | Text]:
         advice = _advice(plan)
         if advice:
             rows["advice"] = Text(advice, style="yellow")
-    else:
-        rows["no plan"] = Text(plan.explanation or plan.status.sentence, style="red")
+    elif plan.explanation:
+        rows["no plan"] = Text(plan.explanation, style="red")
+    if num_events:
+        rows["events"] = f"{_count(num_events, 'subproblem')} of RADMPC had no solution"
     rows["seconds"] = _seconds(plan.seconds)
     parts: list[Table | Text] = [Text(scenario_line(plan.scenario), style="bold"), facts(rows)]
     if plan.risk.ledger:
@@ -83,12 +102,13 @@ def ledger_table(plan: Plan) -> Table:
         table.add_column(column, no_wrap=True)
     for column in ("step", "risk", "of bound"):
         table.add_column(column, justify="right", no_wrap=True)
-    for row in rows[:_TOP_ROWS]:
+    num_shown = _num_shown([row.risk for row in rows], bound)
+    for row in rows[:num_shown]:
         table.add_row(*_ledger_cells(row, bound))
-    rest = sum(row.risk for row in rows[_TOP_ROWS:])
-    if len(rows) > _TOP_ROWS:
-        name = f"{len(rows) - _TOP_ROWS} more"
-        table.add_row(name, "", "", "", f"{rest:.2e}", _share(rest, bound))
+    hidden = rows[num_shown:]
+    if hidden:
+        rest = sum(row.risk for row in hidden)
+        table.add_row(f"{len(hidden)} more", "", "", "", f"{rest:.2e}", _share(rest, bound))
     left = bound - sum(row.risk for row in rows)
     if left > 0.0:
         table.add_row("left over", "", "", "", f"{left:.2e}", _share(left, bound))
@@ -105,11 +125,12 @@ def vehicle_table(plan: Plan) -> Table:
     table.add_column("who bears it", no_wrap=True)
     for column in ("half of pairs", "obstacles", "workspace", "risk", "of bound"):
         table.add_column(column, justify="right", no_wrap=True)
-    for name in ordered[:_TOP_ROWS]:
+    num_shown = _num_shown([totals[name] for name in ordered], plan.risk.bound)
+    for name in ordered[:num_shown]:
         risks = [*(parts[name][cause] for cause in CAUSES), totals[name]]
         share = _share(totals[name], plan.risk.bound)
         table.add_row(name, *(f"{risk:.2e}" for risk in risks), share)
-    hidden = ordered[_TOP_ROWS:]
+    hidden = ordered[num_shown:]
     if hidden:
         rest = sum(totals[name] for name in hidden)
         share = _share(rest, plan.risk.bound)
@@ -168,9 +189,18 @@ def _seconds(seconds: Mapping[str, float]) -> str:
     return f"{total} ({', '.join(stages)})" if stages else total
 
 
+def _num_shown(risks: list[float], bound: float) -> int:
+    """Return how many of some risks, largest first, deserve a line of their own."""
+    return sum(risk >= _LEAST_SHARE * bound for risk in risks[:_TOP_ROWS])
+
+
 def _share(risk: float, bound: float) -> str:
-    """Return a risk in percent of the bound."""
-    return f"{100.0 * risk / bound:.1f} %"
+    """Return a risk in percent of the bound, to three digits."""
+    percent = float(f"{100.0 * risk / bound:.3g}")
+    if 0.0 < percent < 0.1:
+        return "< 0.1 %"
+    decimals = 2 - math.floor(math.log10(percent)) if percent else 0
+    return f"{percent:.{max(decimals, 0)}f} %"
 
 
 def _count(number: int, noun: str) -> str:
