@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from radmpc.console.demo import run_demo
-from radmpc.console.files import check_output
+from radmpc.console.files import check_output, writing
 from radmpc.console.guard import Code, GuardedCommands
 from radmpc.console.listing import planner_table, planners_json
 from radmpc.console.output import show, show_json
@@ -156,7 +156,8 @@ def import_file(
         avoidance=avoidance,
     )
     imported = import_scenario(source, options)
-    save_scenario(imported.scenario, output)
+    with writing(output):
+        save_scenario(imported.scenario, output)
     show(scenario_line(imported.scenario))
     show(facts({name: str(value) for name, value in imported.choices.items()}))
     for warning in imported.warnings:

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import errno
 import io
 import os
 import signal
@@ -11,7 +10,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from radmpc.console.files import check_output, demo_text
+from radmpc.console.files import OutputError, check_output, demo_text, writing
 from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show_json
 from radmpc.console.progress import progress_line, progress_text
@@ -122,15 +121,27 @@ def test_a_folder_without_permission_is_refused(
 ) -> None:
     # Root may write anywhere, so the answer of the system is put in its mouth.
     monkeypatch.setattr(os, "access", lambda path, mode: False)
-    with pytest.raises(PermissionError) as caught:
+    with pytest.raises(OutputError, match="Permission denied"):
         check_output(tmp_path / "a.json")
-    assert caught.value.errno == errno.EACCES
 
 
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
-    with pytest.raises(NotADirectoryError):
+    with pytest.raises(OutputError, match="Not a directory"):
         check_output(tmp_path / "file" / "a.json")
+
+
+def test_a_failed_write_names_its_target_not_a_temporary_file() -> None:
+    def fail(place: str) -> None:
+        with writing(Path("out/a.png")):
+            raise OSError(28, "No space left on device", place)
+
+    with pytest.raises(OutputError) as beside:
+        fail("out/.a.png.x7")
+    assert str(beside.value) == "cannot write out/a.png: No space left on device"
+    with pytest.raises(OutputError) as above:
+        fail("out")
+    assert str(above.value) == "cannot write out/a.png: out: No space left on device"
 
 
 def test_the_shipped_scenario_has_obstacles_convex_and_not() -> None:

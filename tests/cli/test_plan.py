@@ -120,10 +120,10 @@ def test_a_planner_may_carry_a_number(run: Run, crossing: Path) -> None:
         (["--jobs", "0"], "--jobs"),
         (["--time-limit", "-1"], "--time-limit"),
         (["--figure", "a.bmp"], "a.bmp: a figure must end in"),
-        (["--figure", "no/a.png"], "no: No such file or directory"),
+        (["--figure", "no/a.png"], "cannot write no/a.png: no: No such file or directory"),
         (["--ledger", "a.txt"], "a.txt: a figure must end in"),
-        (["-o", "no/a.json"], "no: No such file or directory"),
-        (["-o", "."], "Is a directory"),
+        (["-o", "no/a.json"], "cannot write no/a.json: no: No such file or directory"),
+        (["-o", "."], "cannot write .: Is a directory"),
         (["--colour"], "No such option: --colour"),
     ],
 )

@@ -78,6 +78,22 @@ def test_a_reader_who_has_gone_changes_neither_code_nor_stderr(crossing: Path) -
     assert result.stderr == ""
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no such device here")
+def test_a_full_stdout_is_one_line(crossing: Path) -> None:
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        result = subprocess.run(
+            [sys.executable, "-m", "radmpc", "check", str(crossing)],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    assert result.returncode == 2
+    expected = "radmpc: cannot write stdout: No space left on device"
+    assert assert_one_line(result.stderr) == expected
+
+
 def test_one_interrupt_returns_the_plan_so_far(crossing: Path) -> None:
     process = begin("finish", "plan", crossing, "-o", crossing.with_name("a.json"))
     process.send_signal(signal.SIGINT)

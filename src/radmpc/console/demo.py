@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from radmpc.console.files import DEMO_NAME, demo_text
+from radmpc.console.files import DEMO_NAME, check_output, demo_text, writing
 from radmpc.console.output import show
 from radmpc.console.planning import Request, check_request, run_plan
+from radmpc.io.atomic import write_text
 from radmpc.io.scenario_file import load_scenario
 from radmpc.planners.presets import DEFAULT
 
@@ -26,13 +27,16 @@ def run_demo(folder: Path) -> int:
     int
         The exit code.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
     scenario_path = folder / f"{DEMO_NAME}.yaml"
     plan_path = folder / f"{DEMO_NAME}.plan.json"
     figure_path = folder / f"{DEMO_NAME}.png"
     request = Request(DEFAULT, seed=0, output=plan_path, figure=figure_path)
     check_request(request)
-    scenario_path.write_text(demo_text(), encoding="utf-8")
+    check_output(scenario_path)
+    with writing(scenario_path):
+        write_text(scenario_path, demo_text())
     code = run_plan(load_scenario(scenario_path), request)
     show(
         "",

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
 
-__all__ = ["DEMO_NAME", "check_output", "demo_text"]
+from radmpc.errors import RadmpcError
+
+__all__ = ["DEMO_NAME", "OutputError", "check_output", "demo_text", "writing"]
 
 DEMO_NAME = "harbor"
+
+
+class OutputError(RadmpcError):
+    """Something asked for cannot be written."""
 
 
 def check_output(path: Path | None) -> None:
@@ -17,17 +25,38 @@ def check_output(path: Path | None) -> None:
 
     Raises
     ------
-    OSError
+    OutputError
         If the path is a folder, or its folder is missing or not writable.
     """
     if path is None:
         return
-    if path.is_dir():
-        raise _failure(errno.EISDIR, path)
-    if not path.parent.is_dir():
-        raise _failure(errno.ENOENT if not path.parent.exists() else errno.ENOTDIR, path.parent)
-    if not os.access(path.parent, os.W_OK):
-        raise _failure(errno.EACCES, path)
+    with writing(path):
+        if path.is_dir():
+            raise _failure(errno.EISDIR, path)
+        if not path.parent.is_dir():
+            raise _failure(errno.ENOTDIR if path.parent.exists() else errno.ENOENT, path.parent)
+        if not os.access(path.parent, os.W_OK):
+            raise _failure(errno.EACCES, path.parent)
+
+
+@contextmanager
+def writing(target: Path | str) -> Iterator[None]:
+    """Name what was to be written in the errors of the system.
+
+    Raises
+    ------
+    OutputError
+        If the system refuses; its word for a part of the way, such as a folder, is kept.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error) or type(error).__name__
+        place = "" if error.filename is None else os.fsdecode(error.filename)
+        # Temporary files stand beside their target: their names tell nothing.
+        is_part = place and Path(place) in Path(target).parents
+        where = f"{place}: " if is_part else ""
+        raise OutputError(f"cannot write {target}: {where}{reason}") from error
 
 
 def demo_text() -> str:

@@ -12,6 +12,8 @@ from shutil import get_terminal_size
 
 from rich.console import Console, RenderableType
 
+from radmpc.console.files import OutputError, writing
+
 __all__ = ["note", "show", "show_json", "silence_closed_pipe"]
 
 _PIPED_WIDTH = 5000  # letters; no line of a report is broken
@@ -62,9 +64,12 @@ def silence_closed_pipe() -> Iterator[None]:
 def _write(text: str) -> None:
     """Write to stdout; if its reader has gone, go on: the exit code still tells."""
     try:
-        print(text, flush=True)  # noqa: T201 - the console prints
-    except BrokenPipeError:
+        with writing("stdout"):
+            print(text, flush=True)  # noqa: T201 - the console prints
+    except OutputError as error:
         _close(sys.stdout.fileno())
+        if not isinstance(error.__cause__, BrokenPipeError):
+            raise
 
 
 def _close(descriptor: int) -> None:

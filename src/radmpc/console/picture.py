@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from radmpc.console.files import check_output
+from radmpc.console.files import check_output, writing
 from radmpc.model.plan import Plan
 
 __all__ = ["check_picture", "write_ledger", "write_picture"]
@@ -17,7 +17,7 @@ def check_picture(path: Path | None) -> None:
     ------
     FileFormatError
         If its format is unknown.
-    OSError
+    OutputError
         If its folder is missing or not writable.
     """
     if path is None:
@@ -32,11 +32,13 @@ def write_ledger(plan: Plan, path: Path) -> None:
     """Draw where a plan's risk goes into a file."""
     from radmpc.plotting import save_ledger  # noqa: PLC0415 - see the file's first line
 
-    save_ledger(plan, path)
+    with writing(path):
+        save_ledger(plan, path)
 
 
 def write_picture(plan: Plan, path: Path) -> None:
     """Draw a plan, or what there is without one, into a file."""
     from radmpc.plotting import save_figure  # noqa: PLC0415 - see the file's first line
 
-    save_figure(plan, path)
+    with writing(path):
+        save_figure(plan, path)

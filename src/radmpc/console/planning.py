@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from radmpc.console.files import check_output
+from radmpc.console.files import check_output, writing
 from radmpc.console.guard import Code
 from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show, show_json
@@ -62,7 +62,7 @@ def check_request(request: Request) -> None:
         If there is no such planner.
     FileFormatError
         If the picture's format is unknown.
-    OSError
+    OutputError
         If an output cannot be written.
     """
     parse_planner(request.planner)
@@ -95,7 +95,8 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         )
         was_interrupted = is_stopped()
     if request.output is not None:
-        save_plan(result.record, request.output)
+        with writing(request.output):
+            save_plan(result.record, request.output)
     if request.figure is not None:
         write_picture(result.record, request.figure)
     if request.ledger is not None:
