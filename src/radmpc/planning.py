@@ -10,12 +10,14 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
+from radmpc.arrays import Matrix
 from radmpc.model.dynamics import rollout
-from radmpc.model.plan import Plan, Risk, Trajectory
+from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.planners.centralized import plan_centralized
+from radmpc.planners.certified import plan_certified
 from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
-from radmpc.planners.planner import Couplings, Planner, Receding
+from radmpc.planners.planner import Certified, Couplings, Planner, Receding
 from radmpc.planners.presets import DEFAULT, parse_planner
 from radmpc.planners.result import Draft, Result
 from radmpc.referee import Certificate, certify
@@ -76,7 +78,7 @@ def plan(
     limits = Limits(deadline, never if stop is None else stop)
     draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
     judging = time.perf_counter()
-    trajectories = _trajectories(scenario, draft)
+    trajectories = _trajectories(scenario, draft.controls)
     unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
     certificate = certify(unjudged) if trajectories else None
     ended = time.perf_counter()
@@ -102,14 +104,25 @@ def _draft(
     decomposition = planner.decomposition
     if isinstance(decomposition, Receding):
         return plan_receding(scenario, planner, decomposition, rng, limits, progress)
+    if isinstance(decomposition, Certified):
+
+        def is_certified(controls: tuple[Matrix, ...]) -> bool:
+            trajectories = _trajectories(scenario, controls)
+            everyone = (tuple(range(scenario.num_vehicles)),)
+            draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
+            return certify(_plan(scenario, planner, None, draft, trajectories, None, {})).holds
+
+        return plan_certified(scenario, planner, limits, progress, is_certified)
     if isinstance(decomposition, Couplings):
         return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
     return plan_centralized(scenario, planner, limits, progress)
 
 
-def _trajectories(scenario: Scenario, draft: Draft) -> tuple[Trajectory, ...]:
+def _trajectories(
+    scenario: Scenario, controls_of_all: tuple[Matrix, ...]
+) -> tuple[Trajectory, ...]:
     """Return what follows from the controls."""
-    if not draft.controls:
+    if not controls_of_all:
         return ()
     return tuple(
         Trajectory(
@@ -119,7 +132,7 @@ def _trajectories(scenario: Scenario, draft: Draft) -> tuple[Trajectory, ...]:
             covariances=vehicle.covariances(scenario.horizon),
             gain=vehicle.gain,
         )
-        for vehicle, controls in zip(scenario.vehicles, draft.controls, strict=True)
+        for vehicle, controls in zip(scenario.vehicles, controls_of_all, strict=True)
     )
 
 
@@ -142,7 +155,7 @@ def _plan(
         seed=seed,
         status=draft.status,
         cost=_cost(scenario, trajectories) if trajectories else None,
-        lower_bound=None,
+        lower_bound=draft.lower_bound,
         risk=risk,
         sets=tuple(tuple(scenario.vehicles[i].name for i in s) for s in draft.sets),
         seconds=seconds,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from radmpc.errors import ScenarioError
-from radmpc.program.policy import Ira, Policy, Pool
+from radmpc.program.policy import Ira, Optimal, Policy, Pool
 from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
 
-__all__ = ["Centralized", "Couplings", "Decomposition", "Planner", "Receding", "SolverChoice"]
+__all__ = ["Centralized", "Certified", "Couplings", "Decomposition", "Planner", "Receding", "SolverChoice"]
 
 SolverChoice = BigM | Branch
 
@@ -73,7 +73,15 @@ class Couplings:
         return f"couplings({self.threshold:g})"
 
 
-Decomposition = Centralized | Receding | Couplings
+@dataclass(frozen=True, slots=True)
+class Certified:
+    """Sets merged where they collide, risk traded between all at one price, every plan certified."""
+
+    def __str__(self) -> str:
+        return "certified"
+
+
+Decomposition = Centralized | Receding | Couplings | Certified
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +115,10 @@ class Planner:
         """Refuse choices that do not go together."""
         if not 0.0 < self.gap < 1.0:
             raise ScenarioError(f"gap must lie between 0 and 1, got {self.gap}")
+        if isinstance(self.policy, Optimal) != isinstance(self.decomposition, Certified):
+            raise ScenarioError("policy 'optimal' and the decomposition 'certified' need each other")
+        if isinstance(self.policy, Optimal) and not isinstance(self.solver, Branch):
+            raise ScenarioError("policy 'optimal' needs the solver 'branch'")
         pooled = isinstance(self.policy, Pool)
         if pooled and not isinstance(self.decomposition, Receding):
             raise ScenarioError("policy 'pool' needs the decomposition 'receding'")

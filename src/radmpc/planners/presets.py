@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from radmpc.errors import ScenarioError
-from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
-from radmpc.program.policy import Ira, NoRisk, Pool, Sigmas, Uniform
+from radmpc.planners.planner import Centralized, Certified, Couplings, Planner, Receding
+from radmpc.program.policy import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform
 from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
 
@@ -89,6 +89,11 @@ _ALL = (
         "Algorithm 1: RADMPC finds who interacts, then IRA plans each set.",
         _multi_vehicle(),
         _multi_vehicle,
+    ),
+    Preset(
+        "certified",
+        "Faces and risks optimised together, to a proven gap; never above the risk bound.",
+        Planner(Optimal(), Branch(), Certified()),
     ),
 )
 

@@ -93,6 +93,8 @@ class Draft:
         Seconds per stage.
     explanation : str or None
         Why there is no plan.
+    lower_bound : float or None
+        Proven least cost, where there is a proof.
     """
 
     status: Status
@@ -102,6 +104,7 @@ class Draft:
     events: tuple[Event, ...]
     seconds: Mapping[str, float]
     explanation: str | None = None
+    lower_bound: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

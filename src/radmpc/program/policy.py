@@ -18,6 +18,7 @@ from radmpc.program.program import DisjunctiveProgram
 __all__ = [
     "Ira",
     "NoRisk",
+    "Optimal",
     "Policy",
     "Pool",
     "Reallocation",
@@ -107,7 +108,15 @@ class Pool:
         return "pool" if self.charge == "allocated" else f"pool({self.charge})"
 
 
-Policy = NoRisk | Sigmas | Uniform | Ira | Pool
+@dataclass(frozen=True, slots=True)
+class Optimal:
+    """Risk allocated together with the faces, at one price for the whole fleet."""
+
+    def __str__(self) -> str:
+        return "optimal"
+
+
+Policy = NoRisk | Sigmas | Uniform | Ira | Pool | Optimal
 
 
 def uniform_allocation(program: DisjunctiveProgram, budget: float) -> Vector:

@@ -208,6 +208,17 @@ class DisjunctiveProgram:
         normals = self.rows.normals[rows]
         return csr_array(normals @ self.outputs), self.rows.offsets[rows] - normals @ self.constant
 
+    def column_row(self, row: int) -> tuple[Indices, Vector]:
+        """Return one row over the decision variables: the columns it touches, and its values."""
+        dense = np.zeros(self.num_columns)
+        normals, outputs = self.rows.normals, self.outputs
+        for entry in range(normals.indptr[row], normals.indptr[row + 1]):
+            output = normals.indices[entry]
+            span = slice(outputs.indptr[output], outputs.indptr[output + 1])
+            dense[outputs.indices[span]] += normals.data[entry] * outputs.data[span]
+        columns = np.flatnonzero(dense)
+        return columns.astype(np.int32), dense[columns]
+
     def event_risks(self, z: Vector, selection: Indices) -> Vector:
         """Return the risk each event runs at a point, (e,); 0 for events that are not chosen."""
         rows = self.selected_rows(selection)

@@ -1,0 +1,242 @@
+"""The fleet as sets, all searched at one price of risk and merged where they collide."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.crossing import cross_risks
+from radmpc.planners.certified.nearby import Surroundings
+from radmpc.planners.certified.polish import polish
+from radmpc.planners.certified.problem import Order, SetProblem, SetState, advance
+from radmpc.program.build import controls_of, whole_subjects
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.risk_lp import SetBound
+from radmpc.solvers.solution import Limits
+
+__all__ = ["Fleet", "Round"]
+
+Members = tuple[int, ...]
+
+_SET_SHARE = 0.5
+"""Share of the gap that the sets' own searches may use."""
+
+_CROSS_SHARE = 0.1
+"""Share of the gap that risk between sets may cost before they are merged."""
+
+_CROSS_BUDGET = 0.2
+"""Share of the budget that risk between sets may take before they are merged."""
+
+_RISK_TO_COST = 0.008
+"""Typical value of the whole risk budget, as a share of the cost of plans."""
+
+_NODES = 400
+"""Nodes that a set gets per vehicle and round."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Round:
+    """The fleet at one price: every set planned, none colliding with another.
+
+    Attributes
+    ----------
+    sets : tuple of tuple of int
+        A partition of the fleet.
+    price : float
+        Price of a unit of risk.
+    risk, cross : float
+        What the sets run within, and about what they run between them.
+    bound : float
+        Lower bound on the cost of any plan of the fleet.
+    """
+
+    sets: tuple[Members, ...]
+    price: float
+    risk: float
+    cross: float
+    bound: float
+
+
+@dataclass(eq=False)
+class Fleet:
+    """The running state: problems and searches of all sets met so far."""
+
+    scenario: Scenario
+    gap: float
+    limits: Limits
+    progress: Callable[[int, int], None]
+    problems: dict[Members, SetProblem] = field(default_factory=dict)
+    states: dict[Members, SetState] = field(default_factory=dict)
+    alone: dict[Members, Scenario] = field(default_factory=dict)
+    num_solves: int = 0
+
+    def __post_init__(self) -> None:
+        """Build every vehicle's own programme."""
+        self.subjects = whole_subjects(self.scenario)
+        self.covariances = np.array([s.position_covariances for s in self.subjects])
+        self.surroundings = Surroundings(self.scenario, self.subjects)
+        # Every row may take the whole bound at most; the budget itself may be less.
+        self.unit = self.scenario.risk_bound
+        self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
+        for members in self.singles:
+            self.problem(members)
+        initial = sum(max(self.problems[m].program.initial_risk, 0.0) for m in self.singles)
+        self.budget = self.unit - initial
+
+    def problem(self, members: Members) -> SetProblem:
+        """Return a set's programme, built when first asked for."""
+        if members not in self.problems:
+            self.alone[members] = self.surroundings.of(members)
+            self.problems[members] = SetProblem.of(
+                self.alone[members], members, self.subjects, self.unit
+            )
+        return self.problems[members]
+
+    def first_price(self) -> float:
+        """Guess the price of the whole bound from what plans cost without dangers."""
+        step = max(1, len(self.singles) // 16)
+        costs = [_cost_without_dangers(self.problems[m].program) for m in self.singles[::step]]
+        known = [c for c in costs if c is not None]
+        total = float(np.mean(known)) * len(self.singles) if known else 0.0
+        return max(_RISK_TO_COST * total, 1e-6 * max(1.0, total))
+
+    def run_round(self, price: float, effort: int) -> Round | None:
+        """Plan all sets at a price, merging those that collide.
+
+        Parameters
+        ----------
+        price : float
+            Of one unit of risk.
+        effort : int
+            Multiplies the nodes that every set gets.
+
+        Returns
+        -------
+        Round or None
+            None where a set has no plan, or a limit was reached before all had one.
+        """
+        sets = self.singles
+        while True:
+            if not self._solve(sets, price, effort):
+                return None
+            owners = np.empty(self.scenario.num_vehicles, dtype=np.int64)
+            for number, members in enumerate(sets):
+                owners[list(members)] = number
+            crossing = cross_risks(self.scenario, self._means(sets), self.covariances, owners)
+            cross = sum(crossing.values())
+            allowed = min(self._allowed_cross(sets, price), _CROSS_BUDGET * self.budget)
+            if cross <= allowed:
+                risk = sum(self._best(m).risk for m in sets)
+                bound = sum(self.states[m].bound for m in sets)
+                share = self.budget / self.unit
+                return Round(sets, price, risk, cross, bound - price * share)
+            sets = _merged(sets, crossing, cross - allowed)
+
+    def _allowed_cross(self, sets: Sequence[Members], price: float) -> float:
+        """Return the risk between sets that costs a small share of the gap."""
+        cost = sum(self._best(m).cost for m in sets)
+        return _CROSS_SHARE * self.gap * cost / price * self.unit
+
+    def _best(self, members: Members):  # noqa: ANN202
+        best = self.states[members].best
+        assert best is not None
+        return best
+
+    def _solve(self, sets: Sequence[Members], price: float, effort: int) -> bool:
+        """Bring every set's search to a price; tell whether all have a plan."""
+        for done, members in enumerate(sets):
+            self.progress(done, len(sets))
+            state = self.states.get(members)
+            if state is not None and state.bound == float("inf"):
+                return False
+            wanted = _NODES * len(members) * effort
+            is_done = state is not None and state.price == price
+            if is_done and not (state.is_limited and state.nodes < wanted):
+                continue
+            if self.limits.reached and state is None:
+                return False
+            order = Order(
+                self.unit,
+                price,
+                _SET_SHARE * self.gap,
+                price,
+                max(wanted - (state.nodes if is_done else 0), 1),
+                self._bounds(members, price),
+            )
+            problem = self.problem(members)
+            state = advance(problem, self.alone[members], state, order, self.limits)
+            self.num_solves += 1
+            self.states[members] = state
+            if state.best is None:
+                return False
+        return True
+
+    def _bounds(self, members: Members, price: float) -> tuple[SetBound, ...]:
+        """Return what is proven of parts of a set at this price."""
+        if len(members) == 1:
+            return ()
+        whole = set(members)
+        return tuple(
+            SetBound(frozenset(members.index(i) for i in part), state.bound)
+            for part, state in self.states.items()
+            if len(part) < len(members) and state.price == price and whole.issuperset(part)
+        )
+
+    def _means(self, sets: Sequence[Members]) -> np.ndarray:
+        """Return all mean positions, (N, T+1, d)."""
+        shape = self.subjects[0].drift_position.shape
+        means = np.empty((self.scenario.num_vehicles, *shape))
+        for members in sets:
+            means[list(members)] = self.problems[members].means(self._best(members).z)
+        return means
+
+    def fitted(self, round_: Round, cross: float) -> tuple[Vector, ...] | None:
+        """Return the round's plan with its risks fitted to the bound; None if it cannot be."""
+        problems = [self.problems[m] for m in round_.sets]
+        initial = sum(max(p.program.initial_risk, 0.0) for p in problems)
+        return polish(
+            problems, [self._best(m) for m in round_.sets], self.unit - initial - cross
+        )
+
+    def controls(self, sets: Sequence[Members], points: Sequence[Vector]) -> tuple[Matrix, ...]:
+        """Return every vehicle's controls, in the scenario's order."""
+        found: dict[int, Matrix] = {}
+        for members, z in zip(sets, points, strict=True):
+            found |= dict(zip(members, controls_of(self.problems[members].subjects, z), strict=True))
+        return tuple(found[i] for i in range(self.scenario.num_vehicles))
+
+    def without_plan(self) -> Members | None:
+        """Return a set that was proven to have no plan."""
+        for members, state in self.states.items():
+            if state.bound == float("inf"):
+                return members
+        return None
+
+
+def _cost_without_dangers(program: DisjunctiveProgram) -> float | None:
+    """Return what a vehicle's way to its goal costs through empty space."""
+    lp = HighsLp(program.cost, program.lower, program.upper)
+    lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
+    outcome, cost = lp.solve()
+    return cost if outcome is LpOutcome.OPTIMAL else None
+
+
+def _merged(
+    sets: Sequence[Members], crossing: dict[tuple[int, int], float], excess: float
+) -> tuple[Members, ...]:
+    """Merge pairs of sets, worst first, each at most once, until the excess is gone."""
+    taken: set[int] = set()
+    result = []
+    for (i, j), risk in sorted(crossing.items(), key=lambda item: (-item[1], item[0])):
+        if excess <= 0.0:
+            break
+        excess -= risk
+        if i not in taken and j not in taken:
+            taken |= {i, j}
+            result.append(tuple(sorted(sets[i] + sets[j])))
+    return (*result, *(m for i, m in enumerate(sets) if i not in taken))

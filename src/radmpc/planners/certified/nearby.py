@@ -1,0 +1,55 @@
+"""The part of a scenario that some vehicles can ever meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from radmpc.model.scenario import Scenario
+from radmpc.program.subject import Subject
+
+__all__ = ["Surroundings"]
+
+_FAR = 9.0
+"""Standard deviations beyond which an obstacle is out of reach (1e-19)."""
+
+
+class Surroundings:
+    """Boxes of all obstacles over the horizon, against vehicles' reach.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    subjects : sequence of Subject
+        All its vehicles.
+    """
+
+    def __init__(self, scenario: Scenario, subjects: Sequence[Subject]) -> None:
+        self._scenario = scenario
+        d = scenario.dimension
+        lower = np.empty((len(scenario.obstacles), d))
+        upper = np.empty((len(scenario.obstacles), d))
+        for i, obstacle in enumerate(scenario.obstacles):
+            steps = range(scenario.horizon + 1) if obstacle.is_moving else (0,)
+            corners = np.concatenate([p.vertices for k in steps for p in obstacle.at(k)])
+            lower[i], upper[i] = corners.min(axis=0), corners.max(axis=0)
+        near = np.zeros((len(subjects), len(scenario.obstacles)), dtype=bool)
+        for j, subject in enumerate(subjects):
+            spread = np.linalg.eigvalsh(subject.position_covariances)[:, -1].max()
+            margin = subject.vehicle.radius + _FAR * np.sqrt(max(float(spread), 0.0))
+            # A straight path between two steps stays within the reach of both.
+            low = subject.reach_lower.min(axis=0) - margin
+            high = subject.reach_upper.max(axis=0) + margin
+            # The curve between two steps leaves its chord by the bow.
+            bow = 0.125 * scenario.dt**2 * np.abs(subject.control_bounds).max(initial=0.0)
+            near[j] = np.all((lower <= high + bow) & (upper >= low - bow), axis=1)
+        self._near = near
+
+    def of(self, members: tuple[int, ...]) -> Scenario:
+        """Return the scenario of some vehicles and the obstacles they may meet."""
+        alone = self._scenario.subset(members, self._scenario.risk_bound)
+        near = np.flatnonzero(self._near[list(members)].any(axis=0))
+        return replace(alone, obstacles=tuple(self._scenario.obstacles[int(i)] for i in near))

@@ -1,0 +1,170 @@
+"""Planning a whole fleet at the right price of risk, with a certificate and a lower bound."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.model.plan import Status
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.fleet import Fleet, Round
+from radmpc.planners.explain import explain_infeasible
+from radmpc.planners.planner import Planner
+from radmpc.planners.result import Draft
+from radmpc.program.policy import Ira
+from radmpc.solvers.solution import Limits, relative_gap
+
+__all__ = ["plan_certified"]
+
+_MAX_ROUNDS = 12
+_STEEPNESS = 1.15
+_CLOSE = 0.02
+"""Relative distance to the budget at which the price is right."""
+
+
+@dataclass(slots=True, eq=False)
+class _Best:
+    """The best certified plan so far, and the best bound."""
+
+    controls: tuple[Matrix, ...] = ()
+    cost: float = float("inf")
+    bound: float = -float("inf")
+    sets: tuple[tuple[int, ...], ...] = ()
+
+
+def plan_certified(
+    scenario: Scenario,
+    planner: Planner,
+    limits: Limits,
+    progress: Callable[[str, int, int | None], None],
+    is_certified: Callable[[tuple[Matrix, ...]], bool],
+) -> Draft:
+    """Plan a fleet to a proven gap; every plan returned is certified.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    planner : Planner
+        Its gap.
+    limits : Limits
+        When to stop early.
+    progress : callable
+        Told the stage, sets done, and of how many.
+    is_certified : callable
+        The referee's word on controls, in the scenario's order.
+
+    Returns
+    -------
+    Draft
+        With the best certified plan and a lower bound on the cost of any.
+    """
+    begun = time.perf_counter()
+    fleet = Fleet(scenario, planner.gap, limits, lambda done, n: progress("sets", done, n))
+    best = _Best()
+    if fleet.budget > 0.0:
+        _search(fleet, best, planner.gap, is_certified)
+    seconds = {"sets": time.perf_counter() - begun}
+    if best.controls:
+        closed = relative_gap(best.cost, best.bound) <= planner.gap * (1.0 + 1e-6)
+        status = Status.OPTIMAL if closed else Status.FEASIBLE
+        return Draft(
+            status, best.controls, best.sets, (), (), seconds, lower_bound=_finite(best.bound)
+        )
+    return _without_plan(fleet, planner.gap, limits, seconds)
+
+
+def _finite(bound: float) -> float | None:
+    """Return a bound that says something."""
+    return max(bound, 0.0) if np.isfinite(bound) else None
+
+
+def _search(
+    fleet: Fleet,
+    best: _Best,
+    gap: float,
+    is_certified: Callable[[tuple[Matrix, ...]], bool],
+) -> None:
+    """Search for the price at which the fleet just uses its budget."""
+    price, effort = fleet.first_price(), 1
+    tried: list[tuple[float, float]] = []
+    for _ in range(_MAX_ROUNDS):
+        found = fleet.run_round(price, effort)
+        if found is None:
+            return
+        best.bound = max(best.bound, found.bound)
+        _take(fleet, found, best, is_certified)
+        if relative_gap(best.cost, best.bound) <= gap or fleet.limits.reached:
+            return
+        tried.append((price, found.risk))
+        following = _next_price(tried, fleet.budget - found.cross)
+        if following == price:
+            effort *= 4
+        price = following
+
+
+def _take(
+    fleet: Fleet,
+    found: Round,
+    best: _Best,
+    is_certified: Callable[[tuple[Matrix, ...]], bool],
+) -> None:
+    """Keep a round's plan if it is certified and better than what there is."""
+    # What the sets risk between them is only estimated until the referee has seen it.
+    for cross in (found.cross, 2.0 * found.cross + 0.02 * fleet.unit, 0.3 * fleet.unit):
+        points = fleet.fitted(found, cross)
+        if points is None:
+            return
+        pairs = zip(found.sets, points, strict=True)
+        cost = sum(float(fleet.problems[m].program.cost @ z) for m, z in pairs)
+        if cost >= best.cost:
+            return
+        controls = fleet.controls(found.sets, points)
+        if is_certified(controls):
+            best.controls, best.cost, best.sets = controls, cost, found.sets
+            return
+
+
+def _next_price(tried: list[tuple[float, float]], budget: float) -> float:
+    """Return the price at which the budget is expected to be just used.
+
+    Risk falls with its price about in proportion; between two prices on both sides of the budget,
+    along a straight line in logarithms.
+    """
+    price, risk = tried[-1]
+    if abs(risk / budget - 1.0) <= _CLOSE:
+        return price
+    above = [(p, r) for p, r in tried if r > budget]
+    below = [(p, r) for p, r in tried if 0.0 < r <= budget]
+    if above and below:
+        (p1, r1), (p2, r2) = max(above), min(below)
+        if p1 < p2 and r1 > r2:
+            share = np.log(r1 / budget) / np.log(r1 / r2)
+            # A jump of the risk between them draws all prices to one side: keep off the ends.
+            return float(p1 * (p2 / p1) ** np.clip(share, 0.15, 0.85))
+    return float(price * np.clip((max(risk, 1e-12) / budget) ** _STEEPNESS, 0.2, 5.0))
+
+
+def _without_plan(
+    fleet: Fleet, gap: float, limits: Limits, seconds: dict[str, float]
+) -> Draft:
+    """Say why there is no plan."""
+    scenario = fleet.scenario
+    members = fleet.without_plan()
+    everyone = (tuple(range(scenario.num_vehicles)),)
+    if members is None and fleet.budget > 0.0 and limits.reached:
+        return Draft(Status.LIMIT, (), (), (), (), seconds)
+    chosen = everyone[0] if members is None else members
+    part = scenario.subset(chosen, scenario.risk_bound)
+    if members is None and fleet.budget > 0.0:
+        reason = (
+            "No plan within the risk bound was found, and none was ruled out: raise the time "
+            "limit, risk_bound or the horizon."
+        )
+        return Draft(Status.LIMIT, (), (), (), (), seconds, reason)
+    reason = explain_infeasible(part, Ira(), gap, limits)
+    return Draft(Status.INFEASIBLE, (), everyone, (), (), seconds, reason)

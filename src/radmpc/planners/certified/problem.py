@@ -1,0 +1,197 @@
+"""One set of vehicles: its programme, and how far its search has come."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Tensor
+from radmpc.model.scenario import Scenario
+from radmpc.program.build import build_program
+from radmpc.program.policy import Ira
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.subject import Subject
+from radmpc.solvers.branch import Branch
+from radmpc.solvers.risk_lp import SetBound
+from radmpc.solvers.risk_rating import Rater
+from radmpc.solvers.risk_tree import Frontier, Incumbent, RiskTree
+from radmpc.solvers.solution import Limits
+
+from radmpc.planners.ira import solve_under_policy  # isort: skip
+from radmpc.planners.sides import propose_sides  # isort: skip
+
+__all__ = ["Order", "SetProblem", "SetState", "advance"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SetProblem:
+    """A set's programme, made once.
+
+    Attributes
+    ----------
+    members : tuple of int
+        The vehicles, by their number in the fleet, ascending; block i is member i.
+    subjects : tuple of Subject
+        The same vehicles as programmes see them.
+    program : DisjunctiveProgram
+        Their obstacles, workspace and pairs.
+    rater : Rater
+        The programme laid out for rating.
+    """
+
+    members: tuple[int, ...]
+    subjects: tuple[Subject, ...]
+    program: DisjunctiveProgram
+    rater: Rater
+
+    @classmethod
+    def of(
+        cls,
+        scenario: Scenario,
+        members: tuple[int, ...],
+        subjects: Sequence[Subject],
+        unit: float,
+    ) -> SetProblem:
+        """Build the programme of some vehicles of a fleet, in a scenario of theirs alone."""
+        chosen = tuple(subjects[i] for i in members)
+        program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
+        return cls(members, chosen, program, Rater(program, unit))
+
+    def means(self, z: np.ndarray) -> Tensor:
+        """Return the mean positions of the members, (n, T+1, d)."""
+        program = self.program
+        outputs = (program.outputs @ z + program.constant)[: program.num_positions]
+        shape = self.subjects[0].drift_position.shape
+        return np.asarray(outputs.reshape(len(self.members), *shape))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SetState:
+    """How far the search for a set's best plan has come.
+
+    Attributes
+    ----------
+    price : float
+        Price of a unit of risk that value and bound refer to.
+    best : Incumbent or None
+        The best plan at that price.
+    bound : float
+        Proven least ``cost + price · risk / unit``; inf where no plan exists at any price.
+    frontier : Frontier
+        What is left of the search.
+    nodes, lps : int
+        Work done so far.
+    is_limited : bool
+        Whether a limit ended the search.
+    """
+
+    price: float
+    best: Incumbent | None
+    bound: float
+    frontier: Frontier
+    nodes: int
+    lps: int
+    is_limited: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is asked of a set.
+
+    Attributes
+    ----------
+    unit : float
+        The fleet's risk budget.
+    price : float
+        Cost of one unit of risk.
+    gap, scale : float
+        Relative gap, and the value below which it is taken of this.
+    max_nodes : int
+        Nodes to spend now.
+    bounds : tuple of SetBound
+        What parts of the set were proven to cost at this price.
+    """
+
+    unit: float
+    price: float
+    gap: float
+    scale: float
+    max_nodes: int
+    bounds: tuple[SetBound, ...] = ()
+
+
+def advance(
+    problem: SetProblem, scenario: Scenario, state: SetState | None, order: Order, limits: Limits
+) -> SetState:
+    """Search on for a set's best plan at a price of risk.
+
+    Parameters
+    ----------
+    problem : SetProblem
+        The set.
+    scenario : Scenario
+        These vehicles alone.
+    state : SetState or None
+        Where the search stood, at whatever price.
+    order : Order
+        What is asked.
+    limits : Limits
+        When to stop early.
+
+    Returns
+    -------
+    SetState
+        With a plan where one was found; an infinite bound is a proof that there is none.
+    """
+    tree = RiskTree(
+        problem.program,
+        order.unit,
+        order.price,
+        gap=order.gap,
+        scale=order.scale,
+        limits=limits,
+        bounds=order.bounds,
+        rater=problem.rater,
+    )
+    if state is not None and state.bound < float("inf"):
+        tree.resume(state.frontier, state.price, state.best)
+    tree.run(order.max_nodes)
+    if tree.best is None and tree.is_limited and not limits.reached:
+        _rescue(problem, scenario, tree, order, limits)
+        tree.run(order.max_nodes)
+    known = sum(b.value for b in order.bounds if len(b.blocks) == 1)
+    bound = max([tree.bound, *(b.value for b in order.bounds)])
+    if len(order.bounds) >= len(problem.members):
+        bound = max(bound, known)
+    if tree.best is not None:
+        bound = min(bound, tree.value)
+    before = (0, 0) if state is None else (state.nodes, state.lps)
+    return SetState(
+        order.price,
+        tree.best,
+        bound,
+        tree.frontier,
+        before[0] + tree.nodes,
+        before[1] + tree.lps,
+        tree.is_limited,
+    )
+
+
+def _rescue(
+    problem: SetProblem, scenario: Scenario, tree: RiskTree, order: Order, limits: Limits
+) -> None:
+    """Look for any plan by iterative risk allocation, which has heuristics for tangled sets."""
+    solved = solve_under_policy(
+        problem.program,
+        Ira(),
+        Branch(order.max_nodes),
+        gap=1e-2,
+        limits=limits,
+        stage="rescue",
+        vehicles=tuple(v.name for v in scenario.vehicles),
+        propose=lambda margins: propose_sides(problem.program, problem.subjects, margins),
+    )
+    if solved.solution.z is not None:
+        tree.consider(solved.solution.z)

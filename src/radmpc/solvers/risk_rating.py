@@ -1,0 +1,147 @@
+"""Rating a point by its true risks: what every avoidance costs at its cheapest side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.gaussian import clearance_for, tail_probability
+from radmpc.program.program import DisjunctiveProgram
+
+__all__ = ["Rater", "Rating"]
+
+_REFERENCE = 0.1
+"""Share of the unit at whose clearance an alternative counts as kept, when branching."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rating:
+    """What a point is worth.
+
+    Attributes
+    ----------
+    clearances, risks : (r,) array
+        Of every row.
+    cheapest : (v,) array
+        Least risk of any side of each avoidance.
+    selection : (v,) int array
+        The side that has it.
+    short : (v, w) array
+        By how much each side misses the reference clearance [m]; inf where there is none.
+    risk : float
+        Risk of the selection, shared rows counted once.
+    largest : float
+        Largest risk of a single row of the selection.
+    """
+
+    clearances: Vector
+    risks: Vector
+    cheapest: Vector
+    selection: Indices
+    short: Vector
+    risk: float
+    largest: float
+
+
+class Rater:
+    """A programme laid out for rating.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme.
+    unit : float
+        The largest risk that one row may take.
+    """
+
+    def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
+        self.program = program
+        deviations = program.rows.deviations
+        noisy = deviations > 0.0
+        self._inverse = np.where(noisy, 1.0 / np.where(noisy, deviations, 1.0), 0.0)
+        self._certain = ~noisy
+        self.floor = deviations * float(clearance_for(unit))
+        self.possible = _possible(program, self.floor)
+        self._reference = deviations * float(clearance_for(_REFERENCE * unit))
+        self.table = _padded(program, self.possible)
+        self._blank = self.table < 0
+        self._every = np.arange(program.num_avoidances)
+        starts = program.alternative_starts
+        self._starts = starts[:-1]
+        self._rows = program.alternative_rows
+        self._is_single = bool(np.all(np.diff(starts) == 1))
+        self.is_hopeless = bool(np.any(self._blank.all(axis=1))) or bool(
+            np.any(program.upper < program.lower)
+        )
+        if self._is_single and program.num_alternatives:
+            # One row per side: the table of sides is a table of rows.
+            self._row_table = np.where(self._blank, 0, self._rows[self.table])
+
+    def rate(self, z: Vector) -> Rating:
+        """Return the rating of a point."""
+        program = self.program
+        slacks = program.slacks(z)
+        clearances = slacks * self._inverse
+        if self._certain.any():
+            # A hard row holds up to the solver's own feasibility tolerance.
+            clearances[self._certain] = np.where(slacks[self._certain] >= -1e-8, np.inf, -np.inf)
+        risks: Vector = np.asarray(tail_probability(clearances))
+        if program.num_avoidances == 0:
+            none = np.zeros(0)
+            return Rating(
+                clearances, risks, none, none.astype(np.int64), none.reshape(0, 1), 0.0, 0.0
+            )
+        misses = self._reference - slacks
+        if self._is_single:
+            by_side = risks[self._row_table]
+            short = misses[self._row_table]
+        else:
+            members = self._rows
+            by_side = np.add.reduceat(risks[members], self._starts)[self.table]
+            short = np.maximum.reduceat(misses[members], self._starts)[self.table]
+        by_side = np.where(self._blank, np.inf, by_side)
+        short = np.where(self._blank, np.inf, short)
+        places = by_side.argmin(axis=1)
+        cheapest = by_side[self._every, places]
+        selection = self.table[self._every, places]
+        risk, largest = self._total(z, selection, cheapest)
+        return Rating(clearances, risks, cheapest, selection, short, risk, largest)
+
+    def _total(self, z: Vector, selection: Indices, cheapest: Vector) -> tuple[float, float]:
+        """Return the risk of a selection, and its largest part."""
+        if self._is_single and self._is_distinct:
+            return float(cheapest.sum()), float(cheapest.max())
+        by_event = self.program.event_risks(z, selection)
+        return float(by_event.sum()), float(by_event.max(initial=0.0))
+
+    @property
+    def _is_distinct(self) -> bool:
+        """Whether no two rows share an event."""
+        return self.program.rows.exposures.size == self.program.rows.count
+
+
+def _possible(program: DisjunctiveProgram, margins: Vector) -> np.ndarray:
+    """Return which alternatives some admissible control can satisfy, (a,) bool."""
+    if program.num_alternatives == 0:
+        return np.zeros(0, dtype=bool)
+    normals = program.rows.normals
+    least = (
+        normals.maximum(0.0) @ program.output_lower + normals.minimum(0.0) @ program.output_upper
+    )
+    missed = least - program.rows.offsets + margins > 1e-6
+    return ~np.logical_or.reduceat(
+        missed[program.alternative_rows], program.alternative_starts[:-1]
+    )
+
+
+def _padded(program: DisjunctiveProgram, possible: np.ndarray) -> Indices:
+    """Return the possible alternatives of every avoidance, (v, most), filled up with −1."""
+    sizes = np.diff(program.avoidance_starts)
+    owner = np.repeat(np.arange(sizes.size), sizes)[possible]
+    counts = np.bincount(owner, minlength=sizes.size)
+    table = np.full((sizes.size, int(counts.max(initial=1))), -1, dtype=np.int64)
+    place = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    table[owner, place] = np.flatnonzero(possible)
+    return table

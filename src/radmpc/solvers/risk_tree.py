@@ -1,0 +1,404 @@
+"""Branch and bound over faces and risks together.
+
+A node is a set of chosen alternatives; its linear programme (`RiskLp`) underestimates their risk
+and ignores all others', so its optimum bounds every solution below it. Every point met on the way
+is a solution of the priced problem
+
+    minimise  cost(z) + price · risk(z) / unit,      risk(z) = Σ over avoidances of the cheapest side
+
+at its true risk, so incumbents come for free and are exact. Nodes that the cutoff closes are kept
+with their bounds: at another price, or for a smaller gap, the search goes on from them.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.risk_lp import RiskLp, SetBound
+from radmpc.solvers.risk_rating import Rater, Rating
+from radmpc.solvers.solution import Limits
+
+__all__ = ["Frontier", "Incumbent", "RiskTree"]
+
+Frontier = tuple[tuple[float, tuple[int, ...]], ...]
+"""Nodes of a search: a lower bound each, and the alternatives chosen."""
+
+_INF = float("inf")
+_EPSILON = 0.3
+"""Share of the gap within which a node's bound and its point's true value count as equal."""
+
+_SECOND_WEIGHT = 0.5
+_ROUNDS = 8
+_FLAT = 5.5
+"""Clearance beyond which a tangent (2e-8) is no better than t >= 0."""
+
+_PATIENCE = 100
+_HEADROOM = 0.01
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Incumbent:
+    """A solution.
+
+    Attributes
+    ----------
+    z : (n,) array
+        The point.
+    selection : (v,) int array
+        Its sides.
+    cost, risk : float
+        Its cost without risk, and its true risk.
+    """
+
+    z: Vector
+    selection: Indices
+    cost: float
+    risk: float
+
+
+@dataclass(order=True, slots=True)
+class _Node:
+    """An open node, ordered by its bound, then deeper first, then older first."""
+
+    bound: float
+    depth: int
+    number: int
+    chosen: tuple[int, ...] = field(compare=False)
+    is_open: bool = field(compare=False, default=True)
+
+
+class RiskTree:
+    """The running state of one search at a price of risk.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The programme.
+    unit : float
+        Budget of risk that the price refers to; no row may take more.
+    price : float
+        Cost of one unit of risk.
+    gap : float
+        Relative gap at which to stop.
+    scale : float
+        Values below this count as this in relative gaps.
+    limits : Limits
+        When to stop early.
+    bounds : sequence of SetBound
+        Known bounds of parts, at this price.
+
+    Attributes
+    ----------
+    best : Incumbent or None
+        The best solution at the present price.
+    value : float
+        Its cost with its risk at the price; inf without one.
+    bound : float
+        Proven lower bound of the value; inf where there is no solution at any price.
+    nodes : int
+        Work done.
+    is_limited : bool
+        Whether a limit ended the last run.
+    """
+
+    def __init__(
+        self,
+        program: DisjunctiveProgram,
+        unit: float,
+        price: float,
+        *,
+        gap: float,
+        scale: float,
+        limits: Limits,
+        bounds: Sequence[SetBound] = (),
+        rater: Rater | None = None,
+    ) -> None:
+        self.program = program
+        self.unit = unit
+        self.price = price
+        self.gap = gap
+        self.scale = scale
+        self.limits = limits
+        self.best: Incumbent | None = None
+        self.value = _INF
+        self.bound = -_INF
+        self.nodes = 0
+        self.is_limited = False
+        self.rater = Rater(program, unit) if rater is None else rater
+        self._bounds = tuple(bounds)
+        self._lp: RiskLp | None = None
+        self._open: list[_Node] = []
+        self._parked: list[_Node] = []
+        self._trail: list[_Node] = []
+        self._created = 0
+        self._weights = np.ones(program.num_avoidances)
+        self._owner = np.repeat(
+            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
+        )
+        self._noisy = program.rows.deviations > 0.0
+        starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
+        self._rows_of = [
+            members[a:b] for a, b in zip(starts[:-1], starts[1:], strict=True)
+        ]
+        if self.rater.is_hopeless:
+            self.bound = _INF
+        else:
+            self._push(-_INF, ())
+
+    @property
+    def lp(self) -> RiskLp:
+        """The linear programme, loaded when first needed."""
+        if self._lp is None:
+            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds)
+        return self._lp
+
+    @property
+    def lps(self) -> int:
+        """Linear programmes solved."""
+        return 0 if self._lp is None else self._lp.solves
+
+    @property
+    def frontier(self) -> Frontier:
+        """What is left of the search: nodes that together hold every solution, with bounds."""
+        nodes = [n for n in self._open if n.is_open] + self._parked
+        return tuple((node.bound, node.chosen) for node in nodes)
+
+    def resume(self, frontier: Frontier, price: float, best: Incumbent | None) -> None:
+        """Go on from another search's frontier, whatever its price and gap.
+
+        A bound at a lower price holds as it is; at a higher one in proportion, as no cost is
+        negative.
+        """
+        shrunk = min(1.0, self.price / price)
+        self._open, self._parked = [], []
+        for bound, chosen in frontier:
+            known = bound * shrunk if bound > 0.0 else -_INF
+            self._push(bound if shrunk == 1.0 else known, chosen)
+        if best is not None:
+            self.best = best
+            self.value = best.cost + self.price * best.risk / self.unit
+
+    def consider(self, z: Vector) -> None:
+        """Make an incumbent of a point that keeps the hard rows."""
+        self._note(z, self.rater.rate(z))
+
+    def settle(self, sides: Sequence[int]) -> Incumbent | None:
+        """Solve on given sides, taking the cheapest where more are needed.
+
+        Returns
+        -------
+        Incumbent or None
+            The best point on these sides, which also becomes the incumbent if it is better.
+        """
+        chosen, found, value = list(sides), None, _INF
+        for _ in range(3 * _ROUNDS):
+            self.lp.activate(self._rows(chosen))
+            outcome, bound = self.lp.solve()
+            if outcome is not LpOutcome.OPTIMAL:
+                return found
+            point = self.lp.point()
+            z = point[: self.program.num_columns]
+            rating = self.rater.rate(z)
+            self._note(z, rating)
+            reached = self._worth(z, rating)
+            if reached < value:
+                cost = float(self.program.cost @ z)
+                found, value = Incumbent(z, rating.selection, cost, rating.risk), reached
+            if reached - bound <= self._epsilon(reached):
+                return found
+            more = self._missing(chosen, rating, reached)
+            chosen += more
+            if not more and not self._refine(chosen, point, rating, 0.5 * self._epsilon(reached)):
+                return found
+        return found
+
+    def _missing(self, chosen: list[int], rating: Rating, value: float) -> list[int]:
+        """Return the cheapest sides of avoidances that matter and have none yet."""
+        free = np.ones(self.program.num_avoidances, dtype=bool)
+        free[self._owner[chosen]] = False
+        worth = np.minimum(rating.cheapest, 1e9) * (self.price / self.unit)
+        matters = free & (worth > self._epsilon(min(value, 1e9)) / (4.0 * max(free.size, 1)))
+        return [int(a) for a in rating.selection[matters]]
+
+    def run(self, max_nodes: int) -> None:
+        """Dive from the best open node until none can improve on the incumbent.
+
+        Stops after so many nodes; called again it goes on where it stood.
+        """
+        last = self.nodes + max_nodes
+        self.is_limited = False
+        while not self.is_limited:
+            top = self._top()
+            if top is None or top.bound >= self._cutoff():
+                break
+            self._dive(heapq.heappop(self._open), last)
+        if self.rater.is_hopeless:
+            return
+        top = self._top()
+        bounds = [n.bound for n in self._parked]
+        if top is not None:
+            bounds.append(top.bound)
+        # The incumbent is below no node's bound by more than rounding.
+        self.bound = min([*bounds, self.value])
+
+    def _dive(self, node: _Node | None, last: int) -> None:
+        """Follow a node's best children down; without any solution yet, back up a while."""
+        self._trail.clear()
+        patience = _PATIENCE
+        while node is not None:
+            node.is_open = False
+            if self.nodes >= last or self.limits.reached:
+                self.is_limited = True
+                node.is_open = True
+                heapq.heappush(self._open, node)
+                return
+            node = self._expand(node)
+            if node is None and self.best is None and patience > 0:
+                node = self._backtrack()
+            patience -= 1
+
+    def _backtrack(self) -> _Node | None:
+        """Return the latest open node of this dive."""
+        while self._trail:
+            node = self._trail.pop()
+            if node.is_open:
+                return node
+        return None
+
+    def _top(self) -> _Node | None:
+        """Return the open node of least bound; those taken by a dive are dropped on the way."""
+        while self._open and not self._open[0].is_open:
+            heapq.heappop(self._open)
+        return self._open[0] if self._open else None
+
+    def _expand(self, node: _Node) -> _Node | None:
+        """Solve a node; return the child to dive into, if it has any."""
+        self.nodes += 1
+        if node.bound >= self._cutoff():
+            return self._park(node, node.bound)
+        self.lp.activate(self._rows(node.chosen))
+        for attempt in range(_ROUNDS):
+            cutoff = self._cutoff()
+            outcome, bound = self.lp.solve(cutoff + _HEADROOM * abs(cutoff))
+            if outcome is not LpOutcome.OPTIMAL and node.chosen:
+                self._weights[self._owner[node.chosen[-1]]] += 1.0
+            if outcome is LpOutcome.INFEASIBLE:
+                return None
+            bound = max(bound, node.bound)
+            if outcome is LpOutcome.CUTOFF or bound >= cutoff:
+                return self._park(node, bound)
+            point = self.lp.point()
+            z = point[: self.program.num_columns]
+            rating = self.rater.rate(z)
+            self._note(z, rating)
+            worth = self._worth(z, rating)
+            epsilon = self._epsilon(min(worth, self.value))
+            if worth - bound <= epsilon:
+                return self._park(node, bound)
+            avoidance, is_blunt = self._most_promising(node.chosen, rating)
+            rough = 3.0 if is_blunt else 0.5
+            if attempt < (1 if is_blunt else _ROUNDS - 1) and self._refine(
+                node.chosen, point, rating, rough * epsilon
+            ):
+                continue
+            if avoidance is None:
+                return self._park(node, bound)
+            return self._branch(node, avoidance, rating, bound)
+        return self._park(node, bound)
+
+    def _refine(
+        self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
+    ) -> bool:
+        """Add tangents where the chosen rows' risk is underestimated; tell whether any was."""
+        rows = np.unique(np.array(self._rows(chosen), dtype=np.int64))
+        rows = rows[self._noisy[rows]]
+        if rows.size == 0:
+            return False
+        missing = (rating.risks[rows] - self.lp.taken(rows, point)) * (self.price / self.unit)
+        if missing.sum() <= tolerance:
+            return False
+        added = False
+        for row, error in zip(rows, missing, strict=True):
+            clearance = float(rating.clearances[row])
+            if error > tolerance / (4.0 * rows.size) and clearance < _FLAT:
+                added |= self.lp.add_tangent(int(row), max(clearance, self.lp.floor))
+        return added
+
+    def _most_promising(self, chosen: Sequence[int], rating: Rating) -> tuple[int | None, bool]:
+        """Return the avoidance to branch on, and whether any is far from kept."""
+        if rating.cheapest.size == 0:
+            return None, False
+        free = np.ones(rating.cheapest.size, dtype=bool)
+        free[self._owner[list(chosen)]] = False
+        least = np.where(free, rating.short.min(axis=1), -_INF)
+        violated = np.flatnonzero(least > 0.0)
+        if violated.size == 0:
+            risks = np.where(free, rating.cheapest, 0.0)
+            worst = int(risks.argmax())
+            return (worst if risks[worst] > 0.0 else None), False
+        if self.best is None or rating.short.shape[1] == 1:
+            # Without a solution, what failed often fails early: begin there (Boussemart 2004).
+            return int(violated[(least[violated] * self._weights[violated]).argmax()]), True
+        nearest = np.partition(rating.short[violated], 1, axis=1)[:, :2]
+        second = np.where(np.isfinite(nearest[:, 1]), nearest[:, 1], 2.0 * nearest[:, 0] + 5.0)
+        return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * second).argmax()]), True
+
+    def _branch(self, node: _Node, avoidance: int, rating: Rating, bound: float) -> _Node:
+        """Open one child per alternative; return the one violated least."""
+        short = rating.short[avoidance]
+        order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]
+        sides = [int(self.rater.table[avoidance, i]) for i in order]
+        later = [self._push(bound, (*node.chosen, side)) for side in sides[1:]]
+        self._trail += later[::-1]
+        self._created += 1
+        chosen = (*node.chosen, sides[0])
+        return _Node(bound, -len(chosen), self._created, chosen)
+
+    def _rows(self, sides: Sequence[int]) -> list[int]:
+        """Return the rows of alternatives."""
+        return [row for side in sides for row in self._rows_of[side]]
+
+    def _worth(self, z: Vector, rating: Rating) -> float:
+        """Return a point's value; inf where a row takes more than the whole unit."""
+        if rating.largest > self.unit:
+            return _INF
+        return float(self.program.cost @ z) + self.price * rating.risk / self.unit
+
+    def _note(self, z: Vector, rating: Rating) -> None:
+        """Keep a point if it is the best."""
+        value = self._worth(z, rating)
+        if value < self.value:
+            cost = float(self.program.cost @ z)
+            self.best = Incumbent(z, rating.selection, cost, rating.risk)
+            self.value = value
+
+    def _epsilon(self, value: float) -> float:
+        """Return what counts as no difference."""
+        return _EPSILON * self.gap * max(abs(value) if value < _INF else 0.0, self.scale)
+
+    def _cutoff(self) -> float:
+        """Return the value from which on a node cannot matter."""
+        if self.best is None:
+            return _INF
+        # A hair above what the gap allows, so that a node cut off counts as within it.
+        return self.value - self.gap * (1.0 - 1e-6) * max(abs(self.value), self.scale)
+
+    def _park(self, node: _Node, bound: float) -> None:
+        """Set a node aside with its bound."""
+        node.bound = bound
+        node.is_open = True
+        self._parked.append(node)
+
+    def _push(self, bound: float, chosen: tuple[int, ...]) -> _Node:
+        """Open a node."""
+        self._created += 1
+        node = _Node(bound, -len(chosen), self._created, chosen)
+        heapq.heappush(self._open, node)
+        return node
