@@ -35,6 +35,8 @@ _CROSS_BUDGET = 0.2
 _RISK_TO_COST = 0.008
 """Typical value of the whole risk budget, as a share of the cost of plans."""
 
+_TAKE_BACKS = 3
+
 _NODES = 400
 """Nodes that a set gets per vehicle and round."""
 
@@ -124,10 +126,7 @@ class Fleet:
         while True:
             if not self._solve(sets, price, effort):
                 return None
-            owners = np.empty(self.scenario.num_vehicles, dtype=np.int64)
-            for number, members in enumerate(sets):
-                owners[list(members)] = number
-            crossing = cross_risks(self.scenario, self._means(sets), self.covariances, owners)
+            crossing = self.crossing(sets, [self._best(m).z for m in sets])
             cross = sum(crossing.values())
             allowed = min(self._allowed_cross(sets, price), _CROSS_BUDGET * self.budget)
             if cross <= allowed:
@@ -187,21 +186,62 @@ class Fleet:
             if len(part) < len(members) and state.price == price and whole.issuperset(part)
         )
 
-    def _means(self, sets: Sequence[Members]) -> np.ndarray:
-        """Return all mean positions, (N, T+1, d)."""
-        shape = self.subjects[0].drift_position.shape
-        means = np.empty((self.scenario.num_vehicles, *shape))
-        for members in sets:
-            means[list(members)] = self.problems[members].means(self._best(members).z)
-        return means
+    def fitted(self, found: Round, cross: float) -> tuple[Vector, ...] | None:
+        """Return a round's plan with its risks fitted to the bound.
 
-    def fitted(self, round_: Round, cross: float) -> tuple[Vector, ...] | None:
-        """Return the round's plan with its risks fitted to the bound; None if it cannot be."""
-        problems = [self.problems[m] for m in round_.sets]
+        Parameters
+        ----------
+        found : Round
+            The plan at its price.
+        cross : float
+            Risk between sets to leave room for.
+
+        Returns
+        -------
+        tuple of (n,) array or None
+            A point per set; None where these sides do not fit.
+        """
+        problems = [self.problems[m] for m in found.sets]
+        plans = [self._best(m) for m in found.sets]
         initial = sum(max(p.program.initial_risk, 0.0) for p in problems)
-        return polish(
-            problems, [self._best(m) for m in round_.sets], self.unit - initial - cross
+        budget = self.unit - initial - cross
+        points = polish(problems, plans, budget)
+        raw = tuple(plan.z for plan in plans)
+        fits = found.risk <= budget
+        if points is None:
+            return raw if fits else None
+        points = self._kept_apart(found, raw, points)
+        risk = sum(
+            float(p.program.event_risks(z, i.selection).sum())
+            for p, z, i in zip(problems, points, plans, strict=True)
         )
+        return points if risk <= budget else raw if fits else None
+
+    def _kept_apart(
+        self, found: Round, raw: tuple[Vector, ...], points: tuple[Vector, ...]
+    ) -> tuple[Vector, ...]:
+        """Take back what fitting moved into another set's way."""
+        chosen = list(points)
+        for _ in range(_TAKE_BACKS):
+            crossing = self.crossing(found.sets, chosen)
+            if sum(crossing.values()) <= 2.0 * found.cross + _CROSS_BUDGET**2 * self.gap * self.unit:
+                break
+            for pair, risk in crossing.items():
+                if risk > 0.5 * found.cross / len(crossing):
+                    for number in pair:
+                        chosen[number] = raw[number]
+        return tuple(chosen)
+
+    def crossing(
+        self, sets: Sequence[Members], points: Sequence[Vector]
+    ) -> dict[tuple[int, int], float]:
+        """Estimate the risk between every two sets, numbered as given."""
+        owners = np.empty(self.scenario.num_vehicles, dtype=np.int64)
+        means = np.empty((self.scenario.num_vehicles, *self.subjects[0].drift_position.shape))
+        for number, (members, z) in enumerate(zip(sets, points, strict=True)):
+            owners[list(members)] = number
+            means[list(members)] = self.problems[members].means(z)
+        return cross_risks(self.scenario, means, self.covariances, owners)
 
     def controls(self, sets: Sequence[Members], points: Sequence[Vector]) -> tuple[Matrix, ...]:
         """Return every vehicle's controls, in the scenario's order."""

@@ -22,8 +22,8 @@ __all__ = ["plan_certified"]
 
 _MAX_ROUNDS = 12
 _STEEPNESS = 1.15
-_CLOSE = 0.02
-"""Relative distance to the budget at which the price is right."""
+_CLOSE = 0.03
+"""Share of the budget that may stay unused when the price is right."""
 
 
 @dataclass(slots=True, eq=False)
@@ -136,8 +136,9 @@ def _next_price(tried: list[tuple[float, float]], budget: float) -> float:
     along a straight line in logarithms.
     """
     price, risk = tried[-1]
-    if abs(risk / budget - 1.0) <= _CLOSE:
+    if 0.0 <= 1.0 - risk / budget <= _CLOSE:
         return price
+    budget *= 1.0 - 0.5 * _CLOSE
     above = [(p, r) for p, r in tried if r > budget]
     below = [(p, r) for p, r in tried if 0.0 < r <= budget]
     if above and below:

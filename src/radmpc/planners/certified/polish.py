@@ -44,35 +44,35 @@ def polish(
     tuple of (n,) array or None
         Points whose true risks stay within the budget; None where these sides do not allow it.
     """
-    if budget <= 0.0:
-        return None
     points = [incumbent.z for incumbent in found]
+    is_free = [True] * len(points)
     best, least = None, float("inf")
     for _ in range(_ROUNDS):
         risks = [
             p.program.event_risks(z, i.selection)
             for p, z, i in zip(problems, points, found, strict=True)
         ]
-        total = float(sum(r.sum() for r in risks))
+        sums = np.array([r.sum() for r in risks])
+        total = float(sums.sum())
         if total <= budget:
             cost = sum(float(p.program.cost @ z) for p, z in zip(problems, points, strict=True))
-            if cost >= least * (1.0 - 1e-5):
-                return best if best is not None and cost >= least else tuple(points)
-            best, least = tuple(points), cost
-            if total >= budget * (1.0 - 1e-3):
-                return best
-        scale = budget * (1.0 - _SLACK) / max(total, 1e-300)
-        moved = []
-        for problem, incumbent, z, risk in zip(problems, found, points, risks, strict=True):
-            if float(risk.sum()) <= _LEAST * budget:
-                moved.append(z)
+            is_better = cost < least * (1.0 - 1e-5)
+            if cost < least:
+                best, least = tuple(points), cost
+            if not is_better or total >= budget * (1.0 - 1e-3):
+                break
+        held = float(sums[~np.array(is_free)].sum())
+        scale = (budget * (1.0 - _SLACK) - held) / max(total - held, 1e-300)
+        if scale <= 0.0:
+            break
+        for number, (problem, incumbent) in enumerate(zip(problems, found, strict=True)):
+            if not is_free[number] or sums[number] <= _LEAST * budget:
                 continue
-            granted = np.clip(risk * scale, _LEAST * budget, 0.49)
-            z_new = _at(problem, incumbent, granted)
-            if z_new is None:
-                return best
-            moved.append(z_new)
-        points = moved
+            granted = np.clip(risks[number] * scale, _LEAST * budget, 0.49)
+            z = _at(problem, incumbent, granted)
+            # Some risks cannot shrink, such as those next to the start: leave the set as it is.
+            is_free[number] = z is not None
+            points[number] = points[number] if z is None else z
     return best
 
 
