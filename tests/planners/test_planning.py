@@ -48,7 +48,7 @@ def _scenario(*vehicles, **more):
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_preset_plans_a_small_problem(name):
     result = plan(paper(2, 1), name)
-    assert result.status is Status.FEASIBLE
+    assert result.status in {Status.FEASIBLE, Status.OPTIMAL}
     assert result.certificate.problems == ()
     assert result.cost == pytest.approx(
         sum(float(np.abs(t.controls).sum()) for t in result.plan.trajectories)

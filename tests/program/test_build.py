@@ -16,7 +16,8 @@ from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.program.build import build_program, controls_of, whole_subjects
 from radmpc.program.restrict import avoidance_blocks, restrict
-from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.lp import WarmLp
 
 
 def _vehicle(name="a", start=(0.0, 0.0), goal=(8.0, 0.0), **more):

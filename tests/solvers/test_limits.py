@@ -13,7 +13,8 @@ from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import margins_of, uniform_allocation
 from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
-from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.lp import WarmLp
 from radmpc.solvers.selection import violations_of
 from radmpc.solvers.solution import Limits, Outcome, relative_gap
 

@@ -17,7 +17,8 @@ from radmpc.program.policy import NoRisk, Policy, Sigmas
 from radmpc.program.program import DisjunctiveProgram, Exposure
 from radmpc.program.subject import Subject
 from radmpc.solvers.branch import Branch
-from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.lp import WarmLp
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["explain_infeasible"]

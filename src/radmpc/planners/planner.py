@@ -9,7 +9,15 @@ from radmpc.program.policy import Ira, Optimal, Policy, Pool
 from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
 
-__all__ = ["Centralized", "Certified", "Couplings", "Decomposition", "Planner", "Receding", "SolverChoice"]
+__all__ = [
+    "Centralized",
+    "Certified",
+    "Couplings",
+    "Decomposition",
+    "Planner",
+    "Receding",
+    "SolverChoice",
+]
 
 SolverChoice = BigM | Branch
 
@@ -75,7 +83,7 @@ class Couplings:
 
 @dataclass(frozen=True, slots=True)
 class Certified:
-    """Sets merged where they collide, risk traded between all at one price, every plan certified."""
+    """Sets merged where they collide, all at one price of risk, every plan certified."""
 
     def __str__(self) -> str:
         return "certified"
@@ -116,7 +124,7 @@ class Planner:
         if not 0.0 < self.gap < 1.0:
             raise ScenarioError(f"gap must lie between 0 and 1, got {self.gap}")
         if isinstance(self.policy, Optimal) != isinstance(self.decomposition, Certified):
-            raise ScenarioError("policy 'optimal' and the decomposition 'certified' need each other")
+            raise ScenarioError("policy 'optimal' and decomposition 'certified' need each other")
         if isinstance(self.policy, Optimal) and not isinstance(self.solver, Branch):
             raise ScenarioError("policy 'optimal' needs the solver 'branch'")
         pooled = isinstance(self.policy, Pool)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
@@ -208,7 +209,7 @@ class DisjunctiveProgram:
         normals = self.rows.normals[rows]
         return csr_array(normals @ self.outputs), self.rows.offsets[rows] - normals @ self.constant
 
-    def column_row(self, row: int) -> tuple[Indices, Vector]:
+    def column_row(self, row: int) -> tuple[npt.NDArray[np.int32], Vector]:
         """Return one row over the decision variables: the columns it touches, and its values."""
         dense = np.zeros(self.num_columns)
         normals, outputs = self.rows.normals, self.outputs

@@ -6,7 +6,8 @@ import time
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp import LpOutcome, WarmLp
+from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.lp import WarmLp
 from radmpc.solvers.solution import Outcome, Solution
 
 __all__ = ["solve_selection"]

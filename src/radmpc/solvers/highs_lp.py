@@ -6,16 +6,20 @@ from enum import Enum
 
 import highspy
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Matrix, Vector
 from radmpc.errors import SolverError
 
-__all__ = ["FEASIBILITY_TOL", "HighsLp", "LpOutcome", "quiet_highs"]
+__all__ = ["FEASIBILITY_TOL", "HighsLp", "LpOutcome", "Numbers", "quiet_highs"]
 
 FEASIBILITY_TOL = 1e-9
 
-_NONE = np.zeros(0, dtype=np.int32)
+Numbers = npt.NDArray[np.int32]
+"""Row and column numbers as HiGHS takes them."""
+
+_NONE: Numbers = np.zeros(0, dtype=np.int32)
 _NO_VALUES = np.zeros(0)
 
 _DUAL_SIMPLEX = (
@@ -67,9 +71,7 @@ class HighsLp:
         for name, value in _DUAL_SIMPLEX:
             self._highs.setOptionValue(name, value)
         _check(
-            self._highs.addCols(
-                self.num_columns, cost, lower, upper, 0, _NONE, _NONE, _NO_VALUES
-            )
+            self._highs.addCols(self.num_columns, cost, lower, upper, 0, _NONE, _NONE, _NO_VALUES)
         )
 
     def add_rows(self, matrix: csr_array, lower: Vector, upper: Vector) -> int:
@@ -89,7 +91,7 @@ class HighsLp:
         self.num_rows += int(matrix.shape[0])
         return first
 
-    def add_dense_rows(self, columns: Indices, values: Matrix, lower: Vector | None) -> int:
+    def add_dense_rows(self, columns: Numbers, values: Matrix, lower: Vector | None) -> int:
         """Append rows of equal length, bounded below or (None) free; return the first's number."""
         count, width = values.shape
         infinite = np.full(count, np.inf)
@@ -108,14 +110,14 @@ class HighsLp:
         self.num_rows += count
         return first
 
-    def add_row(self, columns: Indices, values: Vector, lower: float, upper: float) -> int:
+    def add_row(self, columns: Numbers, values: Vector, lower: float, upper: float) -> int:
         """Append one row; return its number."""
         _check(self._highs.addRow(lower, upper, len(columns), columns, values))
         self.num_rows += 1
         return self.num_rows - 1
 
     def add_column(
-        self, cost: float, upper: float, rows: Indices = _NONE, values: Vector = _NO_VALUES
+        self, cost: float, upper: float, rows: Numbers = _NONE, values: Vector = _NO_VALUES
     ) -> int:
         """Append one column, at least 0; return its number."""
         _check(self._highs.addCol(cost, 0.0, upper, len(rows), rows, values))

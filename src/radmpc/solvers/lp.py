@@ -4,28 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from enum import Enum
 
-import highspy
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.errors import SolverError
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.highs_lp import HighsLp, LpOutcome
 
-__all__ = ["CostRow", "LpOutcome", "WarmLp", "quiet_highs"]
+__all__ = ["CostRow", "WarmLp"]
 
-FEASIBILITY_TOL = 1e-9
 _HELD, _OPPOSED = 1, 2
 _CROWD = 200
-
-
-class LpOutcome(Enum):
-    """How a linear programme ended."""
-
-    OPTIMAL = "optimal"
-    INFEASIBLE = "infeasible"
-    CUTOFF = "worse than the cutoff"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,18 +31,6 @@ class CostRow:
 
     columns: Indices
     bound: float
-
-
-def quiet_highs() -> highspy.Highs:
-    """Return a HiGHS instance that is silent, single-threaded and repeatable."""
-    highs = highspy.Highs()
-    for name, value in (
-        ("output_flag", False),
-        ("threads", 1),
-        ("random_seed", 0),
-    ):
-        highs.setOptionValue(name, value)
-    return highs
 
 
 class WarmLp:
@@ -80,7 +57,7 @@ class WarmLp:
         self._place: dict[int, int] = {}
         self._cost_rows = tuple(cost_rows)
         self._state: dict[int, int] = {}
-        self.solves = 0
+        self._dropped_solves = 0
         self._start()
 
     def _start(self) -> None:
@@ -88,42 +65,16 @@ class WarmLp:
         program = self._program
         self._place.clear()
         self._state.clear()
-        highs = quiet_highs()
-        for name, value in (
-            ("presolve", "off"),
-            ("solver", "simplex"),
-            ("simplex_strategy", 1),
-            ("primal_feasibility_tolerance", FEASIBILITY_TOL),
-            ("dual_feasibility_tolerance", FEASIBILITY_TOL),
-        ):
-            highs.setOptionValue(name, value)
-        empty = np.zeros(0, dtype=np.int32)
-        n = program.num_columns
-        _check(
-            highs.addCols(
-                n, program.cost, program.lower, program.upper, 0, empty, empty, np.zeros(0)
-            )
-        )
-        hard = program.hard
-        _check(
-            highs.addRows(
-                hard.shape[0],
-                program.hard_lower,
-                program.hard_upper,
-                hard.nnz,
-                hard.indptr[:-1].astype(np.int32),
-                hard.indices.astype(np.int32),
-                hard.data,
-            )
-        )
+        self._lp = HighsLp(program.cost, program.lower, program.upper)
+        self._lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
         for row in self._cost_rows:
             columns = row.columns.astype(np.int32)
-            _check(
-                highs.addRow(row.bound, np.inf, columns.size, columns, program.cost[row.columns])
-            )
-        self._num_hard = int(hard.shape[0]) + len(self._cost_rows)
-        self._highs = highs
-        self._cutoff = float("inf")
+            self._lp.add_row(columns, program.cost[row.columns], row.bound, np.inf)
+
+    @property
+    def solves(self) -> int:
+        """Linear programmes solved."""
+        return self._lp.solves + self._dropped_solves
 
     def activate(self, rows: Iterable[int], opposite: Iterable[int] = ()) -> None:
         """Switch exactly these chance rows on, adding those that are new.
@@ -140,6 +91,7 @@ class WarmLp:
             wanted[int(row)] = wanted.get(int(row), 0) | _OPPOSED
         if len(self._place) > _CROWD + 2 * len(wanted):
             # Rows switched off still cost time in every pivot: begin again without them.
+            self._dropped_solves += self._lp.solves
             self._start()
         new = [r for r in wanted if r not in self._place]
         if new:
@@ -150,77 +102,25 @@ class WarmLp:
         if changed:
             states = np.array([wanted.get(r, 0) for r in changed])
             right = self._right[changed]
-            _check(
-                self._highs.changeRowsBounds(
-                    len(changed),
-                    np.array([self._place[r] for r in changed], dtype=np.int32),
-                    np.where(states & _OPPOSED, right, -np.inf),
-                    np.where(states & _HELD, right, np.inf),
-                )
+            self._lp.bound_rows(
+                [self._place[r] for r in changed],
+                np.where(states & _OPPOSED, right, -np.inf),
+                np.where(states & _HELD, right, np.inf),
             )
         self._state = wanted
 
     def _add(self, rows: list[int]) -> None:
         """Append chance rows, switched off."""
         matrix, _ = self._program.column_rows(np.array(rows))
-        count = len(rows)
-        infinite = np.full(count, np.inf)
-        _check(
-            self._highs.addRows(
-                count,
-                -infinite,
-                infinite,
-                matrix.nnz,
-                matrix.indptr[:-1].astype(np.int32),
-                matrix.indices.astype(np.int32),
-                matrix.data,
-            )
-        )
-        base = self._num_hard + len(self._place)
+        infinite = np.full(len(rows), np.inf)
+        base = self._lp.add_rows(matrix, -infinite, infinite)
         for i, row in enumerate(rows):
             self._place[row] = base + i
 
     def solve(self, cutoff: float = float("inf")) -> tuple[LpOutcome, float]:
-        """Minimise over the active rows.
-
-        Parameters
-        ----------
-        cutoff : float
-            Give up as soon as the cost is known to be above this.
-
-        Returns
-        -------
-        (LpOutcome, float)
-            The outcome and the least cost (inf where infeasible).
-
-        Raises
-        ------
-        SolverError
-            If HiGHS fails twice, the second time from scratch.
-        """
-        if cutoff != self._cutoff:
-            self._highs.setOptionValue("objective_bound", cutoff)
-            self._cutoff = cutoff
-        for attempt in range(2):
-            self.solves += 1
-            self._highs.run()
-            status = self._highs.getModelStatus()
-            if status == highspy.HighsModelStatus.kOptimal:
-                return LpOutcome.OPTIMAL, float(self._highs.getInfo().objective_function_value)
-            if status == highspy.HighsModelStatus.kInfeasible:
-                return LpOutcome.INFEASIBLE, float("inf")
-            if status == highspy.HighsModelStatus.kObjectiveBound:
-                return LpOutcome.CUTOFF, cutoff
-            if attempt == 0:
-                self._highs.clearSolver()
-        raise SolverError(f"HiGHS stopped with {self._highs.modelStatusToString(status)}")
+        """Minimise over the active rows; see `HighsLp.solve`."""
+        return self._lp.solve(cutoff)
 
     def point(self) -> Vector:
         """Return the columns of the last optimal solve."""
-        return np.array(self._highs.getSolution().col_value)
-
-
-def _check(status: highspy.HighsStatus) -> None:
-    """Turn a failed call into an error."""
-    if status == highspy.HighsStatus.kError:
-        raise SolverError("HiGHS refused a row or a bound")
+        return self._lp.point()

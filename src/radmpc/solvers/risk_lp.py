@@ -20,7 +20,7 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import clearance_for, tail_probability, tail_slope
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.highs_lp import HighsLp, LpOutcome, Numbers
 
 __all__ = ["RiskLp", "SetBound"]
 
@@ -86,7 +86,7 @@ class RiskLp:
         self.dropped_solves = 0
         rows = program.rows
         self._right = rows.offsets - rows.normals @ program.constant
-        self._coefficients: dict[int, tuple[Indices, Vector]] = {}
+        self._coefficients: dict[int, tuple[Numbers, Vector]] = {}
         self._tangents = (self.floor, *(q for q in _FIRST_TANGENTS if q > self.floor + 0.2))
         self._bounds = tuple(sorted(bounds, key=lambda b: (len(b.blocks), sorted(b.blocks))))
         self._start()
@@ -198,7 +198,7 @@ class RiskLp:
         known.lowers.extend(lowers.tolist())
         known.clearances.extend(at)
 
-    def _row_coefficients(self, row: int) -> tuple[Indices, Vector]:
+    def _row_coefficients(self, row: int) -> tuple[Numbers, Vector]:
         """Return a chance row over the decision variables."""
         known = self._coefficients.get(row)
         if known is None:

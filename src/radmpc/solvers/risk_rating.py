@@ -9,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.selection import possible_alternatives, side_table
 
 __all__ = ["Rater", "Rating"]
 
@@ -63,9 +64,9 @@ class Rater:
         self._inverse = np.where(noisy, 1.0 / np.where(noisy, deviations, 1.0), 0.0)
         self._certain = ~noisy
         self.floor = deviations * float(clearance_for(unit))
-        self.possible = _possible(program, self.floor)
+        self.possible = possible_alternatives(program, self.floor)
         self._reference = deviations * float(clearance_for(_REFERENCE * unit))
-        self.table = _padded(program, self.possible)
+        self.table = side_table(program, self.possible)
         self._blank = self.table < 0
         self._every = np.arange(program.num_avoidances)
         starts = program.alternative_starts
@@ -120,28 +121,3 @@ class Rater:
     def _is_distinct(self) -> bool:
         """Whether no two rows share an event."""
         return self.program.rows.exposures.size == self.program.rows.count
-
-
-def _possible(program: DisjunctiveProgram, margins: Vector) -> np.ndarray:
-    """Return which alternatives some admissible control can satisfy, (a,) bool."""
-    if program.num_alternatives == 0:
-        return np.zeros(0, dtype=bool)
-    normals = program.rows.normals
-    least = (
-        normals.maximum(0.0) @ program.output_lower + normals.minimum(0.0) @ program.output_upper
-    )
-    missed = least - program.rows.offsets + margins > 1e-6
-    return ~np.logical_or.reduceat(
-        missed[program.alternative_rows], program.alternative_starts[:-1]
-    )
-
-
-def _padded(program: DisjunctiveProgram, possible: np.ndarray) -> Indices:
-    """Return the possible alternatives of every avoidance, (v, most), filled up with −1."""
-    sizes = np.diff(program.avoidance_starts)
-    owner = np.repeat(np.arange(sizes.size), sizes)[possible]
-    counts = np.bincount(owner, minlength=sizes.size)
-    table = np.full((sizes.size, int(counts.max(initial=1))), -1, dtype=np.int64)
-    place = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
-    table[owner, place] = np.flatnonzero(possible)
-    return table

@@ -4,7 +4,7 @@ A node is a set of chosen alternatives; its linear programme (`RiskLp`) underest
 and ignores all others', so its optimum bounds every solution below it. Every point met on the way
 is a solution of the priced problem
 
-    minimise  cost(z) + price · risk(z) / unit,      risk(z) = Σ over avoidances of the cheapest side
+    minimise  cost(z) + price · risk(z) / unit,  risk(z) = Σ of every avoidance's cheapest side
 
 at its true risk, so incumbents come for free and are exact. Nodes that the cutoff closes are kept
 with their bounds: at another price, or for a smaller gap, the search goes on from them.
@@ -14,21 +14,19 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
-from radmpc.arrays import Indices, Vector
+from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import LpOutcome
 from radmpc.solvers.risk_lp import RiskLp, SetBound
+from radmpc.solvers.risk_nodes import Frontier, Incumbent, Node
 from radmpc.solvers.risk_rating import Rater, Rating
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Frontier", "Incumbent", "RiskTree"]
-
-Frontier = tuple[tuple[float, tuple[int, ...]], ...]
-"""Nodes of a search: a lower bound each, and the alternatives chosen."""
+__all__ = ["RiskTree"]
 
 _INF = float("inf")
 _EPSILON = 0.3
@@ -41,37 +39,6 @@ _FLAT = 5.5
 
 _PATIENCE = 100
 _HEADROOM = 0.01
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Incumbent:
-    """A solution.
-
-    Attributes
-    ----------
-    z : (n,) array
-        The point.
-    selection : (v,) int array
-        Its sides.
-    cost, risk : float
-        Its cost without risk, and its true risk.
-    """
-
-    z: Vector
-    selection: Indices
-    cost: float
-    risk: float
-
-
-@dataclass(order=True, slots=True)
-class _Node:
-    """An open node, ordered by its bound, then deeper first, then older first."""
-
-    bound: float
-    depth: int
-    number: int
-    chosen: tuple[int, ...] = field(compare=False)
-    is_open: bool = field(compare=False, default=True)
 
 
 class RiskTree:
@@ -134,9 +101,9 @@ class RiskTree:
         self.rater = Rater(program, unit) if rater is None else rater
         self._bounds = tuple(bounds)
         self._lp: RiskLp | None = None
-        self._open: list[_Node] = []
-        self._parked: list[_Node] = []
-        self._trail: list[_Node] = []
+        self._open: list[Node] = []
+        self._parked: list[Node] = []
+        self._trail: list[Node] = []
         self._created = 0
         self._weights = np.ones(program.num_avoidances)
         self._owner = np.repeat(
@@ -144,9 +111,7 @@ class RiskTree:
         )
         self._noisy = program.rows.deviations > 0.0
         starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
-        self._rows_of = [
-            members[a:b] for a, b in zip(starts[:-1], starts[1:], strict=True)
-        ]
+        self._rows_of = [members[a:b] for a, b in pairwise(starts)]
         if self.rater.is_hopeless:
             self.bound = _INF
         else:
@@ -189,44 +154,6 @@ class RiskTree:
         """Make an incumbent of a point that keeps the hard rows."""
         self._note(z, self.rater.rate(z))
 
-    def settle(self, sides: Sequence[int]) -> Incumbent | None:
-        """Solve on given sides, taking the cheapest where more are needed.
-
-        Returns
-        -------
-        Incumbent or None
-            The best point on these sides, which also becomes the incumbent if it is better.
-        """
-        chosen, found, value = list(sides), None, _INF
-        for _ in range(3 * _ROUNDS):
-            self.lp.activate(self._rows(chosen))
-            outcome, bound = self.lp.solve()
-            if outcome is not LpOutcome.OPTIMAL:
-                return found
-            point = self.lp.point()
-            z = point[: self.program.num_columns]
-            rating = self.rater.rate(z)
-            self._note(z, rating)
-            reached = self._worth(z, rating)
-            if reached < value:
-                cost = float(self.program.cost @ z)
-                found, value = Incumbent(z, rating.selection, cost, rating.risk), reached
-            if reached - bound <= self._epsilon(reached):
-                return found
-            more = self._missing(chosen, rating, reached)
-            chosen += more
-            if not more and not self._refine(chosen, point, rating, 0.5 * self._epsilon(reached)):
-                return found
-        return found
-
-    def _missing(self, chosen: list[int], rating: Rating, value: float) -> list[int]:
-        """Return the cheapest sides of avoidances that matter and have none yet."""
-        free = np.ones(self.program.num_avoidances, dtype=bool)
-        free[self._owner[chosen]] = False
-        worth = np.minimum(rating.cheapest, 1e9) * (self.price / self.unit)
-        matters = free & (worth > self._epsilon(min(value, 1e9)) / (4.0 * max(free.size, 1)))
-        return [int(a) for a in rating.selection[matters]]
-
     def run(self, max_nodes: int) -> None:
         """Dive from the best open node until none can improve on the incumbent.
 
@@ -248,7 +175,7 @@ class RiskTree:
         # The incumbent is below no node's bound by more than rounding.
         self.bound = min([*bounds, self.value])
 
-    def _dive(self, node: _Node | None, last: int) -> None:
+    def _dive(self, node: Node | None, last: int) -> None:
         """Follow a node's best children down; without any solution yet, back up a while."""
         self._trail.clear()
         patience = _PATIENCE
@@ -264,7 +191,7 @@ class RiskTree:
                 node = self._backtrack()
             patience -= 1
 
-    def _backtrack(self) -> _Node | None:
+    def _backtrack(self) -> Node | None:
         """Return the latest open node of this dive."""
         while self._trail:
             node = self._trail.pop()
@@ -272,46 +199,55 @@ class RiskTree:
                 return node
         return None
 
-    def _top(self) -> _Node | None:
+    def _top(self) -> Node | None:
         """Return the open node of least bound; those taken by a dive are dropped on the way."""
         while self._open and not self._open[0].is_open:
             heapq.heappop(self._open)
         return self._open[0] if self._open else None
 
-    def _expand(self, node: _Node) -> _Node | None:
+    def _expand(self, node: Node) -> Node | None:
         """Solve a node; return the child to dive into, if it has any."""
         self.nodes += 1
-        if node.bound >= self._cutoff():
-            return self._park(node, node.bound)
-        self.lp.activate(self._rows(node.chosen))
-        for attempt in range(_ROUNDS):
-            cutoff = self._cutoff()
-            outcome, bound = self.lp.solve(cutoff + _HEADROOM * abs(cutoff))
-            if outcome is not LpOutcome.OPTIMAL and node.chosen:
-                self._weights[self._owner[node.chosen[-1]]] += 1.0
-            if outcome is LpOutcome.INFEASIBLE:
-                return None
-            bound = max(bound, node.bound)
-            if outcome is LpOutcome.CUTOFF or bound >= cutoff:
-                return self._park(node, bound)
-            point = self.lp.point()
-            z = point[: self.program.num_columns]
-            rating = self.rater.rate(z)
-            self._note(z, rating)
-            worth = self._worth(z, rating)
-            epsilon = self._epsilon(min(worth, self.value))
-            if worth - bound <= epsilon:
-                return self._park(node, bound)
-            avoidance, is_blunt = self._most_promising(node.chosen, rating)
-            rough = 3.0 if is_blunt else 0.5
-            if attempt < (1 if is_blunt else _ROUNDS - 1) and self._refine(
-                node.chosen, point, rating, rough * epsilon
-            ):
-                continue
-            if avoidance is None:
-                return self._park(node, bound)
-            return self._branch(node, avoidance, rating, bound)
-        return self._park(node, bound)
+        if node.bound < self._cutoff():
+            self.lp.activate(self._rows(node.chosen))
+            for attempt in range(_ROUNDS):
+                outcome = self._relax(node)
+                if outcome is LpOutcome.INFEASIBLE:
+                    return None
+                if outcome is LpOutcome.CUTOFF:
+                    break
+                point = self.lp.point()
+                z = point[: self.program.num_columns]
+                rating = self.rater.rate(z)
+                self._note(z, rating)
+                worth = self._worth(z, rating)
+                epsilon = self._epsilon(min(worth, self.value))
+                if worth - node.bound <= epsilon:
+                    break
+                avoidance, is_blunt = self._most_promising(node.chosen, rating)
+                # Far from any plan, an exact account of the risks chosen so far can wait.
+                tolerance = (3.0 if is_blunt else 0.5) * epsilon
+                is_last = attempt >= (1 if is_blunt else _ROUNDS - 1)
+                if not is_last and self._refine(node.chosen, point, rating, tolerance):
+                    continue
+                if avoidance is None:
+                    break
+                return self._branch(node, avoidance, rating)
+        node.is_open = True
+        self._parked.append(node)
+        return None
+
+    def _relax(self, node: Node) -> LpOutcome:
+        """Solve a node's linear programme and raise its bound; cut off where it cannot matter."""
+        cutoff = self._cutoff()
+        # A little beyond the cutoff, so that the bound still serves at a higher price.
+        outcome, bound = self.lp.solve(cutoff + _HEADROOM * abs(cutoff))
+        if outcome is not LpOutcome.OPTIMAL and node.chosen:
+            self._weights[self._owner[node.chosen[-1]]] += 1.0
+        node.bound = max(node.bound, bound)
+        if outcome is LpOutcome.OPTIMAL and node.bound >= cutoff:
+            return LpOutcome.CUTOFF
+        return outcome
 
     def _refine(
         self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
@@ -350,16 +286,16 @@ class RiskTree:
         second = np.where(np.isfinite(nearest[:, 1]), nearest[:, 1], 2.0 * nearest[:, 0] + 5.0)
         return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * second).argmax()]), True
 
-    def _branch(self, node: _Node, avoidance: int, rating: Rating, bound: float) -> _Node:
+    def _branch(self, node: Node, avoidance: int, rating: Rating) -> Node:
         """Open one child per alternative; return the one violated least."""
         short = rating.short[avoidance]
         order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]
         sides = [int(self.rater.table[avoidance, i]) for i in order]
-        later = [self._push(bound, (*node.chosen, side)) for side in sides[1:]]
+        later = [self._push(node.bound, (*node.chosen, side)) for side in sides[1:]]
         self._trail += later[::-1]
         self._created += 1
         chosen = (*node.chosen, sides[0])
-        return _Node(bound, -len(chosen), self._created, chosen)
+        return Node(node.bound, -len(chosen), self._created, chosen)
 
     def _rows(self, sides: Sequence[int]) -> list[int]:
         """Return the rows of alternatives."""
@@ -390,15 +326,9 @@ class RiskTree:
         # A hair above what the gap allows, so that a node cut off counts as within it.
         return self.value - self.gap * (1.0 - 1e-6) * max(abs(self.value), self.scale)
 
-    def _park(self, node: _Node, bound: float) -> None:
-        """Set a node aside with its bound."""
-        node.bound = bound
-        node.is_open = True
-        self._parked.append(node)
-
-    def _push(self, bound: float, chosen: tuple[int, ...]) -> _Node:
+    def _push(self, bound: float, chosen: tuple[int, ...]) -> Node:
         """Open a node."""
         self._created += 1
-        node = _Node(bound, -len(chosen), self._created, chosen)
+        node = Node(bound, -len(chosen), self._created, chosen)
         heapq.heappush(self._open, node)
         return node

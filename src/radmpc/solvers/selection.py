@@ -9,7 +9,13 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["least_violated", "violations_of", "violations_of_outputs"]
+__all__ = [
+    "least_violated",
+    "possible_alternatives",
+    "side_table",
+    "violations_of",
+    "violations_of_outputs",
+]
 
 
 def violations_of(program: DisjunctiveProgram, margins: Vector, z: Vector) -> Vector:
@@ -30,3 +36,28 @@ def least_violated(program: DisjunctiveProgram, violations: Vector) -> Indices:
     starts = program.avoidance_starts
     chosen = [start + int(violations[start:stop].argmin()) for start, stop in pairwise(starts)]
     return np.array(chosen, dtype=np.int64)
+
+
+def possible_alternatives(program: DisjunctiveProgram, margins: Vector) -> np.ndarray:
+    """Return which alternatives some admissible control can satisfy, (a,) bool."""
+    if program.num_alternatives == 0:
+        return np.zeros(0, dtype=bool)
+    normals = program.rows.normals
+    least = (
+        normals.maximum(0.0) @ program.output_lower + normals.minimum(0.0) @ program.output_upper
+    )
+    missed = least - program.rows.offsets + margins > 1e-6
+    return ~np.logical_or.reduceat(
+        missed[program.alternative_rows], program.alternative_starts[:-1]
+    )
+
+
+def side_table(program: DisjunctiveProgram, possible: np.ndarray) -> Indices:
+    """Return the possible alternatives of every avoidance, (v, most), filled up with −1."""
+    sizes = np.diff(program.avoidance_starts)
+    owner = np.repeat(np.arange(sizes.size), sizes)[possible]
+    counts = np.bincount(owner, minlength=sizes.size)
+    table = np.full((sizes.size, int(counts.max(initial=1))), -1, dtype=np.int64)
+    place = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
+    table[owner, place] = np.flatnonzero(possible)
+    return table

@@ -17,11 +17,12 @@ import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.lp import CostRow, LpOutcome, WarmLp
-from radmpc.solvers.selection import violations_of
+from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.lp import CostRow, WarmLp
+from radmpc.solvers.selection import possible_alternatives, side_table, violations_of
 from radmpc.solvers.solution import Limits, relative_gap
 
-__all__ = ["Tree", "possible_alternatives"]
+__all__ = ["Tree"]
 
 _VIOLATION_TOL = 1e-8
 _SECOND_WEIGHT = 0.5
@@ -30,20 +31,6 @@ second best is: then both children move."""
 
 _PATIENCE = 100
 """Nodes that a dive without any solution may back up for before the best bound is tried again."""
-
-
-def possible_alternatives(program: DisjunctiveProgram, margins: Vector) -> np.ndarray:
-    """Return which alternatives some admissible control can satisfy, (a,) bool."""
-    if program.num_alternatives == 0:
-        return np.zeros(0, dtype=bool)
-    normals = program.rows.normals
-    least = (
-        normals.maximum(0.0) @ program.output_lower + normals.minimum(0.0) @ program.output_upper
-    )
-    missed = least - program.rows.offsets + margins > 1e-6
-    return ~np.logical_or.reduceat(
-        missed[program.alternative_rows], program.alternative_starts[:-1]
-    )
 
 
 @dataclass(order=True, slots=True)
@@ -114,7 +101,7 @@ class Tree:
         self._created = 0
         self._closed = float("inf")
         self._possible = possible_alternatives(program, margins)
-        self._table = _padded(program, self._possible)
+        self._table = side_table(program, self._possible)
         left = (self._table >= 0).sum(axis=1)
         self._is_hopeless = bool(np.any(left == 0)) or bool(np.any(program.upper < program.lower))
         self._forced = tuple(int(self._table[v, 0]) for v in np.flatnonzero(left == 1))
@@ -268,14 +255,3 @@ class Tree:
         node = _Node(bound, -len(chosen), self._created, chosen, excluded)
         heapq.heappush(self._open, node)
         return node
-
-
-def _padded(program: DisjunctiveProgram, possible: np.ndarray) -> Indices:
-    """Return the possible alternatives of every avoidance, (v, most), filled up with −1."""
-    sizes = np.diff(program.avoidance_starts)
-    owner = np.repeat(np.arange(sizes.size), sizes)[possible]
-    counts = np.bincount(owner, minlength=sizes.size)
-    table = np.full((sizes.size, int(counts.max(initial=1))), -1, dtype=np.int64)
-    place = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
-    table[owner, place] = np.flatnonzero(possible)
-    return table

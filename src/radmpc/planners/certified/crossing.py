@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.spatial import cKDTree
 
 from radmpc.arrays import Indices, Tensor
 from radmpc.gaussian import tail_probability
+from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 
 __all__ = ["cross_risks"]
@@ -22,8 +21,8 @@ def cross_risks(
 ) -> dict[tuple[int, int], float]:
     """Estimate the collision risk of every two sets.
 
-    At steps it is the bound of the half-space between the two means; between steps the same at
-    the closest point of the straight relative motion, counted twice.
+    By the same faces as the programme's, so that what is charged for two sets is what keeping
+    them apart in one programme would cost; between steps without the bow.
 
     Parameters
     ----------
@@ -47,32 +46,22 @@ def cross_risks(
     one, two = one[apart], two[apart]
     if one.size == 0:
         return {}
-    start, relative = means[one] - means[two], covariances[one] + covariances[two]
+    faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
+    apart_by = (means[one] - means[two]) @ faces.T - (radii[one] + radii[two])[:, None, None]
+    noise = np.einsum("fa,pkab,fb->pkf", faces, covariances[one] + covariances[two], faces)
+    deviation = np.sqrt(np.maximum(noise, 1e-24))
+    by_face = np.asarray(tail_probability(apart_by / deviation))
     if scenario.avoidance == "intervals":
-        start = _closest(start)
-        relative = np.maximum(relative[:, :-1], relative[:, 1:])
-        weight = 2.0
+        by_face = by_face[:, :-1] + by_face[:, 1:]
     else:
-        start, relative, weight = start[:, 1:], relative[:, 1:], 1.0
-    distance = np.linalg.norm(start, axis=2)
-    along = start / np.maximum(distance, 1e-12)[:, :, None]
-    deviation = np.sqrt(np.maximum(np.einsum("pka,pkab,pkb->pk", along, relative, along), 1e-24))
-    clearance = (distance - (radii[one] + radii[two])[:, None]) / deviation
-    risks = weight * np.asarray(tail_probability(clearance)).sum(axis=1)
+        by_face = by_face[:, 1:]
+    risks = by_face.min(axis=2).sum(axis=1)
     found: dict[tuple[int, int], float] = {}
     for i, j, risk in zip(owners[one].tolist(), owners[two].tolist(), risks.tolist(), strict=True):
         if risk > 1e-15:
             key = (min(i, j), max(i, j))
             found[key] = found.get(key, 0.0) + risk
     return found
-
-
-def _closest(relative: Tensor) -> Tensor:
-    """Return the point nearest to the origin on each chord, (p, T, d)."""
-    start, step = relative[:, :-1], np.diff(relative, axis=1)
-    length = np.maximum(np.einsum("pka,pka->pk", step, step), 1e-24)
-    share = np.clip(-np.einsum("pka,pka->pk", start, step) / length, 0.0, 1.0)
-    return np.asarray(start + share[:, :, None] * step)
 
 
 def _neighbors(
@@ -85,6 +74,7 @@ def _neighbors(
     for k in range(means.shape[1]):
         spread = float(np.sqrt(np.linalg.eigvalsh(covariances[:, k])[:, -1].max()))
         near = 2.0 * radii.max() + _FAR * np.sqrt(2.0) * spread + path
+        near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
         found |= cKDTree(means[:, k]).query_pairs(near)
     pairs = np.array(sorted(found), dtype=np.int64).reshape(-1, 2)
     return pairs[:, 0], pairs[:, 1]

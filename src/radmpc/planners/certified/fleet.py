@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.errors import NoPlanError
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.crossing import cross_risks
 from radmpc.planners.certified.nearby import Surroundings
@@ -17,6 +18,7 @@ from radmpc.program.build import controls_of, whole_subjects
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.risk_lp import SetBound
+from radmpc.solvers.risk_nodes import Incumbent
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Fleet", "Round"]
@@ -55,6 +57,10 @@ class Round:
         What the sets run within, and about what they run between them.
     bound : float
         Lower bound on the cost of any plan of the fleet.
+    open_gap : float
+        What the sets' own searches leave between plans and bounds.
+    is_limited : bool
+        Whether a limit ended any of them.
     """
 
     sets: tuple[Members, ...]
@@ -62,6 +68,8 @@ class Round:
     risk: float
     cross: float
     bound: float
+    open_gap: float
+    is_limited: bool
 
 
 @dataclass(eq=False)
@@ -75,7 +83,6 @@ class Fleet:
     problems: dict[Members, SetProblem] = field(default_factory=dict)
     states: dict[Members, SetState] = field(default_factory=dict)
     alone: dict[Members, Scenario] = field(default_factory=dict)
-    num_solves: int = 0
 
     def __post_init__(self) -> None:
         """Build every vehicle's own programme."""
@@ -122,7 +129,7 @@ class Fleet:
         Round or None
             None where a set has no plan, or a limit was reached before all had one.
         """
-        sets = self.singles
+        sets: tuple[Members, ...] = self.singles
         while True:
             if not self._solve(sets, price, effort):
                 return None
@@ -130,20 +137,35 @@ class Fleet:
             cross = sum(crossing.values())
             allowed = min(self._allowed_cross(sets, price), _CROSS_BUDGET * self.budget)
             if cross <= allowed:
-                risk = sum(self._best(m).risk for m in sets)
-                bound = sum(self.states[m].bound for m in sets)
-                share = self.budget / self.unit
-                return Round(sets, price, risk, cross, bound - price * share)
+                return self._round(sets, price, cross)
             sets = _merged(sets, crossing, cross - allowed)
+
+    def _round(self, sets: tuple[Members, ...], price: float, cross: float) -> Round:
+        """Sum up the sets at a price."""
+        plans = [self._best(m) for m in sets]
+        risk = sum(plan.risk for plan in plans)
+        bound = sum(self.states[m].bound for m in sets)
+        value = sum(plan.cost for plan in plans) + price * risk / self.unit
+        return Round(
+            sets,
+            price,
+            risk,
+            cross,
+            bound - price * self.budget / self.unit,
+            value - bound,
+            any(self.states[m].is_limited for m in sets),
+        )
 
     def _allowed_cross(self, sets: Sequence[Members], price: float) -> float:
         """Return the risk between sets that costs a small share of the gap."""
         cost = sum(self._best(m).cost for m in sets)
-        return _CROSS_SHARE * self.gap * cost / price * self.unit
+        return float(_CROSS_SHARE * self.gap * cost / price * self.unit)
 
-    def _best(self, members: Members):  # noqa: ANN202
+    def _best(self, members: Members) -> Incumbent:
+        """Return the plan of a set that has one."""
         best = self.states[members].best
-        assert best is not None
+        if best is None:
+            raise NoPlanError("a set without a plan cannot be part of a round")
         return best
 
     def _solve(self, sets: Sequence[Members], price: float, effort: int) -> bool:
@@ -154,24 +176,23 @@ class Fleet:
             if state is not None and state.bound == float("inf"):
                 return False
             wanted = _NODES * len(members) * effort
-            is_done = state is not None and state.price == price
-            if is_done and not (state.is_limited and state.nodes < wanted):
+            spent = state.nodes if state is not None and state.price == price else 0
+            if state is not None and spent and not (state.is_limited and spent < wanted):
+                if state.best is None:
+                    return False
                 continue
-            if self.limits.reached and state is None:
-                return False
             order = Order(
                 self.unit,
                 price,
                 _SET_SHARE * self.gap,
                 price,
-                max(wanted - (state.nodes if is_done else 0), 1),
+                wanted - spent,
                 self._bounds(members, price),
             )
             problem = self.problem(members)
-            state = advance(problem, self.alone[members], state, order, self.limits)
-            self.num_solves += 1
-            self.states[members] = state
-            if state.best is None:
+            found = advance(problem, self.alone[members], state, order, self.limits)
+            self.states[members] = found
+            if found.best is None:
                 return False
         return True
 
@@ -215,7 +236,8 @@ class Fleet:
             float(p.program.event_risks(z, i.selection).sum())
             for p, z, i in zip(problems, points, plans, strict=True)
         )
-        return points if risk <= budget else raw if fits else None
+        risk += sum(self.crossing(found.sets, points).values())
+        return points if risk <= self.unit - initial else raw if fits else None
 
     def _kept_apart(
         self, found: Round, raw: tuple[Vector, ...], points: tuple[Vector, ...]
@@ -224,7 +246,10 @@ class Fleet:
         chosen = list(points)
         for _ in range(_TAKE_BACKS):
             crossing = self.crossing(found.sets, chosen)
-            if sum(crossing.values()) <= 2.0 * found.cross + _CROSS_BUDGET**2 * self.gap * self.unit:
+            if (
+                sum(crossing.values())
+                <= 2.0 * found.cross + _CROSS_BUDGET**2 * self.gap * self.unit
+            ):
                 break
             for pair, risk in crossing.items():
                 if risk > 0.5 * found.cross / len(crossing):
@@ -247,7 +272,9 @@ class Fleet:
         """Return every vehicle's controls, in the scenario's order."""
         found: dict[int, Matrix] = {}
         for members, z in zip(sets, points, strict=True):
-            found |= dict(zip(members, controls_of(self.problems[members].subjects, z), strict=True))
+            found |= dict(
+                zip(members, controls_of(self.problems[members].subjects, z), strict=True)
+            )
         return tuple(found[i] for i in range(self.scenario.num_vehicles))
 
     def without_plan(self) -> Members | None:

@@ -20,7 +20,9 @@ from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
 
-_MAX_ROUNDS = 12
+_MAX_ROUNDS = 40
+_MORE_EFFORT = 3
+_SEARCH_SHARE = 0.5
 _STEEPNESS = 1.15
 _CLOSE = 0.03
 """Share of the budget that may stay unused when the price is right."""
@@ -73,7 +75,13 @@ def plan_certified(
         closed = relative_gap(best.cost, best.bound) <= planner.gap * (1.0 + 1e-6)
         status = Status.OPTIMAL if closed else Status.FEASIBLE
         return Draft(
-            status, best.controls, best.sets, (), (), seconds, lower_bound=_finite(best.bound)
+            status,
+            best.controls,
+            best.sets,
+            (),
+            (),
+            seconds,
+            lower_bound=_finite(min(best.bound, best.cost)),
         )
     return _without_plan(fleet, planner.gap, limits, seconds)
 
@@ -95,15 +103,24 @@ def _search(
     for _ in range(_MAX_ROUNDS):
         found = fleet.run_round(price, effort)
         if found is None:
-            return
+            if fleet.limits.reached or fleet.without_plan() is not None:
+                return
+            effort *= _MORE_EFFORT
+            continue
         best.bound = max(best.bound, found.bound)
         _take(fleet, found, best, is_certified)
         if relative_gap(best.cost, best.bound) <= gap or fleet.limits.reached:
             return
+        if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound):
+            # The searches leave more open than a better price could close.
+            effort *= _MORE_EFFORT
+            continue
         tried.append((price, found.risk))
         following = _next_price(tried, fleet.budget - found.cross)
         if following == price:
-            effort *= 4
+            if not found.is_limited:
+                return
+            effort *= _MORE_EFFORT
         price = following
 
 
@@ -150,9 +167,7 @@ def _next_price(tried: list[tuple[float, float]], budget: float) -> float:
     return float(price * np.clip((max(risk, 1e-12) / budget) ** _STEEPNESS, 0.2, 5.0))
 
 
-def _without_plan(
-    fleet: Fleet, gap: float, limits: Limits, seconds: dict[str, float]
-) -> Draft:
+def _without_plan(fleet: Fleet, gap: float, limits: Limits, seconds: dict[str, float]) -> Draft:
     """Say why there is no plan."""
     scenario = fleet.scenario
     members = fleet.without_plan()

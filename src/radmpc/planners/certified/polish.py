@@ -9,8 +9,9 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.gaussian import clearance_for
 from radmpc.planners.certified.problem import SetProblem
-from radmpc.solvers.lp import LpOutcome, WarmLp
-from radmpc.solvers.risk_tree import Incumbent
+from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.lp import WarmLp
+from radmpc.solvers.risk_nodes import Incumbent
 
 __all__ = ["polish"]
 

@@ -9,18 +9,18 @@ import numpy as np
 
 from radmpc.arrays import Tensor
 from radmpc.model.scenario import Scenario
+from radmpc.planners.ira import solve_under_policy
+from radmpc.planners.sides import propose_sides
 from radmpc.program.build import build_program
 from radmpc.program.policy import Ira
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.subject import Subject
 from radmpc.solvers.branch import Branch
 from radmpc.solvers.risk_lp import SetBound
+from radmpc.solvers.risk_nodes import Frontier, Incumbent
 from radmpc.solvers.risk_rating import Rater
-from radmpc.solvers.risk_tree import Frontier, Incumbent, RiskTree
+from radmpc.solvers.risk_tree import RiskTree
 from radmpc.solvers.solution import Limits
-
-from radmpc.planners.ira import solve_under_policy  # isort: skip
-from radmpc.planners.sides import propose_sides  # isort: skip
 
 __all__ = ["Order", "SetProblem", "SetState", "advance"]
 
@@ -82,7 +82,7 @@ class SetState:
     frontier : Frontier
         What is left of the search.
     nodes, lps : int
-        Work done so far.
+        Work done so far at this price.
     is_limited : bool
         Whether a limit ended the search.
     """
@@ -161,13 +161,13 @@ def advance(
     if tree.best is None and tree.is_limited and not limits.reached:
         _rescue(problem, scenario, tree, order, limits)
         tree.run(order.max_nodes)
-    known = sum(b.value for b in order.bounds if len(b.blocks) == 1)
-    bound = max([tree.bound, *(b.value for b in order.bounds)])
-    if len(order.bounds) >= len(problem.members):
-        bound = max(bound, known)
+    # Parts of a set share neither cost nor risk: what single vehicles cost adds up.
+    alone = [b.value for b in order.bounds if len(b.blocks) == 1]
+    bound = max([tree.bound, sum(alone), *(b.value for b in order.bounds)])
     if tree.best is not None:
         bound = min(bound, tree.value)
-    before = (0, 0) if state is None else (state.nodes, state.lps)
+    is_same = state is not None and state.price == order.price
+    before = (state.nodes, state.lps) if state is not None and is_same else (0, 0)
     return SetState(
         order.price,
         tree.best,

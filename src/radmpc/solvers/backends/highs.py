@@ -8,7 +8,7 @@ import highspy
 import numpy as np
 
 from radmpc.errors import SolverError
-from radmpc.solvers.lp import quiet_highs
+from radmpc.solvers.highs_lp import quiet_highs
 from radmpc.solvers.milp import MilpAnswer, MilpModel
 from radmpc.solvers.solution import Limits, Outcome
 

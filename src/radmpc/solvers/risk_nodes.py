@@ -1,0 +1,43 @@
+"""What a search over faces and risks finds, and what it leaves open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from radmpc.arrays import Indices, Vector
+
+__all__ = ["Frontier", "Incumbent", "Node"]
+
+Frontier = tuple[tuple[float, tuple[int, ...]], ...]
+"""Nodes of a search: a lower bound each, and the alternatives chosen."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Incumbent:
+    """A solution.
+
+    Attributes
+    ----------
+    z : (n,) array
+        The point.
+    selection : (v,) int array
+        Its sides.
+    cost, risk : float
+        Its cost without risk, and its true risk.
+    """
+
+    z: Vector
+    selection: Indices
+    cost: float
+    risk: float
+
+
+@dataclass(order=True, slots=True)
+class Node:
+    """An open node, ordered by its bound, then deeper first, then older first."""
+
+    bound: float
+    depth: int
+    number: int
+    chosen: tuple[int, ...] = field(compare=False)
+    is_open: bool = field(compare=False, default=True)
