@@ -37,6 +37,10 @@ _ROUNDS = 8
 _FLAT = 5.5
 """Clearance beyond which a tangent (2e-8) is no better than t >= 0."""
 
+_ROUNDING = 1e-6
+"""How far a row held at the whole unit may exceed it by the linear solver's tolerance. Such a point
+is a candidate at a price only: plans are fitted to the bound exactly afterwards."""
+
 _PATIENCE = 100
 _HEADROOM = 0.01
 
@@ -303,7 +307,7 @@ class RiskTree:
 
     def _worth(self, z: Vector, rating: Rating) -> float:
         """Return a point's value; inf where a row takes more than the whole unit."""
-        if rating.largest > self.unit:
+        if rating.largest > self.unit * (1.0 + _ROUNDING):
             return _INF
         return float(self.program.cost @ z) + self.price * rating.risk / self.unit
 

@@ -1,0 +1,127 @@
+"""The certified planner: what it promises of plan, bound and certificate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from radmpc.errors import ScenarioError
+from radmpc.experiments.families import circle, clutter, fleet, paper
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Status
+from radmpc.model.vehicle import Goal
+from radmpc.planners.certified.crossing import cross_risks
+from radmpc.planners.planner import Centralized, Certified, Planner
+from radmpc.planning import plan
+from radmpc.program.policy import Ira, Optimal, Uniform
+from radmpc.referee import certify, simulate
+from radmpc.solvers.big_m import BigM
+from radmpc.solvers.branch import Branch
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("num_vehicles", [2, 4, 6])
+def test_plans_are_certified_and_proven(num_vehicles, seed):
+    result = plan(paper(num_vehicles, seed), "certified")
+    assert result.status is Status.OPTIMAL
+    assert certify(result.require()).holds
+    assert result.lower_bound <= result.cost <= result.lower_bound * (1.0 + 1.1e-3)
+    everyone = sorted(name for members in result.sets for name in members)
+    assert everyone == sorted(v.name for v in paper(num_vehicles, seed).vehicles)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_plan_of_iterative_risk_allocation_is_below_the_bound(seed):
+    scenario = paper(3, seed)
+    proven = plan(scenario, "certified")
+    other = plan(scenario, Planner(Ira(), Branch(), Centralized()))
+    assert proven.lower_bound <= other.cost * (1.0 + 1e-9)
+    assert proven.cost <= other.cost * (1.0 + 1e-3)
+
+
+def test_more_risk_never_costs_more():
+    scenario = paper(4, 5)
+    found = [
+        plan(replace(scenario, risk_bound=bound), "certified") for bound in (1e-3, 0.01, 0.05, 0.2)
+    ]
+    for less, more in pairwise(found):
+        assert more.lower_bound <= less.cost
+        assert more.cost <= less.cost * (1.0 + 1e-3)
+
+
+def test_flights_collide_no_more_often_than_granted():
+    result = plan(paper(6, 1), "certified")
+    simulation = simulate(result.require(), 20_000, rng=1)
+    assert simulation.rate_low <= result.certificate.certified <= 0.05
+
+
+def test_a_fleet_keeps_every_vehicle_through_all_merges():
+    result = plan(fleet(16, 0), "certified", time_limit=20.0)
+    assert result.is_certified
+    assert len(result.require().trajectories) == 16
+    assert max(len(s) for s in result.sets) < 16
+
+
+def test_plans_along_intervals_are_certified():
+    result = plan(clutter(1, 40, 4), "certified", time_limit=20.0)
+    assert result.is_certified
+    assert result.lower_bound <= result.cost
+
+
+def test_a_limit_returns_a_certified_plan_or_none_with_a_reason():
+    result = plan(circle(8), "certified", time_limit=3.0)
+    assert result.plan is None or result.is_certified
+    nothing = plan(paper(8, 0), "certified", time_limit=0.0)
+    assert nothing.status is Status.LIMIT
+    assert nothing.plan is None
+
+
+def test_a_goal_out_of_reach_is_named():
+    scenario = paper(3, 0)
+    first = scenario.vehicles[0]
+    far = replace(
+        first, goal=Goal(np.array([90.0, 90.0]), np.array([91.0, 91.0]), first.goal.speed)
+    )
+    result = plan(replace(scenario, vehicles=(far, *scenario.vehicles[1:])), "certified")
+    assert result.status is Status.INFEASIBLE
+    assert repr(first.name) in result.explanation
+    assert "cannot reach its goal" in result.explanation
+
+
+def test_a_start_within_an_obstacle_is_named():
+    scenario = paper(2, 0)
+    at = scenario.vehicles[1].start_position
+    box = Obstacle.box("crate", at - 0.5, at + 0.5)
+    result = plan(replace(scenario, obstacles=(*scenario.obstacles, box)), "certified")
+    assert result.status is Status.INFEASIBLE
+    assert "crate" in result.explanation
+
+
+def test_the_policy_and_the_decomposition_need_each_other():
+    for choices in (
+        (Optimal(), Branch(), Centralized()),
+        (Uniform(), Branch(), Certified()),
+        (Optimal(), BigM(), Certified()),
+    ):
+        with pytest.raises(ScenarioError, match="optimal"):
+            Planner(*choices)
+
+
+def test_risk_between_sets_counts_each_pair_once_and_none_within_a_set():
+    scenario = circle(4)
+    subjects = [v.start_position for v in scenario.vehicles]
+    goals = [v.goal.center for v in scenario.vehicles]
+    share = np.linspace(0.0, 1.0, 11)[:, None]
+    means = np.array([a + share * (b - a) for a, b in zip(subjects, goals, strict=True)])
+    noise = np.array([v.covariances(10)[:, :2, :2] for v in scenario.vehicles])
+    apart = cross_risks(scenario, means, noise, np.arange(4))
+    assert set(apart) == {(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)}
+    assert min(apart.values()) >= 0.5  # all meet in the middle
+    together = cross_risks(scenario, means, noise, np.array([0, 0, 1, 1]))
+    assert together == {
+        (0, 1): pytest.approx(sum(apart[p] for p in [(0, 2), (0, 3), (1, 2), (1, 3)]))
+    }
+    assert cross_risks(scenario, means, noise, np.zeros(4, dtype=int)) == {}
