@@ -74,7 +74,10 @@ def plan(
     planner: PlannerName = DEFAULT,
     seed: Seed = 0,
     time_limit: Annotated[
-        float | None, typer.Option("--time-limit", min=0.0, help="Seconds, then the best so far.")
+        float | None,
+        typer.Option(
+            "--time-limit", min=0.0, help="Seconds, then the best so far (certified: 60)."
+        ),
     ] = None,
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate sets.")] = 1,
     output: Annotated[

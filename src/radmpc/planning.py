@@ -27,6 +27,10 @@ from radmpc.version import __version__
 __all__ = ["plan"]
 
 
+CERTIFIED_SECONDS = 60.0
+"""Time that the certified planner takes at most where no limit is given."""
+
+
 def plan(
     scenario: Scenario,
     planner: str | Planner = DEFAULT,
@@ -48,9 +52,10 @@ def plan(
     rng : Generator or int or None
         Source of every random choice; an int is kept in the plan as its seed, None is seed 0.
     time_limit : float or None
-        Seconds after which planning returns what it has.
+        Seconds after which planning returns what it has; None is 60 for `certified`, whose proof
+        may take long, and no limit for others.
     executor : Executor or None
-        Where independent sets are planned; None plans them here. The plan is the same.
+        Where `multi-vehicle` plans independent sets; None plans them here. The plan is the same.
     progress : callable or None
         Called with the stage, the parts done and their number.
     stop : callable or None
@@ -74,6 +79,8 @@ def plan(
     record = parse_planner(planner) if isinstance(planner, str) else planner
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
+    if time_limit is None and isinstance(record.decomposition, Certified):
+        time_limit = CERTIFIED_SECONDS
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop)
     draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
