@@ -139,17 +139,30 @@ class RiskTree:
         nodes = [n for n in self._open if n.is_open] + self._parked
         return tuple((node.bound, node.chosen) for node in nodes)
 
-    def resume(self, frontier: Frontier, price: float, best: Incumbent | None) -> None:
+    def resume(
+        self, frontier: Frontier, price: float, best: Incumbent | None, base: float = 0.0
+    ) -> None:
         """Go on from another search's frontier, whatever its price and gap.
 
-        A bound at a lower price holds as it is; at a higher one in proportion, as no cost is
-        negative.
+        A bound is concave in the price. One at a lower price holds as it is; one at a higher price
+        gives, with what solutions cost where risk is free, the chord between.
+
+        Parameters
+        ----------
+        frontier : Frontier
+            Of the other search.
+        price : float
+            Its price.
+        best : Incumbent or None
+            Its incumbent.
+        base : float
+            Least cost of any solution, at price 0; a cost is never negative.
         """
-        shrunk = min(1.0, self.price / price)
+        share = min(1.0, self.price / price)
         self._open, self._parked = [], []
         for bound, chosen in frontier:
-            known = bound * shrunk if bound > 0.0 else -_INF
-            self._push(bound if shrunk == 1.0 else known, chosen)
+            known = bound if share == 1.0 else share * bound + (1.0 - share) * base
+            self._push(known, chosen)
         if best is not None:
             self.best = best
             self.value = best.cost + self.price * best.risk / self.unit

@@ -96,6 +96,7 @@ class Fleet:
             self.problem(members)
         initial = sum(max(self.problems[m].program.initial_risk, 0.0) for m in self.singles)
         self.budget = self.unit - initial
+        self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
 
     def problem(self, members: Members) -> SetProblem:
         """Return a set's programme, built when first asked for."""
@@ -108,10 +109,7 @@ class Fleet:
 
     def first_price(self) -> float:
         """Guess the price of the whole bound from what plans cost without dangers."""
-        step = max(1, len(self.singles) // 16)
-        costs = [_cost_without_dangers(self.problems[m].program) for m in self.singles[::step]]
-        known = [c for c in costs if c is not None]
-        total = float(np.mean(known)) * len(self.singles) if known else 0.0
+        total = float(sum(self.base))
         return max(_RISK_TO_COST * total, 1e-6 * max(1.0, total))
 
     def run_round(self, price: float, effort: int) -> Round | None:
@@ -187,6 +185,7 @@ class Fleet:
                 _SET_SHARE * self.gap,
                 price,
                 wanted - spent,
+                sum(self.base[i] for i in members),
                 self._bounds(members, price),
             )
             problem = self.problem(members)
@@ -285,12 +284,12 @@ class Fleet:
         return None
 
 
-def _cost_without_dangers(program: DisjunctiveProgram) -> float | None:
-    """Return what a vehicle's way to its goal costs through empty space."""
+def _cost_without_dangers(program: DisjunctiveProgram) -> float:
+    """Return what a vehicle's way to its goal costs through empty space; 0 where it has none."""
     lp = HighsLp(program.cost, program.lower, program.upper)
     lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
     outcome, cost = lp.solve()
-    return cost if outcome is LpOutcome.OPTIMAL else None
+    return cost if outcome is LpOutcome.OPTIMAL else 0.0
 
 
 def _merged(

@@ -110,6 +110,8 @@ class Order:
         Relative gap, and the value below which it is taken of this.
     max_nodes : int
         Nodes to spend now.
+    base : float
+        What the set costs at least, whatever it risks.
     bounds : tuple of SetBound
         What parts of the set were proven to cost at this price.
     """
@@ -119,6 +121,7 @@ class Order:
     gap: float
     scale: float
     max_nodes: int
+    base: float = 0.0
     bounds: tuple[SetBound, ...] = ()
 
 
@@ -156,7 +159,7 @@ def advance(
         rater=problem.rater,
     )
     if state is not None and state.bound < float("inf"):
-        tree.resume(state.frontier, state.price, state.best)
+        tree.resume(state.frontier, state.price, state.best, order.base)
     tree.run(order.max_nodes)
     if tree.best is None and tree.is_limited and not limits.reached:
         _rescue(problem, scenario, tree, order, limits)
