@@ -55,7 +55,7 @@ def plan(
         Seconds after which planning returns what it has; None is 60 for `certified`, whose proof
         may take long, and no limit for others.
     executor : Executor or None
-        Where `multi-vehicle` plans independent sets; None plans them here. The plan is the same.
+        Where independent sets are planned; None plans them here. The plan is the same.
     progress : callable or None
         Called with the stage, the parts done and their number.
     stop : callable or None
@@ -119,7 +119,7 @@ def _draft(
             draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
             return certify(_plan(scenario, planner, None, draft, trajectories, None, {})).holds
 
-        return plan_certified(scenario, planner, limits, progress, is_certified)
+        return plan_certified(scenario, planner, limits, executor, progress, is_certified)
     if isinstance(decomposition, Couplings):
         return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
     return plan_centralized(scenario, planner, limits, progress)

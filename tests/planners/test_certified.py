@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
+from concurrent.futures import (
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
 from dataclasses import replace
 from itertools import pairwise
 
@@ -63,6 +71,37 @@ def test_a_fleet_keeps_every_vehicle_through_all_merges():
     assert result.is_certified
     assert len(result.require().trajectories) == 16
     assert max(len(s) for s in result.sets) < 16
+
+
+class _DyingExecutor(Executor):
+    """Runs its first task and dies, as a pool does whose worker was killed."""
+
+    def __init__(self):
+        self._count = 0
+
+    def submit(self, task, /, *args, **more):
+        self._count += 1
+        if self._count > 3:
+            raise BrokenExecutor
+        future = Future()
+        if self._count == 1:
+            future.set_result(task(*pickle.loads(pickle.dumps(args)), **more))
+        else:
+            future.set_exception(BrokenExecutor())
+        return future
+
+
+def test_the_plan_does_not_depend_on_who_searches_nor_on_workers_that_die():
+    scenario = paper(6, 3)
+    here = plan(scenario, "certified")
+    with ProcessPoolExecutor(2) as pool, ThreadPoolExecutor(2) as threads:
+        others = [
+            plan(scenario, "certified", executor=e) for e in (pool, threads, _DyingExecutor())
+        ]
+    for other in others:
+        assert other.sets == here.sets
+        assert other.cost == here.cost
+        assert other.lower_bound == here.lower_bound
 
 
 def test_plans_along_intervals_are_certified():

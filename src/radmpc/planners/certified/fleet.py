@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +14,8 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.crossing import cross_risks
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.polish import polish
-from radmpc.planners.certified.problem import Order, SetProblem, SetState, advance
+from radmpc.planners.certified.problem import Order, SetProblem, SetState
+from radmpc.planners.certified.working import Job, search_sets
 from radmpc.program.build import controls_of, whole_subjects
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import HighsLp, LpOutcome
@@ -34,7 +36,7 @@ _CROSS_SHARE = 0.1
 _CROSS_BUDGET = 0.2
 """Share of the budget that risk between sets may take before they are merged."""
 
-_RISK_TO_COST = 0.008
+_RISK_TO_COST = 0.006
 """Typical value of the whole risk budget, as a share of the cost of plans."""
 
 _TAKE_BACKS = 3
@@ -80,6 +82,7 @@ class Fleet:
     gap: float
     limits: Limits
     progress: Callable[[int, int], None]
+    executor: Executor | None = None
     problems: dict[Members, SetProblem] = field(default_factory=dict)
     states: dict[Members, SetState] = field(default_factory=dict)
     alone: dict[Members, Scenario] = field(default_factory=dict)
@@ -168,32 +171,30 @@ class Fleet:
 
     def _solve(self, sets: Sequence[Members], price: float, effort: int) -> bool:
         """Bring every set's search to a price; tell whether all have a plan."""
-        for done, members in enumerate(sets):
-            self.progress(done, len(sets))
+        jobs = []
+        for members in sets:
             state = self.states.get(members)
-            if state is not None and state.bound == float("inf"):
-                return False
             wanted = _NODES * len(members) * effort
             spent = state.nodes if state is not None and state.price == price else 0
-            if state is not None and spent and not (state.is_limited and spent < wanted):
-                if state.best is None:
-                    return False
+            if state is not None and (
+                state.bound == float("inf") or (spent and not (state.is_limited and spent < wanted))
+            ):
                 continue
+            base = sum(self.base[i] for i in members)
             order = Order(
                 self.unit,
                 price,
                 _SET_SHARE * self.gap,
                 price,
                 wanted - spent,
-                sum(self.base[i] for i in members),
+                base,
                 self._bounds(members, price),
             )
-            problem = self.problem(members)
-            found = advance(problem, self.alone[members], state, order, self.limits)
-            self.states[members] = found
-            if found.best is None:
-                return False
-        return True
+            self.problem(members)
+            jobs.append(Job(members, self.alone[members], state, order))
+        found = search_sets(jobs, self.problem, self.limits, self.executor, self.progress)
+        self.states |= {job.members: state for job, state in zip(jobs, found, strict=True)}
+        return all(self.states[members].best is not None for members in sets)
 
     def _bounds(self, members: Members, price: float) -> tuple[SetBound, ...]:
         """Return what is proven of parts of a set at this price."""

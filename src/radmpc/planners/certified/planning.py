@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +43,7 @@ def plan_certified(
     scenario: Scenario,
     planner: Planner,
     limits: Limits,
+    executor: Executor | None,
     progress: Callable[[str, int, int | None], None],
     is_certified: Callable[[tuple[Matrix, ...]], bool],
 ) -> Draft:
@@ -55,6 +57,8 @@ def plan_certified(
         Its gap.
     limits : Limits
         When to stop early.
+    executor : Executor or None
+        Where sets are searched; the plan is the same.
     progress : callable
         Told the stage, sets done, and of how many.
     is_certified : callable
@@ -66,7 +70,9 @@ def plan_certified(
         With the best certified plan and a lower bound on the cost of any.
     """
     begun = time.perf_counter()
-    fleet = Fleet(scenario, planner.gap, limits, lambda done, n: progress("sets", done, n))
+    fleet = Fleet(
+        scenario, planner.gap, limits, lambda done, n: progress("sets", done, n), executor
+    )
     best = _Best()
     if fleet.budget > 0.0:
         _search(fleet, best, planner.gap, is_certified)
