@@ -24,6 +24,9 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["Order", "SetProblem", "SetState", "advance"]
 
+_PATIENCE = 100
+"""Nodes per vehicle without any plan before heuristics look for one."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SetProblem:
@@ -160,10 +163,11 @@ def advance(
     )
     if state is not None and state.bound < float("inf"):
         tree.resume(state.frontier, state.price, state.best, order.base)
-    tree.run(order.max_nodes)
+    tree.run(min(order.max_nodes, _PATIENCE * len(problem.members)))
     if tree.best is None and tree.is_limited and not limits.reached:
         _rescue(problem, scenario, tree, order, limits)
-        tree.run(order.max_nodes)
+    if tree.is_limited and tree.nodes < order.max_nodes:
+        tree.run(order.max_nodes - tree.nodes)
     # Parts of a set share neither cost nor risk: what single vehicles cost adds up.
     alone = [b.value for b in order.bounds if len(b.blocks) == 1]
     bound = max([tree.bound, sum(alone), *(b.value for b in order.bounds)])
