@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Indices
+from radmpc.arrays import Indices, Vector
 from radmpc.program.program import ChanceRows, DisjunctiveProgram
 
-__all__ = ["Restriction", "avoidance_blocks", "restrict"]
+__all__ = ["Restriction", "avoidance_blocks", "restrict", "restrict_around"]
+
+_SETTLED = 7.0
+"""Standard deviations beyond which an avoidance counts as kept (1e-12)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,15 +83,70 @@ def restrict(
             np.arange(program.num_alternatives),
             np.arange(program.num_avoidances),
         )
-    columns = np.flatnonzero(np.isin(program.blocks, blocks))
     others = np.setdiff1d(np.arange(touched.shape[1]), blocks)
-    outside = np.asarray(touched[:, others].sum(axis=1)).ravel() > 0.0
-    inside = np.asarray(touched[:, blocks].sum(axis=1)).ravel() > 0.0
-    avoidances = np.flatnonzero(inside & ~outside)
-    alternatives = _runs(program.avoidance_starts, avoidances)
-    entries = _runs(program.alternative_starts, alternatives)
-    rows, place = np.unique(program.alternative_rows[entries], return_inverse=True)
+    avoidances = _avoidances(touched, blocks, others)
+    return _part(program, blocks, avoidances, program.constant)
+
+
+def restrict_around(
+    whole: DisjunctiveProgram, free: Indices, placed: Indices, z: Vector, touched: csr_array
+) -> Restriction:
+    """Return the programme of some blocks around others that stay where they are.
+
+    A placed block is a moving obstacle to the rest. Blocks that are neither are left out, and so
+    are avoidances that no free block can fail any more, whatever it does.
+
+    Parameters
+    ----------
+    whole : DisjunctiveProgram
+        The programme.
+    free, placed : int array
+        Blocks to decide, and blocks that stay.
+    z : (n,) array
+        Where the placed blocks are; other entries do not matter.
+    touched : (v, b) sparse array
+        From `avoidance_blocks`.
+
+    Returns
+    -------
+    Restriction
+        Over the columns of the free blocks.
+    """
+    absent = np.setdiff1d(np.arange(touched.shape[1]), np.concatenate([free, placed]))
+    avoidances = _avoidances(touched, free, absent)
+    known = np.where(np.isin(whole.blocks, placed), z, 0.0)
+    part = _part(whole, free, avoidances, whole.constant + whole.outputs @ known)
+    program = part.program
+    if program.num_avoidances == 0:
+        return part
+    rows = program.rows
+    most = (
+        rows.normals.maximum(0.0) @ program.output_upper
+        + rows.normals.minimum(0.0) @ program.output_lower
+    )
+    is_kept = rows.offsets - most >= _SETTLED * rows.deviations
+    is_safe = np.logical_and.reduceat(
+        is_kept[program.alternative_rows], program.alternative_starts[:-1]
+    )
+    settled = np.logical_or.reduceat(is_safe, program.avoidance_starts[:-1])
+    return _with_avoidances(whole, part, avoidances[~settled])
+
+
+def _avoidances(touched: csr_array, inside: Indices, outside: Indices) -> Indices:
+    """Return the avoidances that touch some blocks and none of others."""
+    is_inside = np.asarray(touched[:, inside].sum(axis=1)).ravel() > 0.0
+    is_outside = np.asarray(touched[:, outside].sum(axis=1)).ravel() > 0.0
+    return np.flatnonzero(is_inside & ~is_outside)
+
+
+def _part(
+    program: DisjunctiveProgram, blocks: Indices, avoidances: Indices, constant: Vector
+) -> Restriction:
+    """Return the columns of some blocks with some avoidances."""
+    columns = np.flatnonzero(np.isin(program.blocks, blocks))
     hard_rows = np.flatnonzero(abs(program.hard)[:, columns].sum(axis=1) > 0.0)
+    outputs = csr_array(program.outputs[:, columns])
+    is_moved = np.diff(outputs.indptr) > 0
     part = replace(
         program,
         cost=program.cost[columns],
@@ -98,7 +156,24 @@ def restrict(
         hard=csr_array(program.hard[hard_rows][:, columns]),
         hard_lower=program.hard_lower[hard_rows],
         hard_upper=program.hard_upper[hard_rows],
-        outputs=csr_array(program.outputs[:, columns]),
+        outputs=outputs,
+        constant=constant,
+        output_lower=np.where(is_moved, program.output_lower, constant),
+        output_upper=np.where(is_moved, program.output_upper, constant),
+    )
+    whole = Restriction(part, columns, *(np.zeros(0, dtype=np.int64),) * 3)
+    return _with_avoidances(program, whole, avoidances)
+
+
+def _with_avoidances(
+    program: DisjunctiveProgram, part: Restriction, avoidances: Indices
+) -> Restriction:
+    """Return a restriction with exactly some of the whole programme's avoidances."""
+    alternatives = _runs(program.avoidance_starts, avoidances)
+    entries = _runs(program.alternative_starts, alternatives)
+    rows, place = np.unique(program.alternative_rows[entries], return_inverse=True)
+    smaller = replace(
+        part.program,
         rows=ChanceRows(
             normals=csr_array(program.rows.normals[rows]),
             offsets=program.rows.offsets[rows],
@@ -111,7 +186,7 @@ def restrict(
         avoidance_starts=_starts(np.diff(program.avoidance_starts)[avoidances]),
         avoidances=tuple(program.avoidances[int(i)] for i in avoidances),
     )
-    return Restriction(part, columns, rows, alternatives, avoidances)
+    return Restriction(smaller, part.columns, rows, alternatives, avoidances)
 
 
 def _runs(starts: Indices, chosen: Indices) -> Indices:

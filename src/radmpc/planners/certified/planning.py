@@ -12,7 +12,9 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.fleet import Fleet, Round
+from radmpc.planners.certified.fitting import fitted
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Planner
 from radmpc.planners.result import Draft
@@ -24,6 +26,8 @@ __all__ = ["plan_certified"]
 _MAX_ROUNDS = 40
 _MORE_EFFORT = 3
 _SEARCH_SHARE = 0.5
+_MAX_SKETCHES = 8
+_OVERDRAWN = 1.2
 _STEEPNESS = 1.15
 _CLOSE = 0.03
 """Share of the budget that may stay unused when the price is right."""
@@ -104,10 +108,10 @@ def _search(
     is_certified: Callable[[tuple[Matrix, ...]], bool],
 ) -> None:
     """Search for the price at which the fleet just uses its budget."""
-    price, effort = fleet.first_price(), 1
     tried: list[tuple[float, float]] = []
+    price, effort = _price_alone(fleet, tried), 1
     for _ in range(_MAX_ROUNDS):
-        found = fleet.run_round(price, effort)
+        found = run_round(fleet, price, effort)
         if found is None:
             if fleet.limits.reached or fleet.without_plan() is not None:
                 return
@@ -117,6 +121,13 @@ def _search(
         _take(fleet, found, best, is_certified)
         if relative_gap(best.cost, best.bound) <= gap or fleet.limits.reached:
             return
+        if found.is_sketch:
+            if not best.controls:
+                # These sides risk too much at this price: draw again before searching at length.
+                tried.append((price, found.risk))
+                price = _next_price(tried, fleet.budget - found.cross)
+                fleet.is_sketched = len(tried) >= _MAX_SKETCHES
+            continue
         if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound):
             # The searches leave more open than a better price could close.
             effort *= _MORE_EFFORT
@@ -130,6 +141,18 @@ def _search(
         price = following
 
 
+def _price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
+    """Return a price at which vehicles that ignore each other do not exceed the budget by far."""
+    price = fleet.first_price()
+    while fleet.solve(fleet.singles, price, 1) and len(tried) < _MAX_SKETCHES:
+        risk = sum(fleet.best(m).risk for m in fleet.singles)
+        if risk <= _OVERDRAWN * fleet.budget:
+            break
+        tried.append((price, risk))
+        price = _next_price(tried, fleet.budget)
+    return price
+
+
 def _take(
     fleet: Fleet,
     found: Round,
@@ -139,7 +162,7 @@ def _take(
     """Keep a round's plan if it is certified and better than what there is."""
     # What the sets risk between them is only estimated until the referee has seen it.
     for cross in (found.cross, 2.0 * found.cross + 0.02 * fleet.unit, 0.3 * fleet.unit):
-        points = fleet.fitted(found, cross)
+        points = fitted(fleet, found, cross)
         if points is None:
             return
         pairs = zip(found.sets, points, strict=True)
@@ -149,6 +172,7 @@ def _take(
         controls = fleet.controls(found.sets, points)
         if is_certified(controls):
             best.controls, best.cost, best.sets = controls, cost, found.sets
+            fleet.known = fleet.parted(found.sets, points)
             return
 
 

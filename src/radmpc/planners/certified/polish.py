@@ -12,12 +12,17 @@ from radmpc.planners.certified.problem import SetProblem
 from radmpc.solvers.highs_lp import LpOutcome
 from radmpc.solvers.lp import WarmLp
 from radmpc.solvers.risk_nodes import Incumbent
+from radmpc.solvers.risk_tree import RiskTree
+from radmpc.solvers.solution import Limits
 
-__all__ = ["polish"]
+__all__ = ["polish", "repriced"]
 
 _ROUNDS = 4
 _LEAST = 1e-9
 """Share of the budget that every row is granted at least."""
+
+_NEAR = 6.0
+"""Clearance beyond which a side is not worth holding on to when the price rises (1e-9)."""
 
 _SLACK = 1e-6
 """Share of the budget kept back, so that the solver's tolerance cannot exceed it."""
@@ -75,6 +80,41 @@ def polish(
             is_free[number] = z is not None
             points[number] = points[number] if z is None else z
     return best
+
+
+def repriced(
+    problem: SetProblem, incumbent: Incumbent, unit: float, price: float, limits: Limits
+) -> Incumbent:
+    """Return the best plan of the same sides at another price of risk, about.
+
+    Parameters
+    ----------
+    problem : SetProblem
+        The set.
+    incumbent : Incumbent
+        Its plan.
+    unit : float
+        The fleet's risk bound.
+    price : float
+        Of one unit of risk.
+    limits : Limits
+        When to stop early.
+
+    Returns
+    -------
+    Incumbent
+        No worse at that price than the plan given.
+    """
+    program = problem.program
+    clearances = program.clearances(incumbent.z)
+    sides = incumbent.selection.tolist()
+    near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < _NEAR)
+    tree = RiskTree(
+        program, unit, price, gap=1e-3, scale=price, limits=limits, rater=problem.rater
+    )
+    tree.resume(((-np.inf, near),), price, incumbent)
+    tree.run(1)
+    return incumbent if tree.best is None else tree.best
 
 
 def _at(problem: SetProblem, incumbent: Incumbent, granted: Vector) -> Vector | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Tensor
+from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.ira import solve_under_policy
 from radmpc.planners.sides import propose_sides
@@ -99,7 +99,7 @@ class SetState:
     is_limited: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Order:
     """What is asked of a set.
 
@@ -117,6 +117,8 @@ class Order:
         What the set costs at least, whatever it risks.
     bounds : tuple of SetBound
         What parts of the set were proven to cost at this price.
+    hint : (n,) array or None
+        A point to begin with.
     """
 
     unit: float
@@ -126,6 +128,7 @@ class Order:
     max_nodes: int
     base: float = 0.0
     bounds: tuple[SetBound, ...] = ()
+    hint: Vector | None = None
 
 
 def advance(
@@ -163,6 +166,8 @@ def advance(
     )
     if state is not None and state.bound < float("inf"):
         tree.resume(state.frontier, state.price, state.best, order.base)
+    if order.hint is not None:
+        tree.consider(order.hint)
     tree.run(min(order.max_nodes, _PATIENCE * len(problem.members)))
     if tree.best is None and tree.is_limited and not limits.reached:
         _rescue(problem, scenario, tree, order, limits)

@@ -1,0 +1,154 @@
+"""One round: the fleet as sets, all searched at one price of risk and merged where they collide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.sketch import sketch
+from radmpc.solvers.risk_nodes import Incumbent
+
+__all__ = ["Round", "run_round"]
+
+_CROSS_SHARE = 0.1
+"""Share of the gap that risk between sets may cost before they are merged."""
+
+_CROSS_BUDGET = 0.2
+"""Share of the budget that risk between sets may take before they are merged."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Round:
+    """The fleet at one price: every set planned, none colliding with another.
+
+    Attributes
+    ----------
+    sets : tuple of tuple of int
+        A partition of the fleet.
+    price : float
+        Price of a unit of risk.
+    plans : tuple of Incumbent
+        The plan of each set.
+    risk, cross : float
+        What the sets run within, and about what they run between them.
+    bound : float
+        Lower bound on the cost of any plan of the fleet.
+    open_gap : float
+        What the sets' own searches leave between plans and bounds.
+    is_limited : bool
+        Whether a limit ended any of them.
+    is_sketch : bool
+        Whether it was made in a hurry, before the sets were searched.
+    """
+
+    sets: tuple[Members, ...]
+    price: float
+    plans: tuple[Incumbent, ...]
+    risk: float
+    cross: float
+    bound: float
+    open_gap: float
+    is_limited: bool
+    is_sketch: bool = False
+
+
+def run_round(fleet: Fleet, price: float, effort: int) -> Round | None:
+    """Plan all sets at a price, merging those that collide.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    price : float
+        Of one unit of risk.
+    effort : int
+        Multiplies the nodes that every set gets.
+
+    Returns
+    -------
+    Round or None
+        None where a set has no plan, or a limit was reached before all had one. The first time
+        that a set proves hard, a plan of the whole fleet made in a hurry.
+    """
+    sets: tuple[Members, ...] = fleet.singles
+    while True:
+        has_plans = fleet.solve(sets, price, effort)
+        if not fleet.is_sketched and fleet.is_hard(sets):
+            fleet.is_sketched = True
+            sketched = _sketched(fleet, price)
+            if sketched is not None:
+                return sketched
+            has_plans = fleet.solve(sets, price, effort)
+        if not has_plans:
+            return None
+        plans = [fleet.best(m) for m in sets]
+        crossing = fleet.crossing(sets, [plan.z for plan in plans])
+        cross = sum(crossing.values())
+        allowed = _allowed_cross(fleet, plans, price)
+        if cross <= allowed:
+            return _round(fleet, sets, price, cross)
+        sets = _merged(sets, crossing, cross - allowed)
+
+
+def _round(fleet: Fleet, sets: tuple[Members, ...], price: float, cross: float) -> Round:
+    """Sum up the sets at a price."""
+    plans = tuple(fleet.best(m) for m in sets)
+    risk = sum(plan.risk for plan in plans)
+    bound = sum(fleet.states[m].bound for m in sets)
+    value = sum(plan.cost for plan in plans) + price * risk / fleet.unit
+    return Round(
+        sets=sets,
+        price=price,
+        plans=plans,
+        risk=risk,
+        cross=cross,
+        bound=bound - price * fleet.budget / fleet.unit,
+        open_gap=value - bound,
+        is_limited=any(fleet.states[m].is_limited for m in sets),
+    )
+
+
+def _sketched(fleet: Fleet, price: float) -> Round | None:
+    """Return a plan of the whole fleet made in a hurry, if there is one."""
+    drawn = sketch(fleet, price)
+    if drawn is None:
+        return None
+    sets, plans = drawn
+    cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
+    bound = sum(fleet.states[m].bound for m in fleet.singles)
+    risk = sum(plan.risk for plan in plans)
+    value = sum(plan.cost for plan in plans) + price * risk / fleet.unit
+    return Round(
+        sets=sets,
+        price=price,
+        plans=plans,
+        risk=risk,
+        cross=cross,
+        bound=bound - price * fleet.budget / fleet.unit,
+        open_gap=value - bound,
+        is_limited=True,
+        is_sketch=True,
+    )
+
+
+def _allowed_cross(fleet: Fleet, plans: Sequence[Incumbent], price: float) -> float:
+    """Return the risk between sets that costs a small share of the gap, and of the budget."""
+    cost = sum(plan.cost for plan in plans)
+    return min(_CROSS_SHARE * fleet.gap * cost / price * fleet.unit, _CROSS_BUDGET * fleet.budget)
+
+
+def _merged(
+    sets: Sequence[Members], crossing: dict[tuple[int, int], float], excess: float
+) -> tuple[Members, ...]:
+    """Merge pairs of sets, worst first, each at most once, until the excess is gone."""
+    taken: set[int] = set()
+    result = []
+    for (i, j), risk in sorted(crossing.items(), key=lambda item: (-item[1], item[0])):
+        if excess <= 0.0:
+            break
+        excess -= risk
+        if i not in taken and j not in taken:
+            taken |= {i, j}
+            result.append(tuple(sorted(sets[i] + sets[j])))
+    return (*result, *(m for i, m in enumerate(sets) if i not in taken))

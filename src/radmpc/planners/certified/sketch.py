@@ -1,0 +1,102 @@
+"""A plan of the whole fleet in a hurry: tangled vehicles one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.solvers.risk_neighborhood import Neighborhood
+from radmpc.solvers.risk_nodes import Incumbent
+
+__all__ = ["sketch"]
+
+_ROUNDS = 8
+_NEGLIGIBLE = 1e-3
+"""Share of the unit that risk between two vehicles may take before they are replanned."""
+
+
+def sketch(fleet: Fleet, price: float) -> tuple[tuple[Members, ...], tuple[Incumbent, ...]] | None:
+    """Plan vehicles in each other's way one after the other, all others alone.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        With a plan of every vehicle alone.
+    price : float
+        Of one unit of risk.
+
+    Returns
+    -------
+    tuple of sets and plans, or None
+        No set collides with another. None where some vehicle found no way, or time ran out.
+    """
+    if any(fleet.states[m].best is None for m in fleet.singles):
+        return None
+    alone = {m[0]: fleet.best(m).z for m in fleet.singles}
+    sets: tuple[Members, ...] = fleet.singles
+    plans = {m: fleet.best(m) for m in sets}
+    for _ in range(_ROUNDS):
+        crossing = fleet.crossing(sets, [plans[m].z for m in sets])
+        joined = _joined(sets, crossing, _NEGLIGIBLE * fleet.unit)
+        if joined == sets:
+            break
+        sets = joined
+        for members in sets:
+            if members not in plans:
+                weights = _weights(fleet, members, alone)
+                plan = _place(fleet, members, price, alone, weights)
+                if plan is None:
+                    return None
+                plans[members] = plan
+    fleet.known = fleet.parted(sets, [plans[m].z for m in sets])
+    return sets, tuple(plans[m] for m in sets)
+
+
+def _joined(
+    sets: tuple[Members, ...], crossing: Mapping[tuple[int, int], float], least: float
+) -> tuple[Members, ...]:
+    """Join all sets that are in each other's way, directly or through others."""
+    pairs = np.array([pair for pair, risk in crossing.items() if risk > least], dtype=np.int64)
+    if pairs.size == 0:
+        return sets
+    shape = (len(sets), len(sets))
+    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=shape)
+    count, labels = connected_components(graph, directed=False)
+    groups: list[list[int]] = [[] for _ in range(count)]
+    for members, label in zip(sets, labels.tolist(), strict=True):
+        groups[label] += members
+    return tuple(tuple(sorted(group)) for group in groups)
+
+
+def _weights(fleet: Fleet, members: Members, alone: Mapping[int, np.ndarray]) -> dict[int, float]:
+    """Return how much each vehicle is in the others' way when all are planned alone."""
+    everyone = [alone[m[0]] for m in fleet.singles]
+    weights = dict.fromkeys(members, 0.0)
+    for (i, j), risk in fleet.crossing(fleet.singles, everyone).items():
+        if i in weights and j in weights:
+            weights[i] += risk
+            weights[j] += risk
+    return weights
+
+
+def _place(
+    fleet: Fleet,
+    members: Members,
+    price: float,
+    alone: Mapping[int, np.ndarray],
+    weights: Mapping[int, float],
+) -> Incumbent | None:
+    """Plan the vehicles of a set one after the other, those most in the way first."""
+    problem = fleet.problem(members)
+    around = Neighborhood(problem.program, fleet.unit, price, price, fleet.limits)
+    order = sorted(range(len(members)), key=lambda block: -weights[members[block]])
+    z = fleet.hint(members) if fleet.known else around.place(fleet.joined(members, alone), order)
+    if z is None:
+        return None
+    z = around.improve(z, [[block] for block in order])
+    rating = problem.rater.rate(z)
+    return Incumbent(z, rating.selection, float(problem.program.cost @ z), rating.risk)

@@ -1,0 +1,135 @@
+"""Incumbents at a price of risk, by planning one block or two around the others.
+
+What the others do is a moving obstacle to the free ones; a small search with faces and risks
+together finds their best way around it. Heuristics: they prove nothing, but a point they return
+is a solution of the whole at its true risk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Vector
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.restrict import avoidance_blocks, restrict_around
+from radmpc.solvers.risk_rating import Rater
+from radmpc.solvers.risk_tree import RiskTree
+from radmpc.solvers.solution import Limits
+
+__all__ = ["Neighborhood"]
+
+_ROUGH_GAP = 5e-3
+_NODES = 200
+"""Nodes per free block: it is a heuristic, not a proof."""
+
+
+@dataclass(eq=False)
+class Neighborhood:
+    """A programme of several blocks, to be planned a few at a time.
+
+    Attributes
+    ----------
+    program : DisjunctiveProgram
+        The whole.
+    unit, price : float
+        The budget of risk, and what it costs.
+    scale : float
+        Value below which a gap is taken of this.
+    limits : Limits
+        When to stop early.
+    """
+
+    program: DisjunctiveProgram
+    unit: float
+    price: float
+    scale: float
+    limits: Limits
+
+    def __post_init__(self) -> None:
+        """Find out which avoidances touch which blocks."""
+        self.touched: csr_array = avoidance_blocks(self.program)
+        self.blocks = list(range(self.touched.shape[1]))
+
+    def place(self, alone: Vector, order: Sequence[int]) -> Vector | None:
+        """Plan blocks one after the other, each around those before it.
+
+        Parameters
+        ----------
+        alone : (n,) array
+            Every block's solution without the others.
+        order : sequence of int
+            The blocks, the first to be placed first.
+
+        Returns
+        -------
+        (n,) array or None
+            A solution of the whole. A block that finds no way is put first and all begins again,
+            a few times; then None.
+        """
+        order = list(order)
+        for _ in range(len(order) + 2):
+            z = alone.copy()
+            failed = None
+            for place, block in enumerate(order):
+                moved = self._freed(z, [block], order[:place], is_new=True)
+                if moved is None:
+                    failed = block
+                    break
+                z = moved
+            if failed is None:
+                return z
+            if self.limits.reached or failed == order[0]:
+                return None
+            order = [failed, *(b for b in order if b != failed)]
+        return None
+
+    def improve(self, z: Vector, groups: Sequence[Sequence[int]]) -> Vector:
+        """Free groups of blocks in turn and plan each anew around all others.
+
+        Parameters
+        ----------
+        z : (n,) array
+            A solution.
+        groups : sequence of sequence of int
+            What to free together.
+
+        Returns
+        -------
+        (n,) array
+            A solution whose value is no greater.
+        """
+        for group in groups:
+            if self.limits.reached:
+                break
+            others = [b for b in self.blocks if b not in group]
+            found = self._freed(z, list(group), others, is_new=False)
+            z = z if found is None else found
+        return z
+
+    def _freed(
+        self, z: Vector, free: list[int], placed: Sequence[int], *, is_new: bool
+    ) -> Vector | None:
+        """Return the point with some blocks planned anew; None if no way was found."""
+        part = restrict_around(
+            self.program, np.array(free), np.array(placed, dtype=np.int64), z, self.touched
+        )
+        tree = RiskTree(
+            part.program,
+            self.unit,
+            self.price,
+            gap=_ROUGH_GAP,
+            scale=self.scale,
+            limits=self.limits,
+            rater=Rater(part.program, self.unit),
+        )
+        tree.consider(z[part.columns])
+        tree.run(_NODES * len(free))
+        if tree.best is None:
+            return None
+        moved = z.copy()
+        moved[part.columns] = tree.best.z
+        return moved
