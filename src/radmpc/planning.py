@@ -6,6 +6,7 @@ import platform
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
@@ -166,7 +167,7 @@ def _plan(
         risk=risk,
         sets=tuple(tuple(scenario.vehicles[i].name for i in s) for s in draft.sets),
         seconds=seconds,
-        versions=_versions(),
+        versions=dict(_versions()),
         explanation=draft.explanation,
         trajectories=trajectories,
     )
@@ -181,6 +182,7 @@ def _cost(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:
     return float(np.sum(efforts))
 
 
+@cache
 def _versions() -> dict[str, str]:
     """Return the versions a plan depends on."""
     found = {"radmpc": __version__, "python": platform.python_version()}

@@ -231,4 +231,8 @@ class DisjunctiveProgram:
         """Return the distinct rows of one alternative per avoidance."""
         if selection.size == 0:
             return np.zeros(0, dtype=np.int64)
-        return np.unique(np.concatenate([self.rows_of(int(a)) for a in selection]))
+        starts = self.alternative_starts[selection]
+        sizes = self.alternative_starts[selection + 1] - starts
+        ends = np.cumsum(sizes)
+        places = np.arange(ends[-1]) + np.repeat(starts - ends + sizes, sizes)
+        return np.unique(self.alternative_rows[places])

@@ -41,6 +41,8 @@ class Neighborhood:
         Value below which a gap is taken of this.
     limits : Limits
         When to stop early.
+    least : sequence of float
+        Every block's value in the best of cases, alone: one that has it is not planned anew.
     """
 
     program: DisjunctiveProgram
@@ -48,6 +50,7 @@ class Neighborhood:
     price: float
     scale: float
     limits: Limits
+    least: Sequence[float]
 
     def __post_init__(self) -> None:
         """Find out which avoidances touch which blocks."""
@@ -127,6 +130,9 @@ class Neighborhood:
             rater=Rater(part.program, self.unit),
         )
         tree.consider(z[part.columns])
+        least = sum(self.least[b] for b in free)
+        if tree.value <= least + _ROUGH_GAP * max(least, self.scale):
+            return z
         tree.run(_NODES * len(free))
         if tree.best is None:
             return None

@@ -41,3 +41,5 @@ class Node:
     number: int
     chosen: tuple[int, ...] = field(compare=False)
     is_open: bool = field(compare=False, default=True)
+    is_solved: bool = field(compare=False, default=False)
+    sides: tuple[int, ...] = field(compare=False, default=())

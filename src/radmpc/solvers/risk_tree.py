@@ -193,7 +193,7 @@ class RiskTree:
         self.bound = min([*bounds, self.value])
 
     def _dive(self, node: Node | None, last: int) -> None:
-        """Follow a node's best children down; without any solution yet, back up a while."""
+        """Follow the best children down; without any solution yet, back up a while."""
         self._trail.clear()
         patience = _PATIENCE
         while node is not None:
@@ -203,6 +203,8 @@ class RiskTree:
                 node.is_open = True
                 heapq.heappush(self._open, node)
                 return
+            if not node.is_solved:
+                self._solve(node)
             node = self._expand(node)
             if node is None and self.best is None and patience > 0:
                 node = self._backtrack()
@@ -223,14 +225,33 @@ class RiskTree:
         return self._open[0] if self._open else None
 
     def _expand(self, node: Node) -> Node | None:
-        """Solve a node; return the child to dive into, if it has any."""
+        """Solve a node's children one after the other; return the best that is left open.
+
+        All at once: from one child to the next the linear programme changes by a row, and with
+        its own bound a child need not be visited again before it is its turn.
+        """
+        children = []
+        for side in node.sides:
+            child = self._node(node.bound, (*node.chosen, side))
+            self._solve(child)
+            if child.sides:
+                children.append(child)
+        children.sort()
+        for child in children:
+            heapq.heappush(self._open, child)
+        self._trail += children[:0:-1]
+        return children[0] if children else None
+
+    def _solve(self, node: Node) -> None:
+        """Solve a node: find the sides to branch on, or park it, or drop it."""
         self.nodes += 1
+        node.is_solved = True
         if node.bound < self._cutoff():
             self.lp.activate(self._rows(node.chosen))
             for attempt in range(_ROUNDS):
                 outcome = self._relax(node)
                 if outcome is LpOutcome.INFEASIBLE:
-                    return None
+                    return
                 if outcome is LpOutcome.CUTOFF:
                     break
                 point = self.lp.point()
@@ -249,10 +270,10 @@ class RiskTree:
                     continue
                 if avoidance is None:
                     break
-                return self._branch(node, avoidance, rating)
+                node.sides = self._sides(avoidance, rating)
+                return
         node.is_open = True
         self._parked.append(node)
-        return None
 
     def _relax(self, node: Node) -> LpOutcome:
         """Solve a node's linear programme and raise its bound; cut off where it cannot matter."""
@@ -303,16 +324,11 @@ class RiskTree:
         second = np.where(np.isfinite(nearest[:, 1]), nearest[:, 1], 2.0 * nearest[:, 0] + 5.0)
         return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * second).argmax()]), True
 
-    def _branch(self, node: Node, avoidance: int, rating: Rating) -> Node:
-        """Open one child per alternative; return the one violated least."""
+    def _sides(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
+        """Return the possible alternatives of an avoidance, the one violated least first."""
         short = rating.short[avoidance]
         order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]
-        sides = [int(self.rater.table[avoidance, i]) for i in order]
-        later = [self._push(node.bound, (*node.chosen, side)) for side in sides[1:]]
-        self._trail += later[::-1]
-        self._created += 1
-        chosen = (*node.chosen, sides[0])
-        return Node(node.bound, -len(chosen), self._created, chosen)
+        return tuple(int(self.rater.table[avoidance, i]) for i in order)
 
     def _rows(self, sides: Sequence[int]) -> list[int]:
         """Return the rows of alternatives."""
@@ -343,9 +359,11 @@ class RiskTree:
         # A hair above what the gap allows, so that a node cut off counts as within it.
         return self.value - self.gap * (1.0 - 1e-6) * max(abs(self.value), self.scale)
 
-    def _push(self, bound: float, chosen: tuple[int, ...]) -> Node:
-        """Open a node."""
+    def _push(self, bound: float, chosen: tuple[int, ...]) -> None:
+        """Open a node that is yet to be solved."""
+        heapq.heappush(self._open, self._node(bound, chosen))
+
+    def _node(self, bound: float, chosen: tuple[int, ...]) -> Node:
+        """Return a new node."""
         self._created += 1
-        node = Node(bound, -len(chosen), self._created, chosen)
-        heapq.heappush(self._open, node)
-        return node
+        return Node(bound, -len(chosen), self._created, chosen)

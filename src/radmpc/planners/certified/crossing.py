@@ -40,6 +40,8 @@ def cross_risks(
     dict
         Risk of the pairs of sets, lower number first, that run any.
     """
+    if np.all(owners == owners[0]):
+        return {}
     radii = np.array([v.radius for v in scenario.vehicles])
     one, two = _neighbors(scenario, means, covariances, radii)
     apart = owners[one] != owners[two]
@@ -71,8 +73,9 @@ def _neighbors(
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
     path = float(steps) if scenario.avoidance == "intervals" else 0.0
     found: set[tuple[int, int]] = set()
+    largest = np.linalg.eigvalsh(covariances)[..., -1].max(axis=0)
     for k in range(means.shape[1]):
-        spread = float(np.sqrt(np.linalg.eigvalsh(covariances[:, k])[:, -1].max()))
+        spread = float(np.sqrt(max(float(largest[k]), 0.0)))
         near = 2.0 * radii.max() + _FAR * np.sqrt(2.0) * spread + path
         near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
         found |= cKDTree(means[:, k]).query_pairs(near)

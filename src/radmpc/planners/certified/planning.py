@@ -122,11 +122,12 @@ def _search(
         if relative_gap(best.cost, best.bound) <= gap or fleet.limits.reached:
             return
         if found.is_sketch:
-            if not best.controls:
-                # These sides risk too much at this price: draw again before searching at length.
+            if found.risk > _OVERDRAWN * fleet.budget:
+                # These sides risk too much at this price: raise it before searching at length.
                 tried.append((price, found.risk))
                 price = _next_price(tried, fleet.budget - found.cross)
-                fleet.is_sketched = len(tried) >= _MAX_SKETCHES
+            # Without a plan draw again, at the new price.
+            fleet.is_sketched = bool(best.controls) or len(tried) >= _MAX_SKETCHES
             continue
         if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound):
             # The searches leave more open than a better price could close.

@@ -24,6 +24,9 @@ _LEAST = 1e-9
 _NEAR = 6.0
 """Clearance beyond which a side is not worth holding on to when the price rises (1e-9)."""
 
+_FAR = 12.0
+"""Clearance beyond which a row is not held while risks are fitted."""
+
 _SLACK = 1e-6
 """Share of the budget kept back, so that the solver's tolerance cannot exceed it."""
 
@@ -121,6 +124,9 @@ def _at(problem: SetProblem, incumbent: Incumbent, granted: Vector) -> Vector | 
     """Return the least-cost point of a set whose events take at most what they are granted."""
     rows = problem.program.rows
     chosen = problem.program.selected_rows(incumbent.selection)
+    # Rows far away are left out: the true risk of the outcome tells if it comes near them.
+    is_hard = problem.program.rows.deviations[chosen] == 0.0
+    chosen = chosen[is_hard | (problem.program.clearances(incumbent.z)[chosen] < _FAR)]
     margins = np.zeros(rows.count)
     margins[chosen] = rows.deviations[chosen] * clearance_for(granted[rows.events[chosen]])
     lp = WarmLp(problem.program, margins)

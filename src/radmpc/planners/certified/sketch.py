@@ -92,7 +92,8 @@ def _place(
 ) -> Incumbent | None:
     """Plan the vehicles of a set one after the other, those most in the way first."""
     problem = fleet.problem(members)
-    around = Neighborhood(problem.program, fleet.unit, price, price, fleet.limits)
+    values = [fleet.best((i,)).cost + price * fleet.best((i,)).risk / fleet.unit for i in members]
+    around = Neighborhood(problem.program, fleet.unit, price, price, fleet.limits, values)
     order = sorted(range(len(members)), key=lambda block: -weights[members[block]])
     z = fleet.hint(members) if fleet.known else around.place(fleet.joined(members, alone), order)
     if z is None:
