@@ -35,9 +35,9 @@ _RISK_TO_COST = 0.006
 _NODES = 400
 """Nodes that a set gets per vehicle and round."""
 
-_MANY = 2
 _TRIAL = 60
-"""Vehicles from which on a set is tried with so many nodes each, until the fleet has a plan."""
+_TRIAL_ALONE = 150
+"""Nodes per vehicle of a set, and of a vehicle alone, until the fleet has a plan."""
 
 
 @dataclass(eq=False)
@@ -96,8 +96,9 @@ class Fleet:
         jobs = []
         for members in sets:
             state = self.states.get(members)
-            is_trial = len(members) >= _MANY and not self.is_sketched
-            wanted = (_TRIAL if is_trial else _NODES * effort) * len(members)
+            wanted = _NODES * effort * len(members)
+            if not self.is_sketched:
+                wanted = _TRIAL_ALONE if len(members) == 1 else _TRIAL * len(members)
             spent = state.nodes if state is not None and state.price == price else 0
             if state is not None and (
                 state.bound == float("inf") or (spent and not (state.is_limited and spent < wanted))
@@ -121,10 +122,8 @@ class Fleet:
         return all(self.states[members].best is not None for members in sets)
 
     def is_hard(self, sets: Sequence[Members]) -> bool:
-        """Whether a limit other than time ended the search of a set of many vehicles."""
-        return not self.limits.reached and any(
-            self.states[m].is_limited and len(m) >= _MANY for m in sets
-        )
+        """Whether a limit other than time ended the search of any set."""
+        return not self.limits.reached and any(self.states[m].is_limited for m in sets)
 
     def hint(self, members: Members) -> Vector | None:
         """Return what some vehicles do in the known plan of the fleet, if there is one."""

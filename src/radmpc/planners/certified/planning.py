@@ -14,6 +14,7 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fitting import fitted
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.polish import repriced
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Planner
@@ -27,6 +28,10 @@ _MAX_ROUNDS = 40
 _MORE_EFFORT = 3
 _SEARCH_SHARE = 0.5
 _MAX_SKETCHES = 8
+_MAX_PRICES = 6
+_LITTLE = 1e-3
+"""Share of the unit below which a vehicle's risk does not tell the price."""
+
 _OVERDRAWN = 1.2
 _STEEPNESS = 1.15
 _CLOSE = 0.03
@@ -145,12 +150,23 @@ def _search(
 def _price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
     """Return a price at which vehicles that ignore each other do not exceed the budget by far."""
     price = fleet.first_price()
-    while fleet.solve(fleet.singles, price, 1) and len(tried) < _MAX_SKETCHES:
-        risk = sum(fleet.best(m).risk for m in fleet.singles)
-        if risk <= _OVERDRAWN * fleet.budget:
+    if not fleet.solve(fleet.singles, price, 1):
+        return price
+    plans = [fleet.best(m) for m in fleet.singles]
+    for _ in range(_MAX_PRICES):
+        risk = sum(plan.risk for plan in plans)
+        if risk <= _OVERDRAWN * fleet.budget or fleet.limits.reached:
             break
         tried.append((price, risk))
         price = _next_price(tried, fleet.budget)
+        # By the sides found so far: no need to search for others yet.
+        plans = [
+            repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)
+            if plan.risk > _LITTLE * fleet.unit
+            else plan
+            for m, plan in zip(fleet.singles, plans, strict=True)
+        ]
+    tried.clear()
     return price
 
 
