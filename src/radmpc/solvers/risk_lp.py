@@ -104,6 +104,8 @@ class RiskLp:
         self._active: set[int] = set()
         self._lp = HighsLp(program.cost, program.lower, program.upper)
         self._lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
+        # No plan risks more than the whole unit, whatever the price.
+        self._budget_row = self._lp.add_row(np.zeros(0, dtype=np.int32), np.zeros(0), -_INF, 1.0)
         self._bound_rows: list[tuple[frozenset[int], int]] = []
         rests: dict[frozenset[int], int] = {}
         for bound in self._bounds:
@@ -112,7 +114,9 @@ class RiskLp:
             parts = [frozenset(c) for size in (1, 2) for c in combinations(members, size)]
             for part in parts:
                 if part not in rests:
-                    rests[part] = self._lp.add_column(self.price, _INF)
+                    rests[part] = self._lp.add_column(
+                        self.price, _INF, np.array([self._budget_row], dtype=np.int32), np.ones(1)
+                    )
             inner = [rests[part] for part in parts]
             columns = np.flatnonzero(np.isin(program.blocks, members))
             row = self._lp.add_row(
@@ -167,6 +171,8 @@ class RiskLp:
         )
         rows = [number for blocks, number in self._bound_rows if touched <= blocks]
         values = [self.price] * len(rows)
+        rows.append(self._budget_row)
+        values.append(1.0)
         self._risk_columns[event] = self._lp.add_column(
             self.price, 1.0, np.array(rows, dtype=np.int32), np.array(values)
         )

@@ -41,6 +41,9 @@ _ROUNDING = 1e-6
 """How far a row held at the whole unit may exceed it by the linear solver's tolerance. Such a point
 is a candidate at a price only: plans are fitted to the bound exactly afterwards."""
 
+_OVERDRAWN = 1.2
+"""Units that a candidate may risk in all: plans are fitted to the bound afterwards."""
+
 _PATIENCE = 100
 _HEADROOM = 0.01
 
@@ -335,8 +338,8 @@ class RiskTree:
         return [row for side in sides for row in self._rows_of[side]]
 
     def _worth(self, z: Vector, rating: Rating) -> float:
-        """Return a point's value; inf where a row takes more than the whole unit."""
-        if rating.largest > self.unit * (1.0 + _ROUNDING):
+        """Return a point's value; inf where it risks more than the whole unit by far."""
+        if rating.largest > self.unit * (1.0 + _ROUNDING) or rating.risk > _OVERDRAWN * self.unit:
             return _INF
         return float(self.program.cost @ z) + self.price * rating.risk / self.unit
 

@@ -96,9 +96,10 @@ class Fleet:
         jobs = []
         for members in sets:
             state = self.states.get(members)
-            wanted = _NODES * effort * len(members)
+            nodes = _NODES
             if not self.is_sketched:
-                wanted = _TRIAL_ALONE if len(members) == 1 else _TRIAL * len(members)
+                nodes = _TRIAL_ALONE if len(members) == 1 else _TRIAL
+            wanted = nodes * effort * len(members)
             spent = state.nodes if state is not None and state.price == price else 0
             if state is not None and (
                 state.bound == float("inf") or (spent and not (state.is_limited and spent < wanted))

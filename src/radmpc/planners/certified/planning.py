@@ -29,10 +29,12 @@ _MORE_EFFORT = 3
 _SEARCH_SHARE = 0.5
 _MAX_SKETCHES = 8
 _MAX_PRICES = 6
+_MOST = 12.0
 _LITTLE = 1e-3
 """Share of the unit below which a vehicle's risk does not tell the price."""
 
 _OVERDRAWN = 1.2
+_FAR_OVERDRAWN = 1.6
 _STEEPNESS = 1.15
 _CLOSE = 0.03
 """Share of the budget that may stay unused when the price is right."""
@@ -131,8 +133,9 @@ def _search(
                 # These sides risk too much at this price: raise it before searching at length.
                 tried.append((price, found.risk))
                 price = _next_price(tried, fleet.budget - found.cross)
-            # Without a plan draw again, at the new price.
-            fleet.is_sketched = bool(best.controls) or len(tried) >= _MAX_SKETCHES
+            # Far from any plan draw again, at the new price.
+            is_near = bool(best.controls) or found.risk <= _FAR_OVERDRAWN * fleet.budget
+            fleet.is_sketched = is_near or len(tried) >= _MAX_SKETCHES
             continue
         if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound):
             # The searches leave more open than a better price could close.
@@ -150,15 +153,22 @@ def _search(
 def _price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
     """Return a price at which vehicles that ignore each other do not exceed the budget by far."""
     price = fleet.first_price()
-    if not fleet.solve(fleet.singles, price, 1):
-        return price
+    # Where known sides risk too much at any price, others are needed, not a higher price.
+    most = _MOST * price
+    fleet.solve(fleet.singles, price, 1)
+    effort = 1
+    while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
+        if fleet.limits.reached or fleet.without_plan() is not None:
+            return price
+        effort *= _MORE_EFFORT
+        fleet.solve(missing, price, effort)
     plans = [fleet.best(m) for m in fleet.singles]
     for _ in range(_MAX_PRICES):
         risk = sum(plan.risk for plan in plans)
         if risk <= _OVERDRAWN * fleet.budget or fleet.limits.reached:
             break
         tried.append((price, risk))
-        price = _next_price(tried, fleet.budget)
+        price = min(_next_price(tried, fleet.budget), most)
         # By the sides found so far: no need to search for others yet.
         plans = [
             repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)

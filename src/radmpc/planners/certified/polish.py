@@ -112,9 +112,7 @@ def repriced(
     clearances = program.clearances(incumbent.z)
     sides = incumbent.selection.tolist()
     near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < _NEAR)
-    tree = RiskTree(
-        program, unit, price, gap=1e-3, scale=price, limits=limits, rater=problem.rater
-    )
+    tree = RiskTree(program, unit, price, gap=1e-3, scale=price, limits=limits, rater=problem.rater)
     tree.resume(((-np.inf, near),), price, incumbent)
     tree.run(1)
     return incumbent if tree.best is None else tree.best

@@ -76,7 +76,7 @@ def run_round(fleet: Fleet, price: float, effort: int) -> Round | None:
         has_plans = fleet.solve(sets, price, effort)
         if not fleet.is_sketched and fleet.is_hard(sets):
             fleet.is_sketched = True
-            sketched = _sketched(fleet, price)
+            sketched = _sketched(fleet, sets, price)
             if sketched is not None:
                 return sketched
             has_plans = fleet.solve(sets, price, effort)
@@ -109,18 +109,18 @@ def _round(fleet: Fleet, sets: tuple[Members, ...], price: float, cross: float) 
     )
 
 
-def _sketched(fleet: Fleet, price: float) -> Round | None:
+def _sketched(fleet: Fleet, sets: tuple[Members, ...], price: float) -> Round | None:
     """Return a plan of the whole fleet made in a hurry, if there is one."""
-    drawn = sketch(fleet, price)
+    drawn = sketch(fleet, sets, price)
     if drawn is None:
         return None
-    sets, plans = drawn
-    cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
-    bound = sum(fleet.states[m].bound for m in fleet.singles)
+    drawn_sets, plans = drawn
+    cross = sum(fleet.crossing(drawn_sets, [plan.z for plan in plans]).values())
+    bound = sum(fleet.states[m].bound for m in sets)
     risk = sum(plan.risk for plan in plans)
     value = sum(plan.cost for plan in plans) + price * risk / fleet.unit
     return Round(
-        sets=sets,
+        sets=drawn_sets,
         price=price,
         plans=plans,
         risk=risk,

@@ -19,13 +19,17 @@ _NEGLIGIBLE = 1e-3
 """Share of the unit that risk between two vehicles may take before they are replanned."""
 
 
-def sketch(fleet: Fleet, price: float) -> tuple[tuple[Members, ...], tuple[Incumbent, ...]] | None:
-    """Plan vehicles in each other's way one after the other, all others alone.
+def sketch(
+    fleet: Fleet, sets: tuple[Members, ...], price: float
+) -> tuple[tuple[Members, ...], tuple[Incumbent, ...]] | None:
+    """Plan vehicles in each other's way one after the other.
 
     Parameters
     ----------
     fleet : Fleet
         With a plan of every vehicle alone.
+    sets : tuple of tuple of int
+        A partition; what was searched to the end stays as it is, unless others get in its way.
     price : float
         Of one unit of risk.
 
@@ -37,8 +41,12 @@ def sketch(fleet: Fleet, price: float) -> tuple[tuple[Members, ...], tuple[Incum
     if any(fleet.states[m].best is None for m in fleet.singles):
         return None
     alone = {m[0]: fleet.best(m).z for m in fleet.singles}
-    sets: tuple[Members, ...] = fleet.singles
-    plans = {m: fleet.best(m) for m in sets}
+    plans: dict[Members, Incumbent] = {m: fleet.best(m) for m in fleet.singles}
+    for members in sets:
+        state = fleet.states[members]
+        if state.best is not None and not state.is_limited:
+            plans[members] = state.best
+    sets = tuple(part for m in sets for part in ((m,) if m in plans else tuple((i,) for i in m)))
     for _ in range(_ROUNDS):
         crossing = fleet.crossing(sets, [plans[m].z for m in sets])
         joined = _joined(sets, crossing, _NEGLIGIBLE * fleet.unit)
@@ -95,9 +103,14 @@ def _place(
     values = [fleet.best((i,)).cost + price * fleet.best((i,)).risk / fleet.unit for i in members]
     around = Neighborhood(problem.program, fleet.unit, price, price, fleet.limits, values)
     order = sorted(range(len(members)), key=lambda block: -weights[members[block]])
-    z = fleet.hint(members) if fleet.known else around.place(fleet.joined(members, alone), order)
-    if z is None:
-        return None
-    z = around.improve(z, [[block] for block in order])
-    rating = problem.rater.rate(z)
-    return Incumbent(z, rating.selection, float(problem.program.cost @ z), rating.risk)
+    found = [around.place(fleet.joined(members, alone), order)]
+    known = fleet.hint(members)
+    if known is not None:
+        found.append(around.improve(known, [[block] for block in order]))
+    plans = []
+    for z in found:
+        if z is not None:
+            rating = problem.rater.rate(z)
+            cost = float(problem.program.cost @ z)
+            plans.append(Incumbent(z, rating.selection, cost, rating.risk))
+    return min(plans, key=lambda i: i.cost + price * i.risk / fleet.unit, default=None)
