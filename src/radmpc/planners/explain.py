@@ -21,7 +21,7 @@ from radmpc.solvers.highs_lp import LpOutcome
 from radmpc.solvers.lp import WarmLp
 from radmpc.solvers.solution import Limits, Outcome
 
-__all__ = ["explain_infeasible"]
+__all__ = ["danger", "explain_infeasible", "impossible_places", "unable_alone"]
 
 _MAX_NODES = 2_000
 
@@ -51,17 +51,12 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
     """
     subjects = whole_subjects(scenario)
     for subject in subjects:
-        reason = _unable_alone(scenario, subject)
+        reason = unable_alone(scenario, subject)
         if reason:
             return reason
-    program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
-    deterministic = isinstance(policy, NoRisk | Sigmas)
-    at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
-    if program.initial and at_start >= (0.5 if deterministic else program.risk_bound):
-        return _start_too_risky(program, at_start)
-    hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
-    if hopeless.size:
-        return _cannot_avoid(scenario, [program.avoidances[int(i)] for i in hopeless])
+    reason = impossible_places(scenario, deterministic=isinstance(policy, NoRisk | Sigmas))
+    if reason:
+        return reason
     is_open = False
     for size in (1, 2):
         for members in combinations(range(len(subjects)), size):
@@ -70,6 +65,31 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
                 return _cannot_be_planned(scenario, members)
             is_open |= outcome is Outcome.LIMIT
     return _OPEN if is_open else _GENERAL
+
+
+def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str | None:
+    """Say if starts are too risky, or things cannot be avoided wherever the vehicles may be.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The vehicles, with their Δ.
+    deterministic : bool
+        Whether risk counts only where it means contact.
+
+    Returns
+    -------
+    str or None
+        The reason, naming vehicles, obstacle and time.
+    """
+    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
+    if program.initial and at_start >= (0.5 if deterministic else program.risk_bound):
+        return _start_too_risky(program, at_start)
+    hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
+    if hopeless.size:
+        return _cannot_avoid(scenario, [program.avoidances[int(i)] for i in hopeless])
+    return None
 
 
 _OPEN = (
@@ -83,7 +103,7 @@ _GENERAL = (
 )
 
 
-def _unable_alone(scenario: Scenario, subject: Subject) -> str | None:
+def unable_alone(scenario: Scenario, subject: Subject) -> str | None:
     """Say if a vehicle cannot even fly through empty space."""
     name = subject.vehicle.name
     short = np.argwhere(subject.control_bounds < 0.0)
@@ -127,7 +147,7 @@ def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
     worst, risk = ranked[0]
     if risk >= 0.5:
         return _start_in_conflict(worst)
-    parts = [f"{_danger(exposure)} (risk {risk:.3g})" for exposure, risk in ranked[:3]]
+    parts = [f"{danger(exposure)} (risk {risk:.3g})" for exposure, risk in ranked[:3]]
     return (
         f"The starts alone carry a collision risk of {at_start:.3g}, above the "
         f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
@@ -170,7 +190,7 @@ def _cannot_avoid(scenario: Scenario, exposures: list[Exposure]) -> str:
     if scenario.avoidance == "intervals":
         when = f"between steps {first_one.step} and {first_one.step + 1}"
     return (
-        f"{_capitalized(_danger(first_one))} cannot be kept apart {when}: no side is left for any "
+        f"{_capitalized(danger(first_one))} cannot be kept apart {when}: no side is left for any "
         "motion that limits and goals allow. Lengthen the horizon or shorten dt."
     )
 
@@ -198,7 +218,7 @@ def _goal_is_taken(scenario: Scenario, vehicle: Vehicle, obstacle: Obstacle) -> 
     )
 
 
-def _danger(exposure: Exposure) -> str:
+def danger(exposure: Exposure) -> str:
     """Name a danger."""
     cause: Cause = exposure.cause
     if cause == "pair":

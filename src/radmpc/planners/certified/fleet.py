@@ -55,6 +55,8 @@ class Fleet:
     known: dict[int, Vector] = field(default_factory=dict)
     """What every vehicle does in some plan of the whole fleet; empty until there is one."""
     is_sketched: bool = False
+    is_costless: bool = False
+    """Whether effort counts for nothing, so that at a price of 1 only risk is minimised."""
 
     def __post_init__(self) -> None:
         """Build every vehicle's own programme."""
@@ -74,9 +76,8 @@ class Fleet:
         """Return a set's programme, built when first asked for."""
         if members not in self.problems:
             self.alone[members] = self.surroundings.of(members)
-            self.problems[members] = SetProblem.of(
-                self.alone[members], members, self.subjects, self.unit
-            )
+            made = SetProblem.of(self.alone[members], members, self.subjects, self.unit)
+            self.problems[members] = made.without_cost() if self.is_costless else made
         return self.problems[members]
 
     def first_price(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,10 +16,9 @@ from radmpc.planners.certified.fitting import fitted
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.polish import repriced
 from radmpc.planners.certified.rounds import Round, run_round
-from radmpc.planners.explain import explain_infeasible
+from radmpc.planners.certified.why_not import why_not
 from radmpc.planners.planner import Planner
 from radmpc.planners.result import Draft
-from radmpc.program.policy import Ira
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
@@ -30,6 +29,10 @@ _SEARCH_SHARE = 0.5
 _MAX_SKETCHES = 8
 _MAX_PRICES = 6
 _MOST = 12.0
+_HOPELESS = 1e3
+"""Multiple of the first price at which the bound itself is doubted."""
+
+_ENDED = "The time limit ended the search before any plan was found: raise it."
 _LITTLE = 1e-3
 """Share of the unit below which a vehicle's risk does not tell the price."""
 
@@ -87,20 +90,21 @@ def plan_certified(
     best = _Best()
     if fleet.budget > 0.0:
         _search(fleet, best, planner.gap, is_certified)
+    if not best.controls:
+        answer = _without_plan(fleet, best, is_certified)
+        if not best.controls:
+            return replace(answer, seconds={"sets": time.perf_counter() - begun})
     seconds = {"sets": time.perf_counter() - begun}
-    if best.controls:
-        closed = relative_gap(best.cost, best.bound) <= planner.gap * (1.0 + 1e-6)
-        status = Status.OPTIMAL if closed else Status.FEASIBLE
-        return Draft(
-            status,
-            best.controls,
-            best.sets,
-            (),
-            (),
-            seconds,
-            lower_bound=_finite(min(best.bound, best.cost)),
-        )
-    return _without_plan(fleet, planner.gap, limits, seconds)
+    closed = relative_gap(best.cost, best.bound) <= planner.gap * (1.0 + 1e-6)
+    return Draft(
+        Status.OPTIMAL if closed else Status.FEASIBLE,
+        best.controls,
+        best.sets,
+        (),
+        (),
+        seconds,
+        lower_bound=_finite(min(best.bound, best.cost)),
+    )
 
 
 def _finite(bound: float) -> float | None:
@@ -143,6 +147,8 @@ def _search(
             continue
         tried.append((price, found.risk))
         following = _next_price(tried, fleet.budget - found.cross)
+        if not best.controls and following > _HOPELESS * fleet.first_price():
+            return
         if following == price:
             if not found.is_limited:
                 return
@@ -224,20 +230,19 @@ def _next_price(tried: list[tuple[float, float]], budget: float) -> float:
     return float(price * np.clip((max(risk, 1e-12) / budget) ** _STEEPNESS, 0.2, 5.0))
 
 
-def _without_plan(fleet: Fleet, gap: float, limits: Limits, seconds: dict[str, float]) -> Draft:
-    """Say why there is no plan."""
-    scenario = fleet.scenario
-    members = fleet.without_plan()
-    everyone = (tuple(range(scenario.num_vehicles)),)
-    if members is None and fleet.budget > 0.0 and limits.reached:
-        return Draft(Status.LIMIT, (), (), (), (), seconds)
-    chosen = everyone[0] if members is None else members
-    part = scenario.subset(chosen, scenario.risk_bound)
-    if members is None and fleet.budget > 0.0:
-        reason = (
-            "No plan within the risk bound was found, and none was ruled out: raise the time "
-            "limit, risk_bound or the horizon."
+def _without_plan(
+    fleet: Fleet, best: _Best, is_certified: Callable[[tuple[Matrix, ...]], bool]
+) -> Draft:
+    """Say why there is no plan; the search for the reason may find one after all."""
+    if fleet.limits.reached:
+        return Draft(Status.LIMIT, (), (), (), (), {}, _ENDED)
+    answer = why_not(fleet.scenario, fleet.limits)
+    if answer.controls and is_certified(answer.controls):
+        best.controls, best.sets = answer.controls, answer.sets
+        best.cost = sum(
+            vehicle.cost_weight * float(np.abs(controls).sum())
+            for vehicle, controls in zip(fleet.scenario.vehicles, answer.controls, strict=True)
         )
-        return Draft(Status.LIMIT, (), (), (), (), seconds, reason)
-    reason = explain_infeasible(part, Ira(), gap, limits)
-    return Draft(Status.INFEASIBLE, (), everyone, (), (), seconds, reason)
+    status = Status.INFEASIBLE if answer.is_proven else Status.LIMIT
+    sets = (tuple(range(fleet.scenario.num_vehicles)),) if answer.is_proven else ()
+    return Draft(status, (), sets, (), (), {}, answer.explanation or _ENDED)

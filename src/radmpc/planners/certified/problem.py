@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,11 @@ class SetProblem:
         chosen = tuple(subjects[i] for i in members)
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
         return cls(members, chosen, program, Rater(program, unit))
+
+    def without_cost(self) -> SetProblem:
+        """Return the same set with all effort free."""
+        program = replace(self.program, cost=np.zeros(self.program.num_columns))
+        return replace(self, program=program)
 
     def means(self, z: np.ndarray) -> Tensor:
         """Return the mean positions of the members, (n, T+1, d)."""

@@ -1,0 +1,120 @@
+"""Scenarios without a plan: who is stuck, what bound would do, and what the rest could do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from radmpc.experiments.families import paper
+from radmpc.model.dynamics import double_integrator
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Status
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified.least_risk import least_risk
+from radmpc.planning import plan
+from radmpc.solvers.solution import Limits
+
+
+def vehicle(name, start, goal, noise=1e-3):
+    goal = np.array(goal, dtype=float)
+    return Vehicle(
+        name=name,
+        system=double_integrator(1.0, 2),
+        start=np.array([*start, 0.0, 0.0]),
+        goal=Goal(goal - 0.2, goal + 0.2, np.full(2, 0.05)),
+        radius=0.3,
+        control_limit=np.full(2, 2.0),
+        speed_limit=np.full(2, 3.0),
+        initial_covariance=1e-3,
+        disturbance_covariance=noise,
+    )
+
+
+def scenario(*vehicles, obstacles=(), risk_bound=0.05):
+    return Scenario(
+        name="why-not",
+        dt=1.0,
+        horizon=10,
+        risk_bound=risk_bound,
+        vehicles=vehicles,
+        obstacles=obstacles,
+        avoidance="intervals",
+    )
+
+
+def wall_with_gap(width):
+    return (
+        Obstacle.box("north", [4.5, 0.5 * width], [5.5, 30.0]),
+        Obstacle.box("south", [4.5, -30.0], [5.5, -0.5 * width]),
+    )
+
+
+def far(name="far"):
+    return vehicle(name, (0, 60), (4, 60))
+
+
+def test_a_vehicle_behind_a_wall_is_named_with_the_wall_and_the_rest_can_go():
+    result = plan(
+        scenario(vehicle("a", (0, 0), (10, 0)), far(), obstacles=wall_with_gap(0.1)), "certified"
+    )
+    assert result.status is Status.INFEASIBLE
+    assert "Vehicle 'a' has no plan at any risk" in result.explanation
+    assert "'north' or obstacle 'south'" in result.explanation
+    assert "The other vehicle can be planned" in result.explanation
+
+
+def test_every_goal_out_of_reach_is_named_and_the_rest_can_go():
+    slow = [vehicle(name, (0, y), (100, y)) for name, y in (("a", 0), ("c", 30))]
+    result = plan(scenario(*slow, far("b")), "certified")
+    assert result.status is Status.INFEASIBLE
+    for name in "ac":
+        assert f"Vehicle '{name}' cannot reach its goal within 10 steps" in result.explanation
+    assert "The other vehicle can be planned" in result.explanation
+
+
+def test_two_conflicts_do_not_hide_each_other():
+    one = [vehicle("a", (0, 0), (4, 0)), vehicle("b", (8, 0), (4, 0))]
+    two = [vehicle("c", (0, 30), (4, 30)), vehicle("d", (8, 30), (4, 30))]
+    text = plan(scenario(*one, *two, far()), "certified").explanation
+    assert "goals of vehicles 'a' and 'b' are too close" in text
+    assert "goals of vehicles 'c' and 'd' are too close" in text
+    assert "The other vehicle can be planned" in text
+
+
+def test_the_bound_that_is_proposed_would_do_and_a_smaller_one_than_proven_would_not():
+    problem = scenario(
+        vehicle("a", (0, 0), (10, 0), noise=4e-3),
+        far(),
+        obstacles=wall_with_gap(1.0),
+        risk_bound=1e-3,
+    )
+    result = plan(problem, "certified")
+    assert result.status is Status.INFEASIBLE
+    assert "vehicle 'a' and obstacle" in result.explanation
+    found = least_risk(problem, Limits())
+    assert problem.risk_bound < found.bound <= found.risk < 0.49
+    assert found.risk <= 1.05 * found.bound
+    assert plan(replace(problem, risk_bound=1.02 * found.risk), "certified").is_certified
+    below = plan(replace(problem, risk_bound=0.95 * found.bound), "certified")
+    assert below.status is Status.INFEASIBLE
+
+
+def test_the_least_risk_of_a_fleet_is_what_a_plan_with_it_runs():
+    problem = paper(3, 2)
+    found = least_risk(problem, Limits())
+    assert 0.0 <= found.bound <= found.risk <= 1e-3
+    assert not found.stuck
+    assert len(found.controls) == 3
+
+
+@pytest.mark.parametrize("is_stopped", [True, False])
+def test_a_limit_before_any_plan_says_so(is_stopped):
+    problem = scenario(vehicle("a", (0, 0), (10, 0)), obstacles=wall_with_gap(1.0))
+    limits = {"stop": lambda: True} if is_stopped else {"time_limit": 0.0}
+    result = plan(problem, "certified", **limits)
+    assert result.status is Status.LIMIT
+    assert result.plan is None
+    assert result.explanation
