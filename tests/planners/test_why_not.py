@@ -118,3 +118,19 @@ def test_a_limit_before_any_plan_says_so(is_stopped):
     assert result.status is Status.LIMIT
     assert result.plan is None
     assert result.explanation
+
+
+def test_starts_in_conflict_are_named_and_the_rest_can_go():
+    problem = scenario(vehicle("a", (0, 0), (8, 0)), vehicle("b", (0.63, 0), (0, 8)), far())
+    for avoidance in ("steps", "intervals"):
+        result = plan(replace(problem, avoidance=avoidance), "certified")
+        assert result.status is Status.INFEASIBLE
+        assert "'a' and 'b'" in result.explanation
+        assert "The other vehicle can be planned" in result.explanation
+
+
+def test_a_start_within_an_obstacle_does_not_hide_the_rest():
+    rock = Obstacle.box("rock", [-1, -1], [1, 1])
+    result = plan(scenario(vehicle("a", (0, 0), (8, 0)), far(), obstacles=(rock,)), "certified")
+    assert "start of vehicle 'a' lies within obstacle 'rock'" in result.explanation
+    assert "The other vehicle can be planned" in result.explanation

@@ -37,7 +37,7 @@ def fitted(fleet: Fleet, found: Round, cross: float) -> tuple[Vector, ...] | Non
         A point per set; None where these sides do not fit.
     """
     problems = [fleet.problems[m] for m in found.sets]
-    initial = sum(max(p.program.initial_risk, 0.0) for p in problems)
+    initial = max(fleet.initial, sum(max(p.program.initial_risk, 0.0) for p in problems))
     budget = fleet.unit - initial - cross
     plans = found.plans
     points = polish(problems, plans, budget)

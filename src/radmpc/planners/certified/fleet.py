@@ -11,7 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import NoPlanError
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.crossing import cross_risks
+from radmpc.planners.certified.crossing import cross_risks, start_risks
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import Order, SetProblem, SetState
 from radmpc.planners.certified.working import Job, search_sets
@@ -68,8 +68,11 @@ class Fleet:
         self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
         for members in self.singles:
             self.problem(members)
+        starts = np.array([s.drift_position for s in self.subjects])
+        self.start_pairs = start_risks(self.scenario, starts, self.covariances)
         initial = sum(max(self.problems[m].program.initial_risk, 0.0) for m in self.singles)
-        self.budget = self.unit - initial
+        self.initial = initial + sum(self.start_pairs.values())
+        self.budget = self.unit - self.initial
         self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
 
     def problem(self, members: Members) -> SetProblem:

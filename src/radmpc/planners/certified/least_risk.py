@@ -22,6 +22,9 @@ _UNIT = 0.49
 _TOLERANCE = 0.02
 """Share of the risk bound to which the least risk is sought."""
 
+_Danger = tuple[str, str, str | None]
+"""Cause, vehicle, and what it may meet."""
+
 _EFFORTS = (1, 4, 16)
 
 
@@ -72,6 +75,9 @@ def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
     tolerance = _TOLERANCE * scenario.risk_bound / _UNIT
     fleet = Fleet(lenient, tolerance, limits, _silent, is_costless=True)
     best = LeastRisk(float("inf"), 0.0)
+    at_start, worst = _at_start(fleet)
+    if at_start > scenario.risk_bound or fleet.budget <= 0.0:
+        return LeastRisk(float("inf"), float("inf"), stuck=worst)
     for effort in _EFFORTS:
         while True:
             found = run_round(fleet, 1.0, effort)
@@ -88,9 +94,17 @@ def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
     return best
 
 
+def _at_start(fleet: Fleet) -> tuple[float, Members]:
+    """Return the vehicle, or the two, whose start risks most, and how much."""
+    risks: dict[Members, float] = {m: fleet.problems[m].program.initial_risk for m in fleet.singles}
+    for pair, risk in fleet.start_pairs.items():
+        risks[pair] = risk
+    return max((risk, members) for members, risk in risks.items())
+
+
 def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     """Return the better of two plans, with the better bound."""
-    initial = fleet.unit - fleet.budget
+    initial = fleet.initial
     # A round's bound is one on the cost, which counts for nothing here, less the budget.
     bound = max(best.bound, fleet.unit * found.bound + fleet.budget + initial)
     risk = initial + found.risk + found.cross
@@ -103,18 +117,22 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
 
 def _takers(fleet: Fleet, found: Round) -> tuple[tuple[Exposure, float], ...]:
     """Return what each danger takes over the whole horizon, with its worst step."""
-    total: dict[tuple[str, str, str | None], float] = defaultdict(float)
-    worst: dict[tuple[str, str, str | None], tuple[float, Exposure]] = {}
+    total: dict[_Danger, float] = defaultdict(float)
+    worst: dict[_Danger, tuple[float, Exposure]] = {}
+    names = [v.name for v in fleet.scenario.vehicles]
+    for (i, j), risk in fleet.start_pairs.items():
+        key = ("pair", names[i], names[j])
+        total[key] = risk
+        worst[key] = (risk, Exposure("pair", names[i], names[j], 0))
     for members, plan in zip(found.sets, found.plans, strict=True):
         program = fleet.problems[members].program
         risks = program.event_risks(plan.z, plan.selection)
         for event in np.flatnonzero(risks > 0.0):
             exposure = program.exposures[int(program.rows.exposures[event])]
-            key = (exposure.cause, exposure.vehicle, exposure.other)
-            risk = float(risks[event])
-            total[key] += risk
-            if key not in worst or risk > worst[key][0]:
-                worst[key] = (risk, exposure)
+            danger = (exposure.cause, exposure.vehicle, exposure.other)
+            total[danger] += float(risks[event])
+            if danger not in worst or risks[event] > worst[danger][0]:
+                worst[danger] = (float(risks[event]), exposure)
     ranked = sorted(total, key=lambda key: -total[key])
     return tuple((worst[key][1], total[key]) for key in ranked)
 

@@ -135,7 +135,9 @@ def _sketched(fleet: Fleet, sets: tuple[Members, ...], price: float) -> Round | 
 def _allowed_cross(fleet: Fleet, plans: Sequence[Incumbent], price: float) -> float:
     """Return the risk between sets that costs a small share of the gap, and of the budget."""
     cost = sum(plan.cost + price * plan.risk / fleet.unit for plan in plans)
-    return min(_CROSS_SHARE * fleet.gap * cost / price * fleet.unit, _CROSS_BUDGET * fleet.budget)
+    return max(
+        0.0, min(_CROSS_SHARE * fleet.gap * cost / price * fleet.unit, _CROSS_BUDGET * fleet.budget)
+    )
 
 
 def _merged(

@@ -131,11 +131,11 @@ def _too_little_risk(scenario: Scenario, found: LeastRisk) -> str:
 
 def _stuck(scenario: Scenario, members: tuple[int, ...], limits: Limits) -> str:
     """Say who cannot be planned at any risk, and what stands in the way."""
-    members = _smallest(scenario, members, limits)
-    part = scenario.subset(members, scenario.risk_bound)
-    reason = impossible_places(part)
+    reason = impossible_places(scenario.subset(members, scenario.risk_bound))
     if reason is not None:
         return reason
+    members = _smallest(scenario, members, limits)
+    part = scenario.subset(members, scenario.risk_bound)
     names = [repr(v.name) for v in part.vehicles]
     blockers = _blockers(part, limits)
     who = f"Vehicle {names[0]}" if len(names) == 1 else f"Vehicles {' and '.join(names)} together"
