@@ -20,7 +20,7 @@ def test_a_certified_plan_is_reported_with_exit_code_zero(run: Run, crossing: Pa
     for word in ("crossing: 2 vehicles", "status", "cost", "within the bound 0.05", "seconds"):
         assert word in result.stdout
     assert "where the risk goes" in result.stdout
-    assert "multi-vehicle: ira, branch, couplings" in result.stdout
+    assert "certified: optimal, branch, certified" in result.stdout
     assert result.stderr == ""
 
 

@@ -132,10 +132,10 @@ def test_the_bound_that_counts_is_the_scenarios(run: Run, plan_file: Path) -> No
     ("claims", "expected"),
     [
         ({"lower_bound": 1e6}, "lower bound 1000000 is above the cost"),
-        ({"status": "optimal"}, "'optimal' without a lower bound"),
+        ({"lower_bound": None}, "'optimal' without a lower bound"),
         ({"status": "limit"}, "'limit', yet there are trajectories"),
         ({"sets": [["east"]]}, "sets do not hold every vehicle once"),
-        ({"vehicles": []}, "'feasible', yet there are no trajectories"),
+        ({"vehicles": []}, "'optimal', yet there are no trajectories"),
     ],
 )
 def test_false_claims_do_not_hold(

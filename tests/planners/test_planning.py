@@ -177,7 +177,11 @@ def test_robust_planning_keeps_the_number_of_deviations_it_is_told():
 
 def test_progress_is_told_per_stage():
     seen = defaultdict(list)
-    plan(paper(2, 0), progress=lambda stage, done, total: seen[stage].append((done, total)))
+    plan(
+        paper(2, 0),
+        "multi-vehicle",
+        progress=lambda stage, done, total: seen[stage].append((done, total)),
+    )
     assert seen["radmpc"][-1] == (20, 20)
     assert seen["sets"][-1][0] == seen["sets"][-1][1]
 

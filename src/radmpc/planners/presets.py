@@ -15,7 +15,7 @@ from radmpc.solvers.branch import Branch
 
 __all__ = ["DEFAULT", "PRESETS", "Preset", "parse_planner"]
 
-DEFAULT = "multi-vehicle"
+DEFAULT = "certified"
 """The planner used when none is named."""
 
 

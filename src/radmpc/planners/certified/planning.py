@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from radmpc.planners.certified.polish import repriced
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.why_not import why_not
 from radmpc.planners.planner import Planner
-from radmpc.planners.result import Draft
+from radmpc.planners.result import Draft, Step
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
@@ -32,7 +32,7 @@ _MOST = 12.0
 _HOPELESS = 1e3
 """Multiple of the first price at which the bound itself is doubted."""
 
-_ENDED = "The time limit ended the search before any plan was found: raise it."
+_ENDED = "Nothing was ruled out: raise the time limit."
 _LITTLE = 1e-3
 """Share of the unit below which a vehicle's risk does not tell the price."""
 
@@ -51,6 +51,7 @@ class _Best:
     cost: float = float("inf")
     bound: float = -float("inf")
     sets: tuple[tuple[int, ...], ...] = ()
+    steps: list[Step] = field(default_factory=list)
 
 
 def plan_certified(
@@ -100,7 +101,7 @@ def plan_certified(
         Status.OPTIMAL if closed else Status.FEASIBLE,
         best.controls,
         best.sets,
-        (),
+        tuple(best.steps),
         (),
         seconds,
         lower_bound=_finite(min(best.bound, best.cost)),
@@ -122,6 +123,7 @@ def _search(
     tried: list[tuple[float, float]] = []
     price, effort = _price_alone(fleet, tried), 1
     for _ in range(_MAX_ROUNDS):
+        began = time.perf_counter()
         found = run_round(fleet, price, effort)
         if found is None:
             if fleet.limits.reached or fleet.without_plan() is not None:
@@ -130,6 +132,7 @@ def _search(
             continue
         best.bound = max(best.bound, found.bound)
         _take(fleet, found, best, is_certified)
+        best.steps.append(_step(fleet, found, best, time.perf_counter() - began))
         if relative_gap(best.cost, best.bound) <= gap or fleet.limits.reached:
             return
         if found.is_sketch:
@@ -154,6 +157,24 @@ def _search(
                 return
             effort *= _MORE_EFFORT
         price = following
+
+
+def _step(fleet: Fleet, found: Round, best: _Best, seconds: float) -> Step:
+    """Return the record of a round."""
+    plans = found.plans
+    return Step(
+        stage="sketch" if found.is_sketch else "round",
+        vehicles=tuple(v.name for v in fleet.scenario.vehicles),
+        iteration=len(best.steps),
+        cost=sum(plan.cost for plan in plans),
+        num_active=0,
+        num_chosen=sum(plan.selection.size for plan in plans),
+        allocated=fleet.budget,
+        used=found.risk + found.cross,
+        gap=relative_gap(best.cost, best.bound),
+        nodes=sum(fleet.states[m].nodes for m in found.sets if m in fleet.states),
+        seconds=seconds,
+    )
 
 
 def _price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
