@@ -11,6 +11,7 @@ from radmpc.io.document import Document, read_document
 from radmpc.io.dynobench import is_dynobench, read_dynobench
 from radmpc.io.foreign import ForeignProblem
 from radmpc.io.import_options import ImportOptions
+from radmpc.io.lsc import is_lsc, read_lsc
 from radmpc.io.overlay import ImportedScenario, overlay
 from radmpc.io.schema import SCENARIO_FORMAT
 from radmpc.io.text import one_line
@@ -27,7 +28,10 @@ class _Importer:
     read: Callable[[Document], ForeignProblem]
 
 
-_IMPORTERS = (_Importer("dynobench", is_dynobench, read_dynobench),)
+_IMPORTERS = (
+    _Importer("dynobench", is_dynobench, read_dynobench),
+    _Importer("LSC", is_lsc, read_lsc),
+)
 
 
 def import_scenario(
