@@ -114,13 +114,13 @@ def _draft(
         return plan_receding(scenario, planner, decomposition, rng, limits, progress)
     if isinstance(decomposition, Certified):
 
-        def is_certified(controls: tuple[Matrix, ...]) -> bool:
+        def risk_of(controls: tuple[Matrix, ...]) -> float:
             trajectories = _trajectories(scenario, controls)
             everyone = (tuple(range(scenario.num_vehicles)),)
             draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-            return certify(_plan(scenario, planner, None, draft, trajectories, None, {})).holds
+            return certify(_plan(scenario, planner, None, draft, trajectories, None, {})).certified
 
-        return plan_certified(scenario, planner, limits, executor, progress, is_certified)
+        return plan_certified(scenario, planner, limits, executor, progress, risk_of)
     if isinstance(decomposition, Couplings):
         return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
     return plan_centralized(scenario, planner, limits, progress)

@@ -19,8 +19,8 @@ _CROSS_SHARE = 0.04
 """Share of gap times unit by which fitting may raise the risk between sets."""
 
 
-def fitted(fleet: Fleet, found: Round, cross: float) -> tuple[Vector, ...] | None:
-    """Return a round's plan with its risks fitted to the bound.
+def fitted(fleet: Fleet, found: Round, budget: float, cross: float) -> tuple[Vector, ...] | None:
+    """Return a round's plan with its risks fitted to a budget.
 
     Parameters
     ----------
@@ -28,6 +28,8 @@ def fitted(fleet: Fleet, found: Round, cross: float) -> tuple[Vector, ...] | Non
         The fleet.
     found : Round
         The plan at its price.
+    budget : float
+        What its simple bounds may sum to, beyond the risk of the starts.
     cross : float
         Risk between sets to leave room for.
 
@@ -37,8 +39,7 @@ def fitted(fleet: Fleet, found: Round, cross: float) -> tuple[Vector, ...] | Non
         A point per set; None where these sides do not fit.
     """
     problems = [fleet.problems[m] for m in found.sets]
-    initial = max(fleet.initial, sum(max(p.program.initial_risk, 0.0) for p in problems))
-    budget = fleet.unit - initial - cross
+    whole, budget = budget, budget - cross
     plans = found.plans
     points = polish(problems, plans, budget)
     for factor in _DEARER:
@@ -63,7 +64,7 @@ def fitted(fleet: Fleet, found: Round, cross: float) -> tuple[Vector, ...] | Non
         for p, z, i in zip(problems, points, plans, strict=True)
     )
     risk += sum(fleet.crossing(found.sets, points).values())
-    return points if risk <= fleet.unit - initial else raw if fits else None
+    return points if risk <= whole else raw if fits else None
 
 
 def _kept_apart(

@@ -29,6 +29,15 @@ Members = tuple[int, ...]
 _SET_SHARE = 0.5
 """Share of the gap that the sets' own searches may use."""
 
+_ROOM = {"steps": (4.0, 1.5), "intervals": (12.0, 4.0)}
+"""What simple bounds may sum to, in multiples of the risk bound: at most, and to begin with."""
+
+_MOST_UNIT = 0.49
+"""Most that one row may risk: up to 0.5 its tail is convex."""
+
+_FILL = 0.9
+"""Share of the unit up to which the budget may grow."""
+
 _RISK_TO_COST = 0.006
 """Typical value of the whole risk budget, as a share of the cost of plans."""
 
@@ -63,8 +72,10 @@ class Fleet:
         self.subjects = whole_subjects(self.scenario)
         self.covariances = np.array([s.position_covariances for s in self.subjects])
         self.surroundings = Surroundings(self.scenario, self.subjects)
-        # Every row may take the whole bound at most; the budget itself may be less.
-        self.unit = self.scenario.risk_bound
+        # Simple bounds may sum to more than the referee finds, by a factor that is not known yet.
+        granted = self.scenario.risk_bound
+        room, begin = _ROOM[self.scenario.avoidance]
+        self.unit = max(granted, min(_MOST_UNIT, room * granted))
         self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
         for members in self.singles:
             self.problem(members)
@@ -72,7 +83,7 @@ class Fleet:
         self.start_pairs = start_risks(self.scenario, starts, self.covariances)
         initial = sum(max(self.problems[m].program.initial_risk, 0.0) for m in self.singles)
         self.initial = initial + sum(self.start_pairs.values())
-        self.budget = self.unit - self.initial
+        self.budget = max(granted, min(begin * granted, _FILL * self.unit)) - self.initial
         self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
 
     def problem(self, members: Members) -> SetProblem:
@@ -83,10 +94,21 @@ class Fleet:
             self.problems[members] = made.without_cost() if self.is_costless else made
         return self.problems[members]
 
+    def set_budget(self, budget: float) -> None:
+        """Set what simple bounds may sum to beyond the starts: Δ at least, the unit at most."""
+        least = self.scenario.risk_bound - self.initial
+        self.budget = max(least, min(budget, self.most_budget))
+
+    @property
+    def most_budget(self) -> float:
+        """The most that simple bounds may sum to beyond the starts."""
+        return _FILL * self.unit - self.initial
+
     def first_price(self) -> float:
         """Guess the price of the whole bound from what plans cost without dangers."""
         total = float(sum(self.base))
-        return max(_RISK_TO_COST * total, 1e-6 * max(1.0, total))
+        guess = max(_RISK_TO_COST * total, 1e-6 * max(1.0, total))
+        return guess * self.unit / (self.budget + self.initial)
 
     def best(self, members: Members) -> Incumbent:
         """Return the plan of a set that has one."""

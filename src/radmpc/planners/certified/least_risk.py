@@ -105,8 +105,8 @@ def _at_start(fleet: Fleet) -> tuple[float, Members]:
 def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     """Return the better of two plans, with the better bound."""
     initial = fleet.initial
-    # A round's bound is one on the cost, which counts for nothing here, less the budget.
-    bound = max(best.bound, fleet.unit * found.bound + fleet.budget + initial)
+    # At a price of 1, and with effort free, the value is the risk in units.
+    bound = max(best.bound, fleet.unit * found.least + initial)
     risk = initial + found.risk + found.cross
     if risk >= best.risk:
         return replace(best, bound=min(bound, best.risk))

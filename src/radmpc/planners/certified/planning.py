@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fitting import fitted
@@ -38,20 +38,53 @@ _LITTLE = 1e-3
 
 _OVERDRAWN = 1.2
 _FAR_OVERDRAWN = 1.6
+_FITS = 5
+_SAME = 1e-4
+"""Relative difference below which two prices are one."""
+
+_SPENT = 0.85
+"""Share of Δ from which on the referee's figure counts as used up."""
+
+_AIM = 0.95
+_STRETCH = 3.0
 _STEEPNESS = 1.15
 _CLOSE = 0.03
 """Share of the budget that may stay unused when the price is right."""
 
 
+RiskOf = Callable[[tuple[Matrix, ...]], float]
+"""The referee's certificate of every vehicle's controls."""
+
+
 @dataclass(slots=True, eq=False)
 class _Best:
-    """The best certified plan so far, and the best bound."""
+    """The best certified plan so far, and what the rounds proved."""
 
     controls: tuple[Matrix, ...] = ()
     cost: float = float("inf")
-    bound: float = -float("inf")
+    spent: float = 0.0
     sets: tuple[tuple[int, ...], ...] = ()
+    rounds: list[tuple[float, float]] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
+
+    def bound(self, fleet: Fleet) -> float:
+        """Return the least cost of any plan whose simple bounds sum to no more than its own."""
+        return self._bound(max(fleet.budget, self.spent) / fleet.unit)
+
+    def reported(self, fleet: Fleet, gap: float) -> float:
+        """Return a lower bound on the cost of any plan whose simple bounds sum to Δ at most.
+
+        If the gap is closed, that of plans whose simple bounds sum to what this one's do: lower,
+        and saying more.
+        """
+        bound = self.bound(fleet)
+        if relative_gap(self.cost, bound) > gap:
+            bound = self._bound((fleet.scenario.risk_bound - fleet.initial) / fleet.unit)
+        return min(bound, self.cost)
+
+    def _bound(self, units: float) -> float:
+        """Return the least cost within a budget."""
+        return max((least - price * units for least, price in self.rounds), default=-np.inf)
 
 
 def plan_certified(
@@ -60,7 +93,7 @@ def plan_certified(
     limits: Limits,
     executor: Executor | None,
     progress: Callable[[str, int, int | None], None],
-    is_certified: Callable[[tuple[Matrix, ...]], bool],
+    risk_of: RiskOf,
 ) -> Draft:
     """Plan a fleet to a proven gap; every plan returned is certified.
 
@@ -76,8 +109,8 @@ def plan_certified(
         Where sets are searched; the plan is the same.
     progress : callable
         Told the stage, sets done, and of how many.
-    is_certified : callable
-        The referee's word on controls, in the scenario's order.
+    risk_of : callable
+        What the referee says that controls risk, in the scenario's order.
 
     Returns
     -------
@@ -90,13 +123,15 @@ def plan_certified(
     )
     best = _Best()
     if fleet.budget > 0.0:
-        _search(fleet, best, planner.gap, is_certified)
+        _search(fleet, best, planner.gap, risk_of)
     if not best.controls:
-        answer = _without_plan(fleet, best, is_certified)
+        answer = _without_plan(fleet, best, risk_of)
         if not best.controls:
             return replace(answer, seconds={"sets": time.perf_counter() - begun})
     seconds = {"sets": time.perf_counter() - begun}
-    closed = relative_gap(best.cost, best.bound) <= planner.gap * (1.0 + 1e-6)
+    gap = planner.gap * (1.0 + 1e-6)
+    bound = best.reported(fleet, gap)
+    closed = relative_gap(best.cost, bound) <= gap
     return Draft(
         Status.OPTIMAL if closed else Status.FEASIBLE,
         best.controls,
@@ -104,7 +139,7 @@ def plan_certified(
         tuple(best.steps),
         (),
         seconds,
-        lower_bound=_finite(min(best.bound, best.cost)),
+        lower_bound=_finite(bound),
     )
 
 
@@ -117,7 +152,7 @@ def _search(
     fleet: Fleet,
     best: _Best,
     gap: float,
-    is_certified: Callable[[tuple[Matrix, ...]], bool],
+    risk_of: RiskOf,
 ) -> None:
     """Search for the price at which the fleet just uses its budget."""
     tried: list[tuple[float, float]] = []
@@ -130,10 +165,10 @@ def _search(
                 return
             effort *= _MORE_EFFORT
             continue
-        best.bound = max(best.bound, found.bound)
-        _take(fleet, found, best, is_certified)
+        best.rounds.append((found.least, price))
+        _take(fleet, found, best, risk_of)
         best.steps.append(_step(fleet, found, best, time.perf_counter() - began))
-        if relative_gap(best.cost, best.bound) <= gap or fleet.limits.reached:
+        if relative_gap(best.cost, best.bound(fleet)) <= gap or fleet.limits.reached:
             return
         if found.is_sketch:
             if found.risk > _OVERDRAWN * fleet.budget:
@@ -144,7 +179,7 @@ def _search(
             is_near = bool(best.controls) or found.risk <= _FAR_OVERDRAWN * fleet.budget
             fleet.is_sketched = is_near or len(tried) >= _MAX_SKETCHES
             continue
-        if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound):
+        if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound(fleet)):
             # The searches leave more open than a better price could close.
             effort *= _MORE_EFFORT
             continue
@@ -152,7 +187,7 @@ def _search(
         following = _next_price(tried, fleet.budget - found.cross)
         if not best.controls and following > _HOPELESS * fleet.first_price():
             return
-        if following == price:
+        if abs(following - price) <= _SAME * price:
             if not found.is_limited:
                 return
             effort *= _MORE_EFFORT
@@ -171,7 +206,7 @@ def _step(fleet: Fleet, found: Round, best: _Best, seconds: float) -> Step:
         num_chosen=sum(plan.selection.size for plan in plans),
         allocated=fleet.budget,
         used=found.risk + found.cross,
-        gap=relative_gap(best.cost, best.bound),
+        gap=relative_gap(best.cost, best.bound(fleet)),
         nodes=sum(fleet.states[m].nodes for m in found.sets if m in fleet.states),
         seconds=seconds,
     )
@@ -207,27 +242,61 @@ def _price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
     return price
 
 
-def _take(
+def _take(fleet: Fleet, found: Round, best: _Best, risk_of: RiskOf) -> None:
+    """Keep a round's plan if it is certified and better than what there is.
+
+    What simple bounds sum to and what the referee finds differ: fitted to more or less of the
+    former, the sides of the round come to just below Δ by the latter.
+    """
+    granted = fleet.scenario.risk_bound
+    budget, low, high = fleet.budget, 0.0, float("inf")
+    cross = found.cross
+    for _ in range(_FITS):
+        points = fitted(fleet, found, budget, cross)
+        if points is None:
+            if high == float("inf"):
+                break
+            # Too little for these sides, and `high` too much.
+            budget = 0.5 * (budget + high)
+            continue
+        risk = _keep(fleet, found, points, best, risk_of, budget)
+        if risk > granted:
+            high = min(high, budget)
+            cross = 2.0 * cross + 0.02 * budget
+        else:
+            low = max(low, budget)
+            if risk >= _SPENT * granted:
+                break
+        following = budget * min(_STRETCH, _AIM * granted / max(risk, 1e-12))
+        if low and high < float("inf"):
+            following = (low * high) ** 0.5
+        following = min(following, fleet.most_budget)
+        if abs(following - budget) <= _CLOSE * budget:
+            break
+        budget = following
+    if low:
+        fleet.set_budget(low)
+    elif not best.controls:
+        _keep(fleet, found, [plan.z for plan in found.plans], best, risk_of, found.risk + cross)
+
+
+def _keep(
     fleet: Fleet,
     found: Round,
+    points: Sequence[Vector],
     best: _Best,
-    is_certified: Callable[[tuple[Matrix, ...]], bool],
-) -> None:
-    """Keep a round's plan if it is certified and better than what there is."""
-    # What the sets risk between them is only estimated until the referee has seen it.
-    for cross in (found.cross, 2.0 * found.cross + 0.02 * fleet.unit, 0.3 * fleet.unit):
-        points = fitted(fleet, found, cross)
-        if points is None:
-            return
-        pairs = zip(found.sets, points, strict=True)
-        cost = sum(float(fleet.problems[m].program.cost @ z) for m, z in pairs)
-        if cost >= best.cost:
-            return
-        controls = fleet.controls(found.sets, points)
-        if is_certified(controls):
-            best.controls, best.cost, best.sets = controls, cost, found.sets
-            fleet.known = fleet.parted(found.sets, points)
-            return
+    risk_of: RiskOf,
+    spent: float,
+) -> float:
+    """Keep a plan if it is certified and the best; return what the referee says it risks."""
+    controls = fleet.controls(found.sets, points)
+    risk = risk_of(controls)
+    pairs = zip(found.sets, points, strict=True)
+    cost = sum(float(fleet.problems[m].program.cost @ z) for m, z in pairs)
+    if risk <= fleet.scenario.risk_bound and cost < best.cost:
+        best.controls, best.cost, best.sets, best.spent = controls, cost, found.sets, spent
+        fleet.known = fleet.parted(found.sets, points)
+    return risk
 
 
 def _next_price(tried: list[tuple[float, float]], budget: float) -> float:
@@ -251,14 +320,12 @@ def _next_price(tried: list[tuple[float, float]], budget: float) -> float:
     return float(price * np.clip((max(risk, 1e-12) / budget) ** _STEEPNESS, 0.2, 5.0))
 
 
-def _without_plan(
-    fleet: Fleet, best: _Best, is_certified: Callable[[tuple[Matrix, ...]], bool]
-) -> Draft:
+def _without_plan(fleet: Fleet, best: _Best, risk_of: RiskOf) -> Draft:
     """Say why there is no plan; the search for the reason may find one after all."""
     if fleet.limits.reached:
         return Draft(Status.LIMIT, (), (), (), (), {}, _ENDED)
     answer = why_not(fleet.scenario, fleet.limits)
-    if answer.controls and is_certified(answer.controls):
+    if answer.controls and risk_of(answer.controls) <= fleet.scenario.risk_bound:
         best.controls, best.sets = answer.controls, answer.sets
         best.cost = sum(
             vehicle.cost_weight * float(np.abs(controls).sum())

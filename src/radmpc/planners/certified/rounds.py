@@ -32,8 +32,8 @@ class Round:
         The plan of each set.
     risk, cross : float
         What the sets run within, and about what they run between them.
-    bound : float
-        Lower bound on the cost of any plan of the fleet.
+    least : float
+        Lower bound on cost and priced risk of any plan of the fleet.
     open_gap : float
         What the sets' own searches leave between plans and bounds.
     is_limited : bool
@@ -47,7 +47,7 @@ class Round:
     plans: tuple[Incumbent, ...]
     risk: float
     cross: float
-    bound: float
+    least: float
     open_gap: float
     is_limited: bool
     is_sketch: bool = False
@@ -103,7 +103,7 @@ def _round(fleet: Fleet, sets: tuple[Members, ...], price: float, cross: float) 
         plans=plans,
         risk=risk,
         cross=cross,
-        bound=bound - price * fleet.budget / fleet.unit,
+        least=bound,
         open_gap=value - bound,
         is_limited=any(fleet.states[m].is_limited for m in sets),
     )
@@ -125,7 +125,7 @@ def _sketched(fleet: Fleet, sets: tuple[Members, ...], price: float) -> Round | 
         plans=plans,
         risk=risk,
         cross=cross,
-        bound=bound - price * fleet.budget / fleet.unit,
+        least=bound,
         open_gap=value - bound,
         is_limited=True,
         is_sketch=True,
