@@ -164,3 +164,23 @@ def test_risk_between_sets_counts_each_pair_once_and_none_within_a_set():
         (0, 1): pytest.approx(sum(apart[p] for p in [(0, 2), (0, 3), (1, 2), (1, 3)]))
     }
     assert cross_risks(scenario, means, noise, np.zeros(4, dtype=int)) == {}
+
+
+@pytest.mark.parametrize("scenario", [paper(5, 2), paper(6, 5), paper(8, 9)], ids=lambda s: s.name)
+def test_what_the_referee_leaves_of_the_bound_is_spent(scenario):
+    result = plan(scenario, "certified")
+    assert 0.8 * scenario.risk_bound <= result.certificate.certified <= scenario.risk_bound
+    assert result.status is Status.OPTIMAL
+
+
+def test_sides_that_the_referee_rates_above_the_bound_do_not_end_the_search():
+    # At the budget that most problems afford, this one's best sides are rated above Δ.
+    result = plan(paper(7, 7), "certified")
+    assert result.status is Status.OPTIMAL
+    assert result.is_certified
+
+
+def test_a_tangled_set_has_a_certified_plan_long_before_its_proof():
+    result = plan(circle(8), "certified", time_limit=3.0)
+    assert result.is_certified
+    assert result.cost <= 1.12 * result.lower_bound

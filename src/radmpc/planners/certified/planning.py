@@ -46,6 +46,7 @@ _SPENT = 0.85
 """Share of Δ from which on the referee's figure counts as used up."""
 
 _AIM = 0.95
+_BACK_OFF = 0.97
 _STRETCH = 3.0
 _STEEPNESS = 1.15
 _CLOSE = 0.03
@@ -63,6 +64,8 @@ class _Best:
     controls: tuple[Matrix, ...] = ()
     cost: float = float("inf")
     spent: float = 0.0
+    too_much: float = float("inf")
+    has_failed: bool = False
     sets: tuple[tuple[int, ...], ...] = ()
     rounds: list[tuple[float, float]] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
@@ -170,6 +173,9 @@ def _search(
         best.steps.append(_step(fleet, found, best, time.perf_counter() - began))
         if relative_gap(best.cost, best.bound(fleet)) <= gap or fleet.limits.reached:
             return
+        if best.has_failed and relative_gap(best.cost, best.reported(fleet, gap)) <= gap:
+            # Better sides by simple bounds are none by the referee's: what is proven will do.
+            return
         if found.is_sketch:
             if found.risk > _OVERDRAWN * fleet.budget:
                 # These sides risk too much at this price: raise it before searching at length.
@@ -274,8 +280,13 @@ def _take(fleet: Fleet, found: Round, best: _Best, risk_of: RiskOf) -> None:
         if abs(following - budget) <= _CLOSE * budget:
             break
         budget = following
+    best.has_failed = high < float("inf") and not low
     if low:
-        fleet.set_budget(low)
+        fleet.set_budget(min(low, _BACK_OFF * best.too_much))
+    elif best.has_failed:
+        # The referee finds more in these sides: nearer to Δ, where it cannot.
+        best.too_much = min(best.too_much, fleet.budget)
+        fleet.set_budget(_BACK_OFF * (fleet.budget * (granted - fleet.initial)) ** 0.5)
     elif not best.controls:
         _keep(fleet, found, [plan.z for plan in found.plans], best, risk_of, found.risk + cross)
 
