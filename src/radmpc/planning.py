@@ -157,13 +157,18 @@ def _plan(
     risk = Risk(scenario.risk_bound)
     if certificate is not None:
         risk = Risk(scenario.risk_bound, certificate.certified, certificate.ledger)
+    cost = _cost(scenario, trajectories) if trajectories else None
+    bound = draft.lower_bound
+    if cost is not None and bound is not None:
+        # The same cost, summed in another order, differs by rounding.
+        bound = min(bound, cost)
     return Plan(
         scenario=scenario,
         planner=str(planner),
         seed=seed,
         status=draft.status,
-        cost=_cost(scenario, trajectories) if trajectories else None,
-        lower_bound=draft.lower_bound,
+        cost=cost,
+        lower_bound=bound,
         risk=risk,
         sets=tuple(tuple(scenario.vehicles[i].name for i in s) for s in draft.sets),
         seconds=seconds,

@@ -45,6 +45,9 @@ _SAME = 1e-4
 _SPENT = 0.85
 """Share of Δ from which on the referee's figure counts as used up."""
 
+_FINE = 2e-3
+"""Gap to plans that spend as much that is small enough once Δ itself is proven."""
+
 _AIM = 0.95
 _BACK_OFF = 0.97
 _STRETCH = 3.0
@@ -173,8 +176,11 @@ def _search(
         best.steps.append(_step(fleet, found, best, time.perf_counter() - began))
         if relative_gap(best.cost, best.bound(fleet)) <= gap or fleet.limits.reached:
             return
-        if best.has_failed and relative_gap(best.cost, best.reported(fleet, gap)) <= gap:
-            # Better sides by simple bounds are none by the referee's: what is proven will do.
+        is_proven = relative_gap(best.cost, best.reported(fleet, gap)) <= gap
+        is_fine = relative_gap(best.cost, best.bound(fleet)) <= max(gap, _FINE)
+        if is_proven and (best.has_failed or is_fine or effort > 1):
+            # No plan within Δ by simple bounds is cheaper; what spending more of the referee's
+            # leave could still gain is little, or out of its leave, or dear.
             return
         if found.is_sketch:
             if found.risk > _OVERDRAWN * fleet.budget:
@@ -187,6 +193,8 @@ def _search(
             continue
         if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound(fleet)):
             # The searches leave more open than a better price could close.
+            if is_proven:
+                return
             effort *= _MORE_EFFORT
             continue
         tried.append((price, found.risk))
