@@ -80,6 +80,9 @@ def plan(
         ),
     ] = None,
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate sets.")] = 1,
+    dask: Annotated[
+        str | None, typer.Option("--dask", help="Address of a Dask scheduler to plan on.")
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Write the plan here, as JSON.")
     ] = None,
@@ -92,7 +95,7 @@ def plan(
     as_json: AsJson = False,
 ) -> int:
     """Plan a scenario; write it where -o says."""
-    request = Request(planner, seed, time_limit, jobs, output, figure, as_json, ledger)
+    request = Request(planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask)
     check_request(request)
     return run_plan(load_scenario(scenario), request)
 

@@ -13,6 +13,7 @@ from radmpc.console.picture import check_picture, write_ledger, write_picture
 from radmpc.console.progress import progress_line
 from radmpc.console.report import plan_report
 from radmpc.console.workers import workers
+from radmpc.errors import ScenarioError
 from radmpc.io.plan_file import encode_plan, save_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.scenario import Scenario
@@ -37,6 +38,8 @@ class Request:
         Seconds; None is no limit.
     jobs : int
         Number of processes.
+    dask : str or None
+        Address of a Dask scheduler.
     output, figure, ledger : Path or None
         Where the plan, its picture and that of its risk go; None writes none.
     as_json : bool
@@ -51,6 +54,7 @@ class Request:
     figure: Path | None = None
     as_json: bool = False
     ledger: Path | None = None
+    dask: str | None = None
 
 
 def check_request(request: Request) -> None:
@@ -66,6 +70,8 @@ def check_request(request: Request) -> None:
         If an output cannot be written.
     """
     parse_planner(request.planner)
+    if request.dask is not None and request.jobs > 1:
+        raise ScenarioError("--dask and --jobs exclude each other")
     check_output(request.output)
     check_picture(request.figure)
     check_picture(request.ledger)
@@ -81,7 +87,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     """
     with (
         stop_on_interrupt() as is_stopped,
-        workers(request.jobs) as executor,
+        workers(request.jobs, request.dask) as executor,
         progress_line() as progress,
     ):
         result = plan(

@@ -9,23 +9,31 @@ from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 
+from radmpc.console.cluster import cluster
+
 __all__ = ["workers"]
 
 
 @contextmanager
-def workers(jobs: int) -> Iterator[Executor | None]:
-    """Provide an executor of processes, or none where one process is enough.
+def workers(jobs: int, dask: str | None = None) -> Iterator[Executor | None]:
+    """Provide an executor of processes or a cluster's, or none where one process is enough.
 
     Parameters
     ----------
     jobs : int
         Number of processes, >= 1.
+    dask : str or None
+        Address of a Dask scheduler, to plan there instead.
 
     Yields
     ------
     Executor or None
         None for one job: planning then runs in this process.
     """
+    if dask is not None:
+        with cluster(dask) as executor:
+            yield executor
+        return
     if jobs == 1:
         yield None
         return

@@ -17,6 +17,9 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Job", "search_sets"]
 
 _POLL_SECONDS = 0.1
+_GRACE = 5.0
+"""Seconds that workers may be late."""
+
 _CHUNKS = 16
 """Parts that a round's sets are handed out in: few enough to pay their way, enough to share."""
 
@@ -110,6 +113,9 @@ def _elsewhere(
             progress(len(chunks) - len(waiting), len(chunks))
             if waiting and limits.is_stopped():
                 flag.touch()
+            if waiting and time.time() > deadline + _GRACE:
+                # Nobody is left to answer: what is missing is searched here, as far as time allows.
+                return [_answer(f) if f is not None and f.done() else None for f in futures]
     return [None if future is None else _answer(future) for future in futures]
 
 

@@ -1,0 +1,112 @@
+"""The same plan wherever sets are searched, and whoever dies on the way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+
+import distributed
+import numpy as np
+import pytest
+
+from radmpc.console.cluster import cluster
+from radmpc.experiments.families import fleet
+from radmpc.io.plan_file import load_plan
+from radmpc.io.scenario_file import save_scenario
+from radmpc.planning import plan
+
+SCENARIO = fleet(10, 1)
+
+
+def controls(result_or_plan):
+    return [t.controls for t in result_or_plan.trajectories]
+
+
+@pytest.fixture(scope="module")
+def here():
+    return controls(plan(SCENARIO, "certified").require())
+
+
+@pytest.fixture(scope="module")
+def scheduler():
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as local:
+        yield local
+
+
+def assert_same(found, expected):
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def killing(pid):
+    """Return a progress callback that kills a process when it is first called."""
+    alive = [pid]
+
+    def told(stage, done, total):
+        del stage, done, total
+        if alive:
+            os.kill(alive.pop(), signal.SIGKILL)
+
+    return told
+
+
+def test_a_process_killed_in_mid_run_loses_nothing(here):
+    with ProcessPoolExecutor(2) as pool:
+        pids = {pool.submit(os.getpid).result() for _ in range(8)}
+        result = plan(SCENARIO, "certified", executor=pool, progress=killing(pids.pop()))
+    assert_same(controls(result.require()), here)
+
+
+def test_a_cluster_gives_the_same_plan(scheduler, here):
+    with cluster(scheduler.scheduler_address) as executor:
+        result = plan(SCENARIO, "certified", executor=executor)
+    assert_same(controls(result.require()), here)
+
+
+def test_a_cluster_gives_the_same_plan_on_the_command_line(scheduler, here, tmp_path):
+    save_scenario(SCENARIO, tmp_path / "fleet.yaml")
+    command = ["plan", "fleet.yaml", "--dask", scheduler.scheduler_address, "-o", "plan.json"]
+    done = subprocess.run(
+        [sys.executable, "-m", "radmpc", *command],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert_same(controls(load_plan(tmp_path / "plan.json")), here)
+
+
+def test_a_worker_of_a_cluster_killed_in_mid_run_loses_nothing(scheduler, here):
+    pids = [worker.pid for worker in scheduler.workers.values()]
+    with cluster(scheduler.scheduler_address) as executor:
+        result = plan(SCENARIO, "certified", executor=executor, progress=killing(pids[0]))
+    assert_same(controls(result.require()), here)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        ["--dask", "tcp://127.0.0.1:9", "--jobs", "2"],
+        ["--dask", "tcp://127.0.0.1:9"],
+        ["--dask", "nowhere"],
+    ],
+)
+def test_a_scheduler_that_is_none_is_one_line(more, tmp_path):
+    save_scenario(SCENARIO, tmp_path / "fleet.yaml")
+    done = subprocess.run(
+        [sys.executable, "-m", "radmpc", "plan", "fleet.yaml", *more],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "--dask" in done.stderr
