@@ -21,6 +21,7 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import LpOutcome
+from radmpc.solvers.risk_branching import BranchingChoice
 from radmpc.solvers.risk_lp import RiskLp, SetBound
 from radmpc.solvers.risk_nodes import Frontier, Incumbent, Node
 from radmpc.solvers.risk_rating import Rater, Rating
@@ -32,7 +33,6 @@ _INF = float("inf")
 _EPSILON = 0.3
 """Share of the gap within which a node's bound and its point's true value count as equal."""
 
-_SECOND_WEIGHT = 0.5
 _ROUNDS = 8
 _FLAT = 5.5
 """Clearance beyond which a tangent (2e-8) is no better than t >= 0."""
@@ -112,10 +112,7 @@ class RiskTree:
         self._parked: list[Node] = []
         self._trail: list[Node] = []
         self._created = 0
-        self._weights = np.ones(program.num_avoidances)
-        self._owner = np.repeat(
-            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
-        )
+        self._choice = BranchingChoice(program, self.rater)
         self._noisy = program.rows.deviations > 0.0
         starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
         self._rows_of = [members[a:b] for a, b in pairwise(starts)]
@@ -265,7 +262,9 @@ class RiskTree:
                 epsilon = self._epsilon(min(worth, self.value))
                 if worth - node.bound <= epsilon:
                     break
-                avoidance, is_blunt = self._most_promising(node.chosen, rating)
+                avoidance, is_blunt = self._choice.most_promising(
+                    node.chosen, rating, has_plan=self.best is not None
+                )
                 # Far from any plan, an exact account of the risks chosen so far can wait.
                 tolerance = (3.0 if is_blunt else 0.5) * epsilon
                 is_last = attempt >= (1 if is_blunt else _ROUNDS - 1)
@@ -273,7 +272,7 @@ class RiskTree:
                     continue
                 if avoidance is None:
                     break
-                node.sides = self._sides(avoidance, rating)
+                node.sides = self._choice.sides(avoidance, rating)
                 return
         node.is_open = True
         self._parked.append(node)
@@ -284,7 +283,7 @@ class RiskTree:
         # A little beyond the cutoff, so that the bound still serves at a higher price.
         outcome, bound = self.lp.solve(cutoff + _HEADROOM * abs(cutoff))
         if outcome is not LpOutcome.OPTIMAL and node.chosen:
-            self._weights[self._owner[node.chosen[-1]]] += 1.0
+            self._choice.failed(node.chosen[-1])
         node.bound = max(node.bound, bound)
         if outcome is LpOutcome.OPTIMAL and node.bound >= cutoff:
             return LpOutcome.CUTOFF
@@ -307,31 +306,6 @@ class RiskTree:
             if error > tolerance / (4.0 * rows.size) and clearance < _FLAT:
                 added |= self.lp.add_tangent(int(row), max(clearance, self.lp.floor))
         return added
-
-    def _most_promising(self, chosen: Sequence[int], rating: Rating) -> tuple[int | None, bool]:
-        """Return the avoidance to branch on, and whether any is far from kept."""
-        if rating.cheapest.size == 0:
-            return None, False
-        free = np.ones(rating.cheapest.size, dtype=bool)
-        free[self._owner[list(chosen)]] = False
-        least = np.where(free, rating.short.min(axis=1), -_INF)
-        violated = np.flatnonzero(least > 0.0)
-        if violated.size == 0:
-            risks = np.where(free, rating.cheapest, 0.0)
-            worst = int(risks.argmax())
-            return (worst if risks[worst] > 0.0 else None), False
-        if self.best is None or rating.short.shape[1] == 1:
-            # Without a solution, what failed often fails early: begin there (Boussemart 2004).
-            return int(violated[(least[violated] * self._weights[violated]).argmax()]), True
-        nearest = np.partition(rating.short[violated], 1, axis=1)[:, :2]
-        second = np.where(np.isfinite(nearest[:, 1]), nearest[:, 1], 2.0 * nearest[:, 0] + 5.0)
-        return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * second).argmax()]), True
-
-    def _sides(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
-        """Return the possible alternatives of an avoidance, the one violated least first."""
-        short = rating.short[avoidance]
-        order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]
-        return tuple(int(self.rater.table[avoidance, i]) for i in order)
 
     def _rows(self, sides: Sequence[int]) -> list[int]:
         """Return the rows of alternatives."""

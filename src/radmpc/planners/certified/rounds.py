@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from radmpc.planners.certified.fleet import Fleet, Members
 from radmpc.planners.certified.sketch import sketch
@@ -94,19 +94,9 @@ def run_round(fleet: Fleet, price: float, effort: int) -> Round | None:
 def _round(fleet: Fleet, sets: tuple[Members, ...], price: float, cross: float) -> Round:
     """Sum up the sets at a price."""
     plans = tuple(fleet.best(m) for m in sets)
-    risk = sum(plan.risk for plan in plans)
-    bound = sum(fleet.states[m].bound for m in sets)
-    value = sum(plan.cost for plan in plans) + price * risk / fleet.unit
-    return Round(
-        sets=sets,
-        price=price,
-        plans=plans,
-        risk=risk,
-        cross=cross,
-        least=bound,
-        open_gap=value - bound,
-        is_limited=any(fleet.states[m].is_limited for m in sets),
-    )
+    is_limited = any(fleet.states[m].is_limited for m in sets)
+    least = sum(fleet.states[m].bound for m in sets)
+    return _summed(fleet, Round(sets, price, plans, 0.0, cross, least, 0.0, is_limited))
 
 
 def _sketched(fleet: Fleet, sets: tuple[Members, ...], price: float) -> Round | None:
@@ -116,20 +106,15 @@ def _sketched(fleet: Fleet, sets: tuple[Members, ...], price: float) -> Round | 
         return None
     drawn_sets, plans = drawn
     cross = sum(fleet.crossing(drawn_sets, [plan.z for plan in plans]).values())
-    bound = sum(fleet.states[m].bound for m in sets)
-    risk = sum(plan.risk for plan in plans)
-    value = sum(plan.cost for plan in plans) + price * risk / fleet.unit
-    return Round(
-        sets=drawn_sets,
-        price=price,
-        plans=plans,
-        risk=risk,
-        cross=cross,
-        least=bound,
-        open_gap=value - bound,
-        is_limited=True,
-        is_sketch=True,
-    )
+    least = sum(fleet.states[m].bound for m in sets)
+    return _summed(fleet, Round(drawn_sets, price, plans, 0.0, cross, least, 0.0, True, True))
+
+
+def _summed(fleet: Fleet, found: Round) -> Round:
+    """Fill in what follows from the plans."""
+    risk = sum(plan.risk for plan in found.plans)
+    value = sum(plan.cost for plan in found.plans) + found.price * risk / fleet.unit
+    return replace(found, risk=risk, open_gap=value - found.least)
 
 
 def _allowed_cross(fleet: Fleet, plans: Sequence[Incumbent], price: float) -> float:

@@ -36,7 +36,7 @@ class WhyNot:
     is_proven : bool
         Whether no plan is within the bound; otherwise none was found.
     controls : tuple of (T, m) array
-        A plan within the bound after all, met on the way; mostly empty.
+        The safest plan met on the way, for the referee to judge; empty without one.
     sets : tuple of tuple of int
         Who was planned together in it.
     """
@@ -94,9 +94,9 @@ def _of_the_rest(
     """Say what those can do who are not stuck."""
     bound = scenario.risk_bound
     if not reasons:
-        if found.risk <= bound:
-            return WhyNot("", False, found.controls, found.sets)
-        return WhyNot(_too_little_risk(scenario, found), found.bound > bound)
+        # Above Δ by simple bounds, the safest plan may still be within it by the referee's.
+        reason = "" if found.risk <= bound else _too_little_risk(scenario, found)
+        return WhyNot(reason, found.bound > bound, found.controls, found.sets)
     others = f"The other {count} vehicles" if count > 1 else "The other vehicle"
     if found.risk <= bound:
         can = f"{others} can be planned within the risk bound."
@@ -120,7 +120,10 @@ def _too_little_risk(scenario: Scenario, found: LeastRisk) -> str:
         for exposure, risk in found.takers[:_NAMED]
     )
     if found.bound > scenario.risk_bound:
-        head = f"No plan is within {bound}: every plan runs at least {_down(found.bound)}."
+        head = (
+            f"No plan is within {bound} by simple bounds: every plan runs at least "
+            f"{_down(found.bound)}."
+        )
     else:
         head = f"No plan within {bound} was found, and none was ruled out."
     return (

@@ -1,0 +1,125 @@
+"""The best certified plan so far: fitted to what the referee finds, not to simple bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.planners.certified.fitting import fitted
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.rounds import Round
+from radmpc.planners.result import Step
+from radmpc.solvers.solution import relative_gap
+
+__all__ = ["Best", "RiskOf", "take"]
+
+_FITS = 5
+_SPENT = 0.85
+"""Share of Δ from which on the referee's figure counts as used up."""
+
+_AIM = 0.95
+_BACK_OFF = 0.97
+_STRETCH = 3.0
+_CLOSE = 0.03
+"""Relative difference below which two budgets are one."""
+
+RiskOf = Callable[[tuple[Matrix, ...]], float]
+"""The referee's certificate of every vehicle's controls."""
+
+
+@dataclass(slots=True, eq=False)
+class Best:
+    """The best certified plan so far, and what the rounds proved."""
+
+    controls: tuple[Matrix, ...] = ()
+    cost: float = float("inf")
+    spent: float = 0.0
+    too_much: float = float("inf")
+    has_failed: bool = False
+    sets: tuple[tuple[int, ...], ...] = ()
+    rounds: list[tuple[float, float]] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)
+
+    def bound(self, fleet: Fleet) -> float:
+        """Return the least cost of any plan whose simple bounds sum to no more than its own."""
+        return self._bound(max(fleet.budget, self.spent) / fleet.unit)
+
+    def reported(self, fleet: Fleet, gap: float) -> float:
+        """Return a lower bound on the cost of any plan whose simple bounds sum to Δ at most.
+
+        If the gap is closed, that of plans whose simple bounds sum to what this one's do: lower,
+        and saying more.
+        """
+        bound = self.bound(fleet)
+        if relative_gap(self.cost, bound) > gap:
+            bound = self._bound((fleet.scenario.risk_bound - fleet.initial) / fleet.unit)
+        return min(bound, self.cost)
+
+    def _bound(self, units: float) -> float:
+        """Return the least cost within a budget."""
+        return max((least - price * units for least, price in self.rounds), default=-np.inf)
+
+
+def take(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> None:
+    """Keep a round's plan if it is certified and better than what there is.
+
+    What simple bounds sum to and what the referee finds differ: fitted to more or less of the
+    former, the sides of the round come to just below Δ by the latter.
+    """
+    granted = fleet.scenario.risk_bound
+    budget, low, high = fleet.budget, 0.0, float("inf")
+    cross = found.cross
+    for _ in range(_FITS):
+        points = fitted(fleet, found, budget, cross)
+        if points is None:
+            if high == float("inf"):
+                break
+            # Too little for these sides, and `high` too much.
+            budget = 0.5 * (budget + high)
+            continue
+        risk = _keep(fleet, found, points, best, risk_of, budget)
+        if risk > granted:
+            high = min(high, budget)
+            cross = 2.0 * cross + 0.02 * budget
+        else:
+            low = max(low, budget)
+            if risk >= _SPENT * granted:
+                break
+        following = budget * min(_STRETCH, _AIM * granted / max(risk, 1e-12))
+        if low and high < float("inf"):
+            following = (low * high) ** 0.5
+        following = min(following, fleet.most_budget)
+        if abs(following - budget) <= _CLOSE * budget:
+            break
+        budget = following
+    best.has_failed = high < float("inf") and not low
+    if low:
+        fleet.set_budget(min(low, _BACK_OFF * best.too_much))
+    elif best.has_failed:
+        # The referee finds more in these sides: nearer to Δ, where it cannot.
+        best.too_much = min(best.too_much, fleet.budget)
+        fleet.set_budget(_BACK_OFF * (fleet.budget * (granted - fleet.initial)) ** 0.5)
+    elif not best.controls:
+        _keep(fleet, found, [plan.z for plan in found.plans], best, risk_of, found.risk + cross)
+
+
+def _keep(
+    fleet: Fleet,
+    found: Round,
+    points: Sequence[Vector],
+    best: Best,
+    risk_of: RiskOf,
+    spent: float,
+) -> float:
+    """Keep a plan if it is certified and the best; return what the referee says it risks."""
+    controls = fleet.controls(found.sets, points)
+    risk = risk_of(controls)
+    pairs = zip(found.sets, points, strict=True)
+    cost = sum(float(fleet.problems[m].program.cost @ z) for m, z in pairs)
+    if risk <= fleet.scenario.risk_bound and cost < best.cost:
+        best.controls, best.cost, best.sets, best.spent = controls, cost, found.sets, spent
+        fleet.known = fleet.parted(found.sets, points)
+    return risk

@@ -1,0 +1,76 @@
+"""Which price of risk to try next."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.polish import repriced
+
+__all__ = ["MORE_EFFORT", "OVERDRAWN", "next_price", "price_alone"]
+
+MORE_EFFORT = 3
+"""Factor by which searches that left too much open get more nodes."""
+
+OVERDRAWN = 1.2
+"""Multiple of the budget from which on a price is too low to search at."""
+
+_MAX_PRICES = 6
+_MOST = 12.0
+_LITTLE = 1e-3
+"""Share of the unit below which a vehicle's risk does not tell the price."""
+
+_STEEPNESS = 1.15
+_CLOSE = 0.03
+"""Share of the budget that may stay unused when the price is right."""
+
+
+def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
+    """Return a price at which vehicles that ignore each other do not exceed the budget by far."""
+    price = fleet.first_price()
+    # Where known sides risk too much at any price, others are needed, not a higher price.
+    most = _MOST * price
+    fleet.solve(fleet.singles, price, 1)
+    effort = 1
+    while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
+        if fleet.limits.reached or fleet.without_plan() is not None:
+            return price
+        effort *= MORE_EFFORT
+        fleet.solve(missing, price, effort)
+    plans = [fleet.best(m) for m in fleet.singles]
+    for _ in range(_MAX_PRICES):
+        risk = sum(plan.risk for plan in plans)
+        if risk <= OVERDRAWN * fleet.budget or fleet.limits.reached:
+            break
+        tried.append((price, risk))
+        price = min(next_price(tried, fleet.budget), most)
+        # By the sides found so far: no need to search for others yet.
+        plans = [
+            repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)
+            if plan.risk > _LITTLE * fleet.unit
+            else plan
+            for m, plan in zip(fleet.singles, plans, strict=True)
+        ]
+    tried.clear()
+    return price
+
+
+def next_price(tried: list[tuple[float, float]], budget: float) -> float:
+    """Return the price at which the budget is expected to be just used.
+
+    Risk falls with its price about in proportion; between two prices on both sides of the budget,
+    along a straight line in logarithms.
+    """
+    price, risk = tried[-1]
+    if 0.0 <= 1.0 - risk / budget <= _CLOSE:
+        return price
+    budget *= 1.0 - 0.5 * _CLOSE
+    above = [(p, r) for p, r in tried if r > budget]
+    below = [(p, r) for p, r in tried if 0.0 < r <= budget]
+    if above and below:
+        (p1, r1), (p2, r2) = max(above), min(below)
+        if p1 < p2 and r1 > r2:
+            share = np.log(r1 / budget) / np.log(r1 / r2)
+            # A jump of the risk between them draws all prices to one side: keep off the ends.
+            return float(p1 * (p2 / p1) ** np.clip(share, 0.15, 0.85))
+    return float(price * np.clip((max(risk, 1e-12) / budget) ** _STEEPNESS, 0.2, 5.0))
