@@ -35,7 +35,7 @@ def alone(program):
 
 
 def neighborhood(program, values):
-    return Neighborhood(program, UNIT, PRICE, PRICE, Limits(), values)
+    return Neighborhood(program, UNIT, PRICE, PRICE, Limits(), 3.0, values)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -222,17 +222,22 @@ class DisjunctiveProgram:
 
     def event_risks(self, z: Vector, selection: Indices) -> Vector:
         """Return the risk each event runs at a point, (e,); 0 for events that are not chosen."""
-        rows = self.selected_rows(selection)
+        rows = self._members(selection)
         risks = np.zeros(self.rows.exposures.size)
         np.maximum.at(risks, self.rows.events[rows], tail_probability(self.clearances(z)[rows]))
         return risks
 
     def selected_rows(self, selection: Indices) -> Indices:
         """Return the distinct rows of one alternative per avoidance."""
+        return np.unique(self._members(selection))
+
+    def _members(self, selection: Indices) -> Indices:
+        """Return the rows of some alternatives, one after the other."""
         if selection.size == 0:
             return np.zeros(0, dtype=np.int64)
         starts = self.alternative_starts[selection]
         sizes = self.alternative_starts[selection + 1] - starts
         ends = np.cumsum(sizes)
         places = np.arange(ends[-1]) + np.repeat(starts - ends + sizes, sizes)
-        return np.unique(self.alternative_rows[places])
+        members: Indices = self.alternative_rows[places]
+        return members

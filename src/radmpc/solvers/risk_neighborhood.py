@@ -16,6 +16,7 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import avoidance_blocks, restrict_around
+from radmpc.solvers.risk_around import search_around
 from radmpc.solvers.risk_rating import Rater
 from radmpc.solvers.risk_tree import RiskTree
 from radmpc.solvers.solution import Limits
@@ -23,6 +24,7 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Neighborhood"]
 
 _ROUGH_GAP = 5e-3
+_NODES_AROUND = 60
 _NODES = 200
 """Nodes per free block: it is a heuristic, not a proof."""
 
@@ -41,6 +43,8 @@ class Neighborhood:
         Value below which a gap is taken of this.
     limits : Limits
         When to stop early.
+    move : float
+        The longest move from step to step [m].
     least : sequence of float
         Every block's value in the best of cases, alone: one that has it is not planned anew.
     """
@@ -50,6 +54,7 @@ class Neighborhood:
     price: float
     scale: float
     limits: Limits
+    move: float
     least: Sequence[float]
 
     def __post_init__(self) -> None:
@@ -133,6 +138,20 @@ class Neighborhood:
         least = sum(self.least[b] for b in free)
         if tree.value <= least + _ROUGH_GAP * max(least, self.scale):
             return z
+        if tree.best is not None:
+            near = search_around(
+                tree.rater,
+                part.program.slacks(tree.best.z),
+                tree.best,
+                move=self.move,
+                unit=self.unit,
+                price=self.price,
+                scale=self.scale,
+                limits=self.limits,
+                max_nodes=_NODES_AROUND * len(free),
+            )
+            if near is not None:
+                tree.consider(near.z)
         tree.run(_NODES * len(free))
         if tree.best is None:
             return None

@@ -71,12 +71,18 @@ def take(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> None:
     """
     granted = fleet.scenario.risk_bound
     budget, low, high = fleet.budget, 0.0, float("inf")
-    cross = found.cross
+    cross, is_judged = found.cross, False
     for _ in range(_FITS):
         points = fitted(fleet, found, budget, cross)
-        if points is None:
-            if high == float("inf"):
+        if points is None and high == float("inf"):
+            granted_more = 0.0
+            if not is_judged and not best.controls:
+                granted_more = _left_by_referee(fleet, found, best, risk_of)
+            if granted_more <= budget * (1.0 + _CLOSE):
                 break
+            is_judged, budget = True, granted_more
+            continue
+        if points is None:
             # Too little for these sides, and `high` too much.
             budget = 0.5 * (budget + high)
             continue
@@ -102,8 +108,14 @@ def take(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> None:
         # The referee finds more in these sides: nearer to Δ, where it cannot.
         best.too_much = min(best.too_much, fleet.budget)
         fleet.set_budget(_BACK_OFF * (fleet.budget * (granted - fleet.initial)) ** 0.5)
-    elif not best.controls:
-        _keep(fleet, found, [plan.z for plan in found.plans], best, risk_of, found.risk + cross)
+
+
+def _left_by_referee(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> float:
+    """Return what simple bounds may sum to, by what the referee finds in a round as it is."""
+    spent = found.risk + found.cross
+    raw = [plan.z for plan in found.plans]
+    risk = _keep(fleet, found, raw, best, risk_of, spent)
+    return min(spent * _AIM * fleet.scenario.risk_bound / max(risk, 1e-12), fleet.most_budget)
 
 
 def _keep(

@@ -117,7 +117,9 @@ class Fleet:
             raise NoPlanError("a set without a plan cannot be part of a round")
         return best
 
-    def solve(self, sets: Sequence[Members], price: float, effort: int) -> bool:
+    def solve(
+        self, sets: Sequence[Members], price: float, effort: int, *, is_rough: bool = False
+    ) -> bool:
         """Bring every set's search to a price; tell whether all have a plan."""
         jobs = []
         for members in sets:
@@ -141,6 +143,7 @@ class Fleet:
                 base,
                 self._bounds(members, price),
                 self.hint(members),
+                is_rough,
             )
             self.problem(members)
             jobs.append(Job(members, self.alone[members], state, order))

@@ -30,7 +30,7 @@ def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
     price = fleet.first_price()
     # Where known sides risk too much at any price, others are needed, not a higher price.
     most = _MOST * price
-    fleet.solve(fleet.singles, price, 1)
+    fleet.solve(fleet.singles, price, 1, is_rough=True)
     effort = 1
     while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
         if fleet.limits.reached or fleet.without_plan() is not None:

@@ -9,6 +9,8 @@ import numpy as np
 
 from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.passage import Passage
+from radmpc.planners.certified.walk import Walk
 from radmpc.planners.ira import solve_under_policy
 from radmpc.planners.sides import propose_sides
 from radmpc.program.build import build_program
@@ -42,12 +44,15 @@ class SetProblem:
         Their obstacles, workspace and pairs.
     rater : Rater
         The programme laid out for rating.
+    passage : Passage or None
+        A heuristic for a vehicle alone in the plane.
     """
 
     members: tuple[int, ...]
     subjects: tuple[Subject, ...]
     program: DisjunctiveProgram
     rater: Rater
+    passage: Passage | None
 
     @classmethod
     def of(
@@ -60,7 +65,12 @@ class SetProblem:
         """Build the programme of some vehicles of a fleet, in a scenario of theirs alone."""
         chosen = tuple(subjects[i] for i in members)
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
-        return cls(members, chosen, program, Rater(program, unit))
+        rater = Rater(program, unit)
+        passage = None
+        if len(chosen) == 1 and program.num_avoidances:
+            walk = Walk(program, chosen[0], unit)
+            passage = Passage(walk, rater) if walk.is_possible else None
+        return cls(members, chosen, program, rater, passage)
 
     def without_cost(self) -> SetProblem:
         """Return the same set with all effort free."""
@@ -124,6 +134,8 @@ class Order:
         What parts of the set were proven to cost at this price.
     hint : (n,) array or None
         A point to begin with.
+    is_rough : bool
+        Whether it is only to learn about prices.
     """
 
     unit: float
@@ -134,6 +146,7 @@ class Order:
     base: float = 0.0
     bounds: tuple[SetBound, ...] = ()
     hint: Vector | None = None
+    is_rough: bool = False
 
 
 def advance(
@@ -176,6 +189,11 @@ def advance(
     tree.run(min(order.max_nodes, _PATIENCE * len(problem.members)))
     if tree.best is None and tree.is_limited and not limits.reached:
         _rescue(problem, scenario, tree, order, limits)
+    has_time = tree.is_limited and not limits.reached
+    if problem.passage is not None and has_time and not order.is_rough:
+        found = problem.passage.found(order.price, order.scale, limits, tree.best)
+        if found is not None:
+            tree.consider(found.z)
     if tree.is_limited and tree.nodes < order.max_nodes:
         tree.run(order.max_nodes - tree.nodes)
     # Parts of a set share neither cost nor risk: what single vehicles cost adds up.

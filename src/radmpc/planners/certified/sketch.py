@@ -101,7 +101,8 @@ def _place(
     """Plan the vehicles of a set one after the other, those most in the way first."""
     problem = fleet.problem(members)
     values = [fleet.best((i,)).cost + price * fleet.best((i,)).risk / fleet.unit for i in members]
-    around = Neighborhood(problem.program, fleet.unit, price, price, fleet.limits, values)
+    move = max(float(np.abs(np.diff(s.reach_upper, axis=0)).max()) for s in problem.subjects)
+    around = Neighborhood(problem.program, fleet.unit, price, price, fleet.limits, move, values)
     order = sorted(range(len(members)), key=lambda block: -weights[members[block]])
     found = [around.place(fleet.joined(members, alone), order)]
     known = fleet.hint(members)
