@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from radmpc.console.comparing import CompareRequest, check_compare, run_compare
 from radmpc.console.demo import run_demo
 from radmpc.console.files import check_output, writing
 from radmpc.console.guard import Code, GuardedCommands
@@ -14,11 +15,12 @@ from radmpc.console.listing import planner_table, planners_json
 from radmpc.console.output import show, show_json
 from radmpc.console.planning import Request, check_request, run_plan
 from radmpc.console.report import facts, scenario_line
+from radmpc.console.reproducing import StudyRequest, run_reproduction
 from radmpc.console.verifying import verify_plan, verify_report
 from radmpc.io.importing import ImportOptions, import_scenario
 from radmpc.io.plan_file import load_plan
 from radmpc.io.scenario_file import load_scenario, save_scenario
-from radmpc.planners.presets import DEFAULT
+from radmpc.planners.presets import COMPARED, DEFAULT
 from radmpc.version import __version__
 
 __all__ = ["app", "main"]
@@ -36,6 +38,11 @@ ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario
 PlanFile = Annotated[Path, typer.Argument(metavar="PLAN", help="Plan, JSON.")]
 PlannerName = Annotated[str, typer.Option("--planner", help="A name from 'radmpc planners'.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate parts.")]
+DaskAddress = Annotated[
+    str | None, typer.Option("--dask", help="Address of a Dask scheduler to plan on.")
+]
+Samples = Annotated[int, typer.Option("--samples", min=1, help="Simulated missions.")]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 
 
@@ -79,10 +86,8 @@ def plan(
             "--time-limit", min=0.0, help="Seconds, then the best so far (certified: 60)."
         ),
     ] = None,
-    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate sets.")] = 1,
-    dask: Annotated[
-        str | None, typer.Option("--dask", help="Address of a Dask scheduler to plan on.")
-    ] = None,
+    jobs: Jobs = 1,
+    dask: DaskAddress = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Write the plan here, as JSON.")
     ] = None,
@@ -100,6 +105,62 @@ def plan(
     return run_plan(load_scenario(scenario), request)
 
 
+@app.command("compare")
+def compare_planners(
+    scenario: ScenarioFile,
+    planners: Annotated[
+        str, typer.Option("--planners", help="Names, with commas between them.")
+    ] = ",".join(COMPARED),
+    seed: Seed = 0,
+    time_limit: Annotated[
+        float | None, typer.Option("--time-limit", min=0.0, help="Seconds for each planner.")
+    ] = None,
+    samples: Samples = 100_000,
+    jobs: Jobs = 1,
+    dask: DaskAddress = None,
+    figure: Annotated[
+        Path | None, typer.Option("--figure", help="A panel per planner: .png, .pdf or .svg.")
+    ] = None,
+    as_json: AsJson = False,
+) -> int:
+    """Plan one scenario with several planners, side by side."""
+    names = tuple(name.strip() for name in planners.split(",") if name.strip())
+    request = CompareRequest(names, seed, time_limit, samples, jobs, dask, figure, as_json)
+    check_compare(request)
+    return run_compare(load_scenario(scenario), request)
+
+
+@app.command()
+def reproduce(
+    out: Annotated[Path, typer.Option("--out", help="Folder of rows, report and figures.")],
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A small sample, in a few minutes.")
+    ] = False,
+    jobs: Jobs = 1,
+    dask: DaskAddress = None,
+    cap: Annotated[
+        float | None, typer.Option("--cap", min=0.1, help="Seconds per problem (60).")
+    ] = None,
+    budget: Annotated[
+        float | None,
+        typer.Option("--budget", min=0.0, help="Seconds for each mixed-integer solver (600)."),
+    ] = None,
+    seeds: Annotated[
+        int | None, typer.Option("--seeds", min=1, help="Problems of each size (50).")
+    ] = None,
+    method: Annotated[
+        list[str] | None, typer.Option("--method", help="Run this method only; may be repeated.")
+    ] = None,
+    report_only: Annotated[
+        bool, typer.Option("--report-only", help="Write tables and figures of the rows there are.")
+    ] = False,
+) -> int:
+    """Do the paper's experiments again; killed and started again it goes on."""
+    return run_reproduction(
+        StudyRequest(out, quick, jobs, dask, cap, budget, seeds, tuple(method or ()), report_only)
+    )
+
+
 @app.command()
 def check(scenario: ScenarioFile) -> int:
     """Say whether a scenario file is valid."""
@@ -110,7 +171,7 @@ def check(scenario: ScenarioFile) -> int:
 @app.command()
 def verify(
     plan_file: PlanFile,
-    samples: Annotated[int, typer.Option("--samples", min=1, help="Simulated missions.")] = 100_000,
+    samples: Samples = 100_000,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> int:

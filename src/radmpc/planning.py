@@ -6,6 +6,7 @@ import platform
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
@@ -17,11 +18,13 @@ from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.planners.centralized import plan_centralized
 from radmpc.planners.certified import plan_certified
+from radmpc.planners.distance import plan_by_distance
 from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
-from radmpc.planners.planner import Certified, Couplings, Planner, Receding
+from radmpc.planners.planner import Certified, Couplings, Distance, Planner, Receding
 from radmpc.planners.presets import DEFAULT, parse_planner
 from radmpc.planners.result import Draft, Result
 from radmpc.referee import Certificate, certify
+from radmpc.solvers.rrt import Rrt
 from radmpc.solvers.solution import Limits, never
 from radmpc.version import __version__
 
@@ -80,6 +83,9 @@ def plan(
     record = parse_planner(planner) if isinstance(planner, str) else planner
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
+    if isinstance(record.solver, Rrt):
+        drawn = int(generator.integers(2**31))
+        record = replace(record, solver=replace(record.solver, seed=drawn))
     if time_limit is None and isinstance(record.decomposition, Certified):
         time_limit = CERTIFIED_SECONDS
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
@@ -123,6 +129,8 @@ def _draft(
         return plan_certified(scenario, planner, limits, executor, progress, risk_of)
     if isinstance(decomposition, Couplings):
         return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
+    if isinstance(decomposition, Distance):
+        return plan_by_distance(scenario, planner, decomposition, limits, executor, progress)
     return plan_centralized(scenario, planner, limits, progress)
 
 
@@ -156,7 +164,7 @@ def _plan(
     """Return the content of the plan file."""
     risk = Risk(scenario.risk_bound)
     if certificate is not None:
-        risk = Risk(scenario.risk_bound, certificate.certified, certificate.ledger)
+        risk = Risk(scenario.risk_bound, certificate.certified, certificate.ledger, draft.price)
     cost = _cost(scenario, trajectories) if trajectories else None
     bound = draft.lower_bound
     if cost is not None and bound is not None:

@@ -168,3 +168,17 @@ def test_many_vehicles_are_summed_at_the_end(capsys: pytest.CaptureFixture[str])
         "4.00",
         "%",
     ]
+
+
+@pytest.mark.parametrize(
+    ("price", "text"),
+    [
+        (2.0, "1 % more would save about 0.001, 0.01 % of the cost"),
+        (0.0, "none: more of it would save nothing"),
+    ],
+)
+def test_the_report_says_what_more_risk_would_save(
+    capsys: pytest.CaptureFixture[str], price: float, text: str
+) -> None:
+    assert text in shown(capsys, make_plan(risk=Risk(0.05, 0.042, (), price)))
+    assert "price of risk" not in shown(capsys, make_plan())

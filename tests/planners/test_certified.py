@@ -184,3 +184,16 @@ def test_a_tangled_set_has_a_certified_plan_long_before_its_proof():
     result = plan(circle(8), "certified", time_limit=3.0)
     assert result.is_certified
     assert result.cost <= 1.12 * result.lower_bound
+
+
+@pytest.mark.parametrize("scenario", [paper(6, 2), paper(8, 2)], ids=lambda s: s.name)
+def test_the_price_of_risk_tells_what_more_of_it_saves(scenario):
+    found = plan(scenario, "certified")
+    more = plan(replace(scenario, risk_bound=1.2 * scenario.risk_bound), "certified")
+    predicted = 0.2 * scenario.risk_bound * found.record.risk.price
+    assert predicted == pytest.approx(found.cost - more.cost, rel=0.6)
+
+
+def test_where_risk_does_not_limit_the_plan_its_price_is_nothing():
+    assert plan(paper(2, 1), "certified").record.risk.price == 0.0
+    assert plan(paper(2, 1), "radmpc").record.risk.price is None

@@ -55,6 +55,8 @@ def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table
     if plan.trajectories:
         rows["cost"] = _cost(plan)
         rows["certificate"] = verdict(plan.risk.certified, plan.risk.bound)
+        if plan.risk.price is not None:
+            rows["price of risk"] = _price(plan.risk.price, plan)
         rows["planned together"] = _sets(plan.sets)
         advice = _advice(plan)
         if advice:
@@ -172,6 +174,15 @@ def _cost(plan: Plan) -> str:
         return f"{plan.cost:.6g} (no lower bound)"
     gap = 0.0 if plan.cost <= 0.0 else max(plan.cost - plan.lower_bound, 0.0) / plan.cost
     return f"{plan.cost:.6g} (lower bound {plan.lower_bound:.6g}, gap {100.0 * gap:.2g} %)"
+
+
+def _price(price: float, plan: Plan) -> str:
+    """Return what a little more of Δ would save."""
+    cost = plan.cost or 0.0
+    saved = 0.01 * plan.risk.bound * price
+    if cost <= 0.0 or saved < 1e-6 * cost:
+        return "none: more of it would save nothing"
+    return f"1 % more would save about {saved:.2g}, {100.0 * saved / cost:.2g} % of the cost"
 
 
 def _sets(sets: tuple[tuple[str, ...], ...]) -> str:

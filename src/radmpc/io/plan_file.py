@@ -102,6 +102,7 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
             "bound": float(plan.risk.bound),
             "certified": _optional(plan.risk.certified),
             "ledger": [_ledger_row(row) for row in plan.risk.ledger],
+            **({} if plan.risk.price is None else {"price": float(plan.risk.price)}),
         },
         "sets": [list(names) for names in plan.sets],
         "seconds": {stage: float(seconds) for stage, seconds in plan.seconds.items()},
@@ -184,7 +185,7 @@ def _risk(spec: RiskSpec) -> Risk:
     ledger = tuple(
         LedgerRow(row.cause, row.vehicle, row.other, row.step, row.risk) for row in spec.ledger
     )
-    return Risk(spec.bound, spec.certified, ledger)
+    return Risk(spec.bound, spec.certified, ledger, spec.price)
 
 
 def _trajectory(index: int, spec: TrajectorySpec) -> Trajectory:

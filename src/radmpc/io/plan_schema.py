@@ -30,6 +30,7 @@ class RiskSpec(FileModel):
     bound: Finite
     certified: Annotated[Finite, Field(ge=0.0)] | None
     ledger: list[LedgerSpec]
+    price: Annotated[Finite, Field(ge=0.0)] | None = None
 
 
 class TrajectorySpec(FileModel):

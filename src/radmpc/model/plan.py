@@ -105,11 +105,14 @@ class Risk:
         Upper bound on the joint collision probability; None without a plan.
     ledger : tuple of LedgerRow
         Where it goes; sums to ``certified``.
+    price : float or None
+        What a little more Δ would save, cost per unit of probability; None where nobody knows.
     """
 
     bound: float
     certified: float | None = None
     ledger: tuple[LedgerRow, ...] = ()
+    price: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

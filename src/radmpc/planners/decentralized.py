@@ -103,6 +103,7 @@ class _Radmpc:
         self.solver = solver
         self.gap = gap
         self.limits = limits
+        self.receding = receding
         self.resets = receding.covariances == "reset"
         self.intervals = scenario.avoidance == "intervals"
         T, N = scenario.horizon, scenario.num_vehicles
@@ -113,7 +114,7 @@ class _Radmpc:
         ]
         # O <- initTemporalObstacles(V): nobody has a plan yet.
         self.obstacles: list[TemporalObstacle] = [
-            standing_obstacle(v, c, intervals=self.intervals)
+            standing_obstacle(v, c, intervals=self.intervals, sigmas=receding.sigmas)
             for v, c in zip(scenario.vehicles, self.covariances, strict=True)
         ]
         # Pairs at k = 0 are no part of any subproblem under steps.
@@ -122,6 +123,7 @@ class _Radmpc:
         self.booked = np.zeros((N, T + 1))
         self.is_limited = False
         self.num_traveling = N
+        self.divisor = N
         self.num_waiting = N
         self.has_arrived = [False] * N
         self.means = [v.start for v in scenario.vehicles]
@@ -138,7 +140,9 @@ class _Radmpc:
         """Solve vehicle i's subproblem at step k and execute its first control."""
         vehicle = self.scenario.vehicles[i]
         subject = self._subject(k, i)
-        share = self.risk_pool / max(self.num_traveling, self.num_waiting)
+        # One that has arrived cannot take what those still waiting in this round need.
+        waiting = self.num_waiting if self.receding.arrivals == "once" else 1
+        share = self.risk_pool / max(self.divisor, waiting)
         program = self._program(subject, k, share, self._others(i))
         solved = self._solve(program, i)
         if solved.solution.z is not None:
@@ -156,13 +160,24 @@ class _Radmpc:
         plan = self._planned(k, i)
         self._record_risks(k, i, plan)
         self.means[i] = plan[1]
-        if not self.has_arrived[i] and vehicle.goal.contains(*self._place(i, plan[1])):
-            # Once, when it first enters its goal; the pseudo-code would subtract it every step.
+        if vehicle.goal.contains(*self._place(i, plan[1])):
+            self._arrive(i)
+        self.obstacles[i] = make_temporal_obstacle(
+            vehicle,
+            plan,
+            self._noise(k, i),
+            k,
+            intervals=self.intervals,
+            sigmas=self.receding.sigmas,
+        )
+
+    def _arrive(self, i: int) -> None:
+        """Take a vehicle in its goal off N*: once, or as the pseudo-code has it every time."""
+        if not self.has_arrived[i] or self.receding.arrivals == "every_step":
+            self.divisor = max(self.divisor - 1, 1)
+        if not self.has_arrived[i]:
             self.has_arrived[i] = True
             self.num_traveling -= 1
-        self.obstacles[i] = make_temporal_obstacle(
-            vehicle, plan, self._noise(k, i), k, intervals=self.intervals
-        )
 
     def finish(self) -> Approximation:
         """Return what was executed; vehicles that all arrived early keep their last plans."""

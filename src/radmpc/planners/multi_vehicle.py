@@ -16,7 +16,7 @@ from radmpc.planners.decentralized import approximate
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Couplings, Planner, Receding
 from radmpc.planners.result import Draft, Step
-from radmpc.planners.sets import SetPlan, SetTask, plan_sets
+from radmpc.planners.sets import SetPlan, SetTask, plan_sets, verdict_of_sets
 from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
 
@@ -141,7 +141,7 @@ def plan_multi_vehicle(
         sets, plans = everyone, plan_all(everyone)
         steps += _steps_of(plans)
     seconds["sets"] = time.perf_counter() - approximated
-    status, explanation = _verdict(scenario, sets, plans)
+    status, explanation = verdict_of_sets(scenario, sets, plans)
     controls = {
         i: c for s, p in zip(sets, plans, strict=True) for i, c in zip(s, p.controls, strict=False)
     }
@@ -193,23 +193,3 @@ def _explanation(
     share = scenario.risk_bound * len(run.stuck) / scenario.num_vehicles
     alone = scenario.subset(run.stuck, share)
     return explain_infeasible(alone, policy, gap, limits)
-
-
-def _verdict(
-    scenario: Scenario, sets: tuple[tuple[int, ...], ...], plans: list[SetPlan]
-) -> tuple[Status, str | None]:
-    """Return the status of the whole from those of the sets, and what failed."""
-    reasons = []
-    status = Status.FEASIBLE
-    for members, plan in zip(sets, plans, strict=True):
-        if plan.controls:
-            continue
-        limited = plan.outcome is Outcome.LIMIT
-        if not limited:
-            status = Status.INFEASIBLE
-        elif status is Status.FEASIBLE:
-            status = Status.LIMIT
-        names = ", ".join(repr(scenario.vehicles[i].name) for i in members)
-        why = "no plan within the limit." if limited else plan.explanation or "no plan."
-        reasons.append(f"Set of {names}: {why}" if len(sets) > 1 else why)
-    return status, " ".join(reasons) or None

@@ -5,21 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from radmpc.errors import ScenarioError
-from radmpc.program.policy import Ira, Optimal, Policy, Pool
+from radmpc.program.policy import Ira, NoRisk, Optimal, Policy, Pool, Sigmas, Uniform
 from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
+from radmpc.solvers.rrt import Rrt
 
 __all__ = [
     "Centralized",
     "Certified",
     "Couplings",
     "Decomposition",
+    "Distance",
     "Planner",
     "Receding",
     "SolverChoice",
 ]
 
-SolverChoice = BigM | Branch
+SolverChoice = BigM | Branch | Rrt
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +41,17 @@ class Receding:
     covariances : {'schedule', 'reset'}
         Noise seen at absolute step k: that of the final plan, or as a controller that measures
         its state at every step sees it.
+    arrivals : {'once', 'every_step'}
+        When a vehicle in its goal lowers N*: when it first enters, or, as the pseudo-code has it,
+        at every step that it is there.
+    sigmas : float
+        Half-side of temporal obstacles, beside the radius, in standard deviations. 3 bounds each
+        axis; 3.44 the ellipse that holds as much in the plane (99.73 %).
     """
 
     covariances: str = "schedule"
+    arrivals: str = "once"
+    sigmas: float = 3.0
 
     def __post_init__(self) -> None:
         """Refuse unknown words."""
@@ -49,9 +59,15 @@ class Receding:
             raise ScenarioError(
                 f"covariances must be 'schedule' or 'reset', got {self.covariances!r}"
             )
+        if self.arrivals not in {"once", "every_step"}:
+            raise ScenarioError(f"arrivals must be 'once' or 'every_step', got {self.arrivals!r}")
+        if not 0.0 <= self.sigmas <= 10.0:
+            raise ScenarioError(f"sigmas must lie between 0 and 10, got {self.sigmas:g}")
 
     def __str__(self) -> str:
-        return "receding" if self.covariances == "schedule" else f"receding({self.covariances})"
+        options = [o for o in (self.covariances, self.arrivals) if o not in {"schedule", "once"}]
+        options += [f"{self.sigmas:g} sigmas"] if self.sigmas != 3.0 else []
+        return f"receding({', '.join(options)})" if options else "receding"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +94,29 @@ class Couplings:
             raise ScenarioError(f"couplings threshold must be in [0, 1], got {self.threshold}")
 
     def __str__(self) -> str:
-        return f"couplings({self.threshold:g})"
+        how = "" if self.approximation == Receding() else f", {self.approximation}"
+        return f"couplings({self.threshold:g}{how})"
+
+
+@dataclass(frozen=True, slots=True)
+class Distance:
+    """Sets of vehicles whose ways alone come close (Keviczky et al.).
+
+    Attributes
+    ----------
+    meters : float
+        Vehicles are coupled if they come within this distance, centre to centre [m].
+    """
+
+    meters: float = 5.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no distance."""
+        if not 0.0 <= self.meters < float("inf"):
+            raise ScenarioError(f"distance must be a number of metres >= 0, got {self.meters:g}")
+
+    def __str__(self) -> str:
+        return f"distance({self.meters:g})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +127,7 @@ class Certified:
         return "certified"
 
 
-Decomposition = Centralized | Receding | Couplings | Certified
+Decomposition = Centralized | Receding | Couplings | Distance | Certified
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +138,7 @@ class Planner:
     ----------
     policy : Policy
         How Δ becomes risks of rows.
-    solver : BigM or Branch
+    solver : BigM, Branch or Rrt
         How the disjunctions are searched.
     decomposition : Decomposition
         Which vehicles are planned together.
@@ -132,6 +170,14 @@ class Planner:
             raise ScenarioError("policy 'pool' needs the decomposition 'receding'")
         if isinstance(self.policy, Ira) and isinstance(self.decomposition, Receding):
             raise ScenarioError("policy 'ira' does not go with 'receding': use 'pool'")
+        if isinstance(self.solver, Rrt):
+            # The others take "none found" for "there is none", or costs for the least.
+            if not isinstance(self.policy, NoRisk | Sigmas | Uniform):
+                raise ScenarioError(
+                    f"solver 'rrt' needs a policy 'none', 'sigmas' or 'uniform', got {self.policy}"
+                )
+            if isinstance(self.decomposition, Couplings):
+                raise ScenarioError("solver 'rrt' does not go with 'couplings': use 'receding'")
 
     def __str__(self) -> str:
         return f"{self.policy}, {self.solver}, {self.decomposition}"

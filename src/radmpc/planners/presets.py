@@ -8,15 +8,26 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from radmpc.errors import ScenarioError
-from radmpc.planners.planner import Centralized, Certified, Couplings, Planner, Receding
+from radmpc.planners.planner import (
+    Centralized,
+    Certified,
+    Couplings,
+    Distance,
+    Planner,
+    Receding,
+)
 from radmpc.program.policy import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform
 from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
+from radmpc.solvers.rrt import Rrt
 
-__all__ = ["DEFAULT", "PRESETS", "Preset", "parse_planner"]
+__all__ = ["COMPARED", "DEFAULT", "PRESETS", "Preset", "parse_planner"]
 
 DEFAULT = "certified"
 """The planner used when none is named."""
+
+COMPARED = ("rmpc-rrt", "distance", "radmpc", "multi-vehicle", "certified")
+"""The planners compared when none is named: one for each idea, and none that takes minutes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +91,12 @@ _ALL = (
         Planner(Ira(), BigM(), Centralized()),
     ),
     Preset(
+        "distance",
+        "Vehicles whose ways alone come within 5 m are planned together by IRA (Keviczky).",
+        Planner(Ira(), Branch(), Distance()),
+        lambda meters: Planner(Ira(), Branch(), Distance(meters)),
+    ),
+    Preset(
         "radmpc",
         "Algorithm 2 alone: fast, decentralized, from a common pool of risk; an approximation.",
         Planner(Pool(), Branch(), Receding()),
@@ -89,6 +106,12 @@ _ALL = (
         "Algorithm 1: RADMPC finds who interacts, then IRA plans each set.",
         _multi_vehicle(),
         _multi_vehicle,
+    ),
+    Preset(
+        "rmpc-rrt",
+        "Robust and decentralized, by random trees: one vehicle at a time, no optimizer.",
+        Planner(Sigmas(3.0), Rrt(), Receding()),
+        lambda count: Planner(Sigmas(count), Rrt(), Receding()),
     ),
     Preset(
         "certified",

@@ -95,6 +95,8 @@ class Draft:
         Why there is no plan.
     lower_bound : float or None
         Proven least cost, where there is a proof.
+    price : float or None
+        What a little more Δ would save, per unit of probability.
     """
 
     status: Status
@@ -105,6 +107,7 @@ class Draft:
     seconds: Mapping[str, float]
     explanation: str | None = None
     lower_bound: float | None = None
+    price: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from radmpc.arrays import Matrix
+from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.ira import solve_under_policy
@@ -20,7 +21,7 @@ from radmpc.program.build import build_program, controls_of, whole_subjects
 from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
 
-__all__ = ["SetPlan", "SetTask", "plan_sets", "run_sets"]
+__all__ = ["SetPlan", "SetTask", "plan_sets", "run_sets", "verdict_of_sets"]
 
 _POLL_SECONDS = 0.1
 
@@ -191,3 +192,38 @@ def _plan_set_until(task: SetTask, deadline: float, flag: str) -> SetPlan:
     """Plan a set until a time of the wall clock, or until a file appears."""
     left = max(0.0, deadline - time.time())
     return plan_set(task, Limits(time.monotonic() + left, lambda: Path(flag).exists()))
+
+
+def verdict_of_sets(
+    scenario: Scenario, sets: tuple[tuple[int, ...], ...], plans: list[SetPlan]
+) -> tuple[Status, str | None]:
+    """Return the status of the whole from those of the sets, and what failed.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    sets : tuple of tuple of int
+        A partition of it.
+    plans : list of SetPlan
+        The plan of each.
+
+    Returns
+    -------
+    (Status, str or None)
+        Feasible where every set has a plan; else why not.
+    """
+    reasons = []
+    status = Status.FEASIBLE
+    for members, plan in zip(sets, plans, strict=True):
+        if plan.controls:
+            continue
+        limited = plan.outcome is Outcome.LIMIT
+        if not limited:
+            status = Status.INFEASIBLE
+        elif status is Status.FEASIBLE:
+            status = Status.LIMIT
+        names = ", ".join(repr(scenario.vehicles[i].name) for i in members)
+        why = "no plan within the limit." if limited else plan.explanation or "no plan."
+        reasons.append(f"Set of {names}: {why}" if len(sets) > 1 else why)
+    return status, " ".join(reasons) or None

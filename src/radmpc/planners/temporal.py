@@ -13,8 +13,6 @@ from radmpc.program.keepout import KeepOut
 
 __all__ = ["TemporalObstacle", "make_temporal_obstacle", "standing_obstacle"]
 
-_SIGMAS = 3.0
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TemporalObstacle:
@@ -60,6 +58,7 @@ def make_temporal_obstacle(
     first_step: int,
     *,
     intervals: bool = False,
+    sigmas: float = 3.0,
 ) -> TemporalObstacle:
     """Bound a plan's 3σ regions (paper, section Temporal Obstacles).
 
@@ -75,6 +74,8 @@ def make_temporal_obstacle(
         Absolute step of the first entry.
     intervals : bool
         Whether the way between steps counts: then k = 0 is no exception.
+    sigmas : float
+        Standard deviations that the squares bound.
 
     Returns
     -------
@@ -84,7 +85,7 @@ def make_temporal_obstacle(
     """
     system = vehicle.system
     positions = means[:, list(system.position)]
-    halves = _half_sides(vehicle, covariances)
+    halves = _half_sides(vehicle, covariances, sigmas)
     speeds = None if system.velocity is None else means[:, list(system.velocity)]
     arrived = np.array(
         [
@@ -99,14 +100,14 @@ def make_temporal_obstacle(
 
 
 def standing_obstacle(
-    vehicle: Vehicle, covariances: Tensor, *, intervals: bool = False
+    vehicle: Vehicle, covariances: Tensor, *, intervals: bool = False, sigmas: float = 3.0
 ) -> TemporalObstacle:
     """Return the square around a vehicle that has no plan yet: at its start, for all steps.
 
     Under intervals, the hull with the square that it drifts to within the first step.
     """
     count = len(covariances)
-    half = _half_sides(vehicle, covariances[:1])[0]
+    half = _half_sides(vehicle, covariances[:1], sigmas)[0]
     drifted = (vehicle.system.A @ vehicle.start)[list(vehicle.system.position)]
     ends = [vehicle.start_position, drifted if intervals else vehicle.start_position]
     squares = (np.tile(np.array(ends), (count, 1)), np.full(2 * count, half))
@@ -117,11 +118,11 @@ def standing_obstacle(
     )
 
 
-def _half_sides(vehicle: Vehicle, covariances: Tensor) -> Vector:
-    """Return ``3 √λmax(Σ_position) + radius`` of each step [m]."""
+def _half_sides(vehicle: Vehicle, covariances: Tensor, sigmas: float) -> Vector:
+    """Return ``sigmas √λmax(Σ_position) + radius`` of each step [m]."""
     axes = list(vehicle.system.position)
     largest = np.linalg.eigvalsh(covariances[:, axes, :][:, :, axes])[:, -1]
-    return np.asarray(_SIGMAS * np.sqrt(np.maximum(largest, 0.0)) + vehicle.radius)
+    return np.asarray(sigmas * np.sqrt(np.maximum(largest, 0.0)) + vehicle.radius)
 
 
 def _hulls(

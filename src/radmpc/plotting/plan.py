@@ -21,7 +21,9 @@ from radmpc.plotting.worst import draw_worst
 __all__ = ["plot_plan"]
 
 
-def plot_plan(plan: Plan, ax: Axes | None = None, *, details: bool = True) -> Axes:
+def plot_plan(
+    plan: Plan, ax: Axes | None = None, *, details: bool = True, title: str | None = None
+) -> Axes:
     """Draw a plan in its scenario: mean paths, 3σ ellipses, hulls, one hue per set.
 
     Some steps have their numbers: paths that cross at other times do not meet. Where the
@@ -35,6 +37,8 @@ def plot_plan(plan: Plan, ax: Axes | None = None, *, details: bool = True) -> Ax
         Where; three-dimensional for a scenario in space. None makes a figure of one column.
     details : bool
         Whether run time and planner are told.
+    title : str or None
+        Headline; None is the scenario's name.
 
     Returns
     -------
@@ -45,7 +49,7 @@ def plot_plan(plan: Plan, ax: Axes | None = None, *, details: bool = True) -> Ax
     lines = num_title_lines(plan, details=details) + num_legend_lines(plan)
     axes = new_axes(extent, lines) if ax is None else ax
     settle_axes(axes, extent)
-    draw_title(axes, plan, details=details)
+    draw_title(axes, plan, details=details, headline=title)
     if ax is None:
         draw_legend(axes, plan)
     settle_layout(axes)

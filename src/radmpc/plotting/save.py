@@ -15,7 +15,7 @@ from radmpc.plotting.figure import DPI
 from radmpc.plotting.ledger import plot_ledger
 from radmpc.plotting.plan import plot_plan
 
-__all__ = ["FIGURE_SUFFIXES", "check_figure_path", "save_figure", "save_ledger"]
+__all__ = ["FIGURE_SUFFIXES", "check_figure_path", "save_figure", "save_ledger", "write_figure"]
 
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 
@@ -53,7 +53,7 @@ def save_figure(plan: Plan, path: str | os.PathLike[str]) -> None:
     figure = plot_plan(plan).get_figure(root=True)
     if figure is None:
         raise RuntimeError("axes without a figure cannot be saved")
-    _write(figure, target)
+    write_figure(figure, target)
 
 
 def save_ledger(plan: Plan, path: str | os.PathLike[str]) -> None:
@@ -73,11 +73,19 @@ def save_ledger(plan: Plan, path: str | os.PathLike[str]) -> None:
     """
     target = Path(path)
     check_figure_path(target)
-    _write(plot_ledger(plan), target)
+    write_figure(plot_ledger(plan), target)
 
 
-def _write(figure: Figure, target: Path) -> None:
-    """Write a figure beside its place, then move it there."""
+def write_figure(figure: Figure, target: Path) -> None:
+    """Write a figure beside its place, then move it there.
+
+    Parameters
+    ----------
+    figure : Figure
+        What to write.
+    target : Path
+        Ends in ``.png``, ``.pdf`` or ``.svg``.
+    """
     kind = target.suffix.lower()[1:]
     # Dates and random ids would make every file differ from the last.
     undated: dict[str, object] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}

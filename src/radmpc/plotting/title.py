@@ -51,15 +51,14 @@ def alert_text(plan: Plan) -> str | None:
     return None
 
 
-def draw_title(ax: Axes, plan: Plan, *, details: bool = True) -> None:
+def draw_title(ax: Axes, plan: Plan, *, details: bool = True, headline: str | None = None) -> None:
     """Write headline, facts and, in red, what is wrong above the axes."""
     blocks = _blocks(plan, details=details)
     # The title's empty last lines make room for the smaller lines below it, which no layout
     # engine would otherwise see.
     below = "\n" * (num_title_lines(plan, details=details) - 1)
-    ax.set_title(
-        plan.scenario.name + below, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0
-    )
+    first = plan.scenario.name if headline is None else headline
+    ax.set_title(first + below, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     offset = 3.0
     for gid, text, color in reversed(blocks):
         ax.annotate(

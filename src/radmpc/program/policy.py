@@ -81,14 +81,24 @@ class Ira:
         α: share of the unused risk that an inactive row keeps.
     max_iterations : int
         Solves at the most.
+    direction : {'to_active', 'to_inactive'}
+        Who receives risk. The paper states both; only the first lowers the cost.
     """
 
     active_tol: float = 0.01
     keep: float = 0.7
     max_iterations: int = 20
+    direction: str = "to_active"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown words."""
+        if self.direction not in {"to_active", "to_inactive"}:
+            raise ScenarioError(
+                f"direction must be 'to_active' or 'to_inactive', got {self.direction!r}"
+            )
 
     def __str__(self) -> str:
-        return "ira"
+        return "ira" if self.direction == "to_active" else f"ira({self.direction})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +244,7 @@ def reallocate(
     """Move risk from rows that do not use theirs to those that do.
 
     The paper states both directions; this one lowers the cost, because a row that uses all it
-    was given is one that holds the solution back.
+    was given is one that holds the solution back. The policy may ask for the other.
 
     Parameters
     ----------
@@ -260,11 +270,13 @@ def reallocate(
     chosen = paid > 0
     active = chosen & (np.abs(allocation - needed) <= policy.active_tol * allocation)
     result = allocation.copy()
-    giving = chosen & ~active
+    giving, taking = chosen & ~active, active
+    if policy.direction == "to_inactive":
+        giving, taking = taking, giving
     result[giving] = policy.keep * allocation[giving] + (1.0 - policy.keep) * needed[giving]
     residual = budget - float((paid * result).sum())
-    if active.any() and residual > 0.0:
-        result[active] += residual / float(paid[active].sum())
+    if taking.any() and residual > 0.0:
+        result[taking] += residual / float(paid[taking].sum())
     return Reallocation(
         allocation=np.minimum(result, 0.5),
         num_active=int(active.sum()),

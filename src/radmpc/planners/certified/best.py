@@ -37,6 +37,7 @@ class Best:
     controls: tuple[Matrix, ...] = ()
     cost: float = float("inf")
     spent: float = 0.0
+    certified: float = 0.0
     too_much: float = float("inf")
     has_failed: bool = False
     sets: tuple[tuple[int, ...], ...] = ()
@@ -57,6 +58,21 @@ class Best:
         if relative_gap(self.cost, bound) > gap:
             bound = self._bound((fleet.scenario.risk_bound - fleet.initial) / fleet.unit)
         return min(bound, self.cost)
+
+    def price(self, fleet: Fleet) -> float | None:
+        """Return what a little more Δ would save, per unit of probability; None if unknown.
+
+        The simple bounds may sum to more in proportion to Δ, and what that saves is the price of
+        the round with the best bound. Where the plan leaves much of Δ, Δ is not what limits it.
+        """
+        granted = fleet.scenario.risk_bound
+        if not self.rounds or not self.controls or self.certified <= 0.0:
+            return None
+        if self.certified < _SPENT * granted:
+            return 0.0 if self.spent < _SPENT * fleet.most_budget else None
+        units = max(fleet.budget, self.spent) / fleet.unit
+        _, price = max(self.rounds, key=lambda found: found[0] - found[1] * units)
+        return price / fleet.unit * self.spent / self.certified
 
     def _bound(self, units: float) -> float:
         """Return the least cost within a budget."""
@@ -133,5 +149,6 @@ def _keep(
     cost = sum(float(fleet.problems[m].program.cost @ z) for m, z in pairs)
     if risk <= fleet.scenario.risk_bound and cost < best.cost:
         best.controls, best.cost, best.sets, best.spent = controls, cost, found.sets, spent
+        best.certified = risk
         fleet.known = fleet.parted(found.sets, points)
     return risk

@@ -92,6 +92,7 @@ def plan_certified(
         (),
         seconds,
         lower_bound=_finite(bound),
+        price=best.price(fleet),
     )
 
 

@@ -1,0 +1,114 @@
+"""Several planners on one scenario, judged alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+from radmpc.errors import SolverError
+from radmpc.model.scenario import Scenario
+from radmpc.planners.presets import parse_planner
+from radmpc.planners.result import Result
+from radmpc.planning import plan
+from radmpc.referee import Simulation, simulate
+
+__all__ = ["Comparison", "compare"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison:
+    """One planner's answer.
+
+    Attributes
+    ----------
+    planner : str
+        As it was asked for.
+    result : Result or None
+        The answer; None where its solver gave up.
+    simulation : Simulation or None
+        The plan flown; None without one.
+    problem : str or None
+        What the solver said where it gave up.
+    """
+
+    planner: str
+    result: Result | None
+    simulation: Simulation | None
+    problem: str | None = None
+
+    @property
+    def is_within(self) -> bool:
+        """Whether there is a plan certified within the risk bound."""
+        return self.result is not None and self.result.is_certified
+
+
+def compare(
+    scenario: Scenario,
+    planners: Sequence[str],
+    *,
+    rng: int = 0,
+    time_limit: float | None = None,
+    samples: int = 100_000,
+    executor: Executor | None = None,
+    progress: Callable[[str, int, int | None], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Iterator[Comparison]:
+    """Plan a scenario with one planner after the other, and fly every plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    planners : sequence of str
+        Names, with arguments where they take one.
+    rng : int
+        Seed of every random choice, the same for each planner and each simulation.
+    time_limit : float or None
+        Seconds for each planner.
+    samples : int
+        Flights per plan.
+    executor : Executor or None
+        Where separate sets are planned.
+    progress : callable or None
+        Told the planner and its stage, the parts done and their number.
+    stop : callable or None
+        Once it returns True, the planner at work returns what it has, and none follows.
+
+    Yields
+    ------
+    Comparison
+        As soon as it is there, in the order asked for.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such planner; before any is run.
+    """
+    records = [(name.strip(), parse_planner(name)) for name in planners]
+    tell = progress or (lambda stage, done, total: None)
+    for name, record in records:
+        if stop is not None and stop():
+            return
+
+        def told(stage: str, done: int, total: int | None, name: str = name) -> None:
+            tell(f"{name}: {stage}", done, total)
+
+        try:
+            result = plan(
+                scenario,
+                record,
+                rng=rng,
+                time_limit=time_limit,
+                executor=executor,
+                progress=told,
+                stop=stop,
+            )
+        except SolverError as error:
+            yield Comparison(name, None, None, str(error))
+            continue
+        flown = None
+        if result.plan is not None:
+            told("flights", 0, None)
+            flown = simulate(result.plan, samples, rng=rng)
+        yield Comparison(name, result, flown)

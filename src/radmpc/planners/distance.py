@@ -1,0 +1,144 @@
+"""Vehicles that come close are planned together, whatever their risk (Keviczky et al.).
+
+The paper reviews it as the heuristic that its own couplings improve on: a graph with an edge
+between any two vehicles within some distance. Here the distance is that of the ways they would
+take alone, at the same time, so that the graph follows them over the whole horizon.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from itertools import pairwise
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from radmpc.arrays import Tensor
+from radmpc.model.dynamics import rollout
+from radmpc.model.scenario import Scenario
+from radmpc.planners.planner import Distance, Planner
+from radmpc.planners.result import Draft
+from radmpc.planners.sets import SetPlan, SetTask, plan_sets, verdict_of_sets
+from radmpc.solvers.solution import Limits, Outcome
+
+__all__ = ["close_pairs", "plan_by_distance"]
+
+Sets = tuple[tuple[int, ...], ...]
+
+
+def plan_by_distance(
+    scenario: Scenario,
+    planner: Planner,
+    distance: Distance,
+    limits: Limits,
+    executor: Executor | None,
+    progress: Callable[[str, int, int | None], None],
+) -> Draft:
+    """Plan every vehicle alone, then together those whose ways come close.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    planner : Planner
+        Policy, solver and gap.
+    distance : Distance
+        How close is close.
+    limits : Limits
+        When to stop early.
+    executor : Executor or None
+        Where the sets are planned.
+    progress : callable
+        Told stage, parts done, and of how many.
+
+    Returns
+    -------
+    Draft
+        Its sets are the connected components of the graph. Nothing keeps the sets apart but the
+        distance: the certificate says whether that was enough.
+    """
+    begun = time.perf_counter()
+    singles: Sets = tuple((i,) for i in range(scenario.num_vehicles))
+
+    def plan_all(sets: Sets, stage: str) -> list[SetPlan]:
+        return plan_sets(
+            scenario,
+            sets,
+            lambda part: SetTask(part, planner.policy, planner.solver, planner.gap, stage),
+            limits,
+            executor,
+            lambda done, total: progress(stage, done, total),
+        )
+
+    alone = plan_all(singles, "alone")
+    steps = tuple(step for plan in alone for step in plan.steps)
+    seconds = {"alone": time.perf_counter() - begun}
+    if not all(plan.controls for plan in alone):
+        status, why = verdict_of_sets(scenario, singles, alone)
+        return Draft(status, (), singles, steps, (), seconds, why)
+    sets = _sets(scenario, alone, distance.meters)
+    together = tuple(members for members in sets if len(members) > 1)
+    known = dict(zip(singles, alone, strict=True))
+    known |= dict(zip(together, plan_all(together, "sets"), strict=True))
+    plans = [known[members] for members in sets]
+    steps += tuple(step for members in together for step in known[members].steps)
+    seconds["sets"] = time.perf_counter() - begun - seconds["alone"]
+    status, why = verdict_of_sets(scenario, sets, plans)
+    controls = {
+        i: c for s, p in zip(sets, plans, strict=True) for i, c in zip(s, p.controls, strict=False)
+    }
+    is_whole = all(p.outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE} for p in plans)
+    ordered = tuple(controls[i] for i in sorted(controls)) if is_whole else ()
+    return Draft(status, ordered, sets, steps, (), seconds, why)
+
+
+def _sets(scenario: Scenario, alone: list[SetPlan], meters: float) -> Sets:
+    """Return the connected components of who comes close to whom."""
+    positions = np.array(
+        [
+            rollout(vehicle.system, vehicle.start, plan.controls[0])[
+                :, list(vehicle.system.position)
+            ]
+            for vehicle, plan in zip(scenario.vehicles, alone, strict=True)
+        ]
+    )
+    pairs = close_pairs(positions, meters)
+    n = scenario.num_vehicles
+    edges = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    count, labels = connected_components(edges, directed=False)
+    sets = [tuple(int(i) for i in np.flatnonzero(labels == c)) for c in range(count)]
+    return tuple(sorted(sets))
+
+
+def close_pairs(positions: Tensor, meters: float) -> np.ndarray:
+    """Return who comes within a distance of whom on straight ways from step to step.
+
+    Parameters
+    ----------
+    positions : (N, T+1, d) array
+        Where everyone is at each step [m].
+    meters : float
+        The distance, centre to centre [m].
+
+    Returns
+    -------
+    (p, 2) int array
+        Pairs i < j, ascending.
+    """
+    found = [np.zeros((0, 2), dtype=np.int64)]
+    for here, ahead in pairwise(positions.swapaxes(0, 1)):
+        # Two that come close within the step have middles no further apart than this.
+        longest = float(np.linalg.norm(ahead - here, axis=1).max(initial=0.0))
+        near = KDTree(0.5 * (here + ahead)).query_pairs(meters + longest, output_type="ndarray")
+        i, j = near[:, 0], near[:, 1]
+        start, end = here[i] - here[j], ahead[i] - ahead[j]
+        move = end - start
+        length = np.maximum((move**2).sum(axis=1), 1e-300)
+        share = np.clip(-(start * move).sum(axis=1) / length, 0.0, 1.0)
+        least = np.linalg.norm(start + share[:, None] * move, axis=1)
+        found.append(near[least <= meters])
+    return np.unique(np.concatenate(found), axis=0)

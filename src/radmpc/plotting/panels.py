@@ -1,0 +1,101 @@
+"""Several plans of one scenario side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from radmpc.arrays import Matrix
+from radmpc.model.plan import Plan
+from radmpc.plotting.extent import plan_extent
+from radmpc.plotting.figure import DPI
+from radmpc.plotting.plan import plot_plan
+from radmpc.plotting.style import vehicle_colors
+from radmpc.plotting.title import num_title_lines
+
+__all__ = ["Panel", "plot_panels"]
+
+_WIDTH = 3.0  # of a panel [in]
+_LINE = 0.135  # of text [in]
+_MOST_COLUMNS = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Panel:
+    """One plan of several.
+
+    Attributes
+    ----------
+    title : str
+        Its headline.
+    plan : Plan
+        What to draw.
+    outlines : sequence of (str, sequence of (p, 2) array)
+        Of each vehicle's temporal obstacle, step by step [m]; drawn in its color.
+    """
+
+    title: str
+    plan: Plan
+    outlines: Sequence[tuple[str, Sequence[Matrix]]] = ()
+
+
+def plot_panels(panels: Sequence[Panel]) -> Figure:
+    """Draw plans side by side at the same scale, at most three in a row.
+
+    Parameters
+    ----------
+    panels : sequence of Panel
+        At least one; all of one dimension.
+
+    Returns
+    -------
+    Figure
+        Belongs to no window; nothing is shown and nothing saved.
+    """
+    extents = [plan_extent(panel.plan) for panel in panels]
+    extent = np.stack([np.min(extents, axis=0)[0], np.max(extents, axis=0)[1]])
+    columns = 2 if len(panels) == 4 else min(len(panels), _MOST_COLUMNS)
+    rows = -(-len(panels) // columns)
+    is_flat = extent.shape[1] == 2
+    width, height = (extent[1] - extent[0])[:2]
+    ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else 0.8
+    lines = max(num_title_lines(panel.plan) for panel in panels)
+    inches = rows * ((_WIDTH - 0.3) * ratio + 0.35 + _LINE * lines)
+    figure = Figure(figsize=(columns * _WIDTH, inches), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    with rc_context({"grid.color": "#D0D0D0", "grid.linewidth": 0.4}):
+        all_axes = [
+            figure.add_subplot(rows, columns, i + 1, projection=None if is_flat else "3d")
+            for i in range(len(panels))
+        ]
+    for axes, panel in zip(all_axes, panels, strict=True):
+        plot_plan(panel.plan, axes, title=panel.title)
+        _draw_outlines(axes, panel)
+        if is_flat:
+            axes.set_xlim(*extent[:, 0])
+            axes.set_ylim(*extent[:, 1])
+    return figure
+
+
+def _draw_outlines(ax: Axes, panel: Panel) -> None:
+    """Draw the temporal obstacles."""
+    colors = vehicle_colors([v.name for v in panel.plan.scenario.vehicles], panel.plan.sets)
+    for name, outlines in panel.outlines:
+        for step, outline in enumerate(outlines):
+            ax.add_patch(
+                Polygon(
+                    outline,
+                    facecolor=(*colors[name], 0.06),
+                    edgecolor=(*colors[name], 0.55),
+                    linewidth=0.4,
+                    zorder=2.2,
+                    gid=f"temporal:{name}:{step}",
+                )
+            )

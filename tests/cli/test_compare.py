@@ -1,0 +1,64 @@
+"""Planners side by side, from the command line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+
+def test_compare_prints_a_line_per_planner(run, crossing):
+    result = run("compare", crossing, "--planners", "dlp, radmpc,certified", "--samples", 5000)
+    assert result.exit_code == 0
+    lines = {line.split()[0]: line for line in result.stdout.splitlines() if line.strip()}
+    assert {"dlp", "radmpc", "certified", "planner"} <= lines.keys()
+    assert "+0.00 %" in lines["certified"]
+    assert "optimal" in lines["certified"]
+
+
+def test_compare_gives_the_numbers_as_json(run, crossing):
+    result = run(
+        "compare", crossing, "--planners", "dlp,certified,distance(3)", "--samples", 5000, "--json"
+    )
+    content = json.loads(result.stdout)
+    found = {one["planner"]: one for one in content["planners"]}
+    assert list(found) == ["dlp", "certified", "distance(3)"]
+    assert found["certified"]["is_within"]
+    assert found["certified"]["rate_low"] <= found["certified"]["certified"]
+    assert not found["dlp"]["is_within"]
+    assert found["dlp"]["rate"] > 0.05
+    assert found["dlp"]["cost"] < found["certified"]["cost"]
+    assert found["distance(3)"]["sets"] == [["east", "west"]]
+
+
+def test_compare_draws_a_panel_per_planner(run, crossing, tmp_path):
+    result = run(
+        "compare", crossing, "--planners", "dlp,certified", "--samples", 100, "--figure", "c.svg"
+    )
+    assert "picture written to c.svg" in result.stdout
+    drawn = (tmp_path / "c.svg").read_text(encoding="utf-8")
+    assert drawn.count('id="path:east"') == 2
+
+
+def test_compare_says_no_where_no_planner_has_a_plan(run, hopeless):
+    result = run("compare", hopeless, "--planners", "certified,distance", "--samples", 100)
+    assert result.exit_code == 1
+    assert "certified: " in result.stdout
+    assert "infeasible" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--planners", "nobody"], "planner must be one of"),
+        (["--planners", ","], "at least one planner"),
+        (["--planners", "dlp,dlp"], "twice"),
+        (["--planners", "dlp", "--figure", "c.txt"], "a figure must end in"),
+        (["--jobs", "2", "--dask", "here"], "exclude each other"),
+    ],
+)
+def test_compare_refuses_what_cannot_be_in_one_line(run, crossing, words, message):
+    result = run("compare", crossing, *words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1

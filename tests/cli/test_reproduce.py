@@ -1,0 +1,65 @@
+"""The paper's study from the command line."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from radmpc.experiments.study import read_rows
+
+METHODS = ("--method", "certified", "--method", "radmpc")
+
+
+def test_reproduce_writes_rows_report_and_figures_and_then_has_nothing_to_do(run, tmp_path):
+    words = ("reproduce", "--out", "study", "--seeds", 1, "--cap", 20, "--method", "certified")
+    first = run(*words)
+    assert first.exit_code == 0
+    assert "7 rows in study/rows.jsonl" in first.stdout
+    before = (tmp_path / "study/rows.jsonl").read_bytes()
+    assert (tmp_path / "study/report.md").read_text(encoding="utf-8").startswith("# The paper's")
+    assert (tmp_path / "study/plans-8.png").exists()
+    assert run(*words, "--report-only").exit_code == 0
+    assert (tmp_path / "study/rows.jsonl").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--method", "nobody"], "methods must be among"),
+        (["--quick", "--cap", "5"], "--quick has its own"),
+        (["--jobs", "2", "--dask", "here"], "exclude each other"),
+    ],
+)
+def test_reproduce_refuses_what_makes_no_sense_in_one_line(run, words, message):
+    result = run("reproduce", "--out", "study", *words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_an_interrupt_ends_it_and_the_same_command_goes_on(tmp_path):
+    out = tmp_path / "study"
+    command = [sys.executable, "-m", "radmpc", "reproduce", "--out", str(out), "--quick", *METHODS]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ}
+    )
+    deadline = time.monotonic() + 60.0
+    while len(read_rows(out / "rows.jsonl")) < 2:
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=120.0)
+    assert process.returncode == 1
+    assert "goes on with the other runs" in errors
+    assert "Traceback" not in errors
+    kept = (out / "rows.jsonl").read_bytes()
+    again = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300.0)
+    assert again.returncode == 0
+    assert (out / "rows.jsonl").read_bytes().startswith(kept)
+    assert len(read_rows(out / "rows.jsonl")) == 56

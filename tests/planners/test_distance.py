@@ -1,0 +1,106 @@
+"""Planning together whoever comes close."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from radmpc.errors import ScenarioError
+from radmpc.experiments.families import paper
+from radmpc.planners.distance import close_pairs
+from radmpc.planners.planner import Couplings, Distance, Planner, Receding
+from radmpc.planning import plan
+from radmpc.program.policy import Ira, Pool
+from radmpc.referee import certify
+from radmpc.solvers.branch import Branch
+
+
+def nearest(one, two):
+    """Return how close two straight ways come, by trying many times."""
+    shares = np.linspace(0.0, 1.0, 400)[:, None]
+    return min(
+        np.linalg.norm((a + shares * (b - a)) - (c + shares * (d - c)), axis=1).min()
+        for a, b, c, d in zip(one[:-1], one[1:], two[:-1], two[1:], strict=True)
+    )
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_close_pairs_are_those_that_come_within_the_distance(seed, dimension):
+    rng = np.random.default_rng(seed)
+    ways = rng.uniform(0.0, 30.0, (12, 1, dimension)) + rng.normal(size=(12, 6, dimension)).cumsum(
+        axis=1
+    )
+    found = {(int(i), int(j)) for i, j in close_pairs(ways, 4.0)}
+    for i, j in combinations(range(12), 2):
+        distance = nearest(ways[i], ways[j])
+        if abs(distance - 4.0) > 1e-3:
+            assert ((i, j) in found) == (distance < 4.0)
+
+
+def test_no_distance_leaves_all_apart_and_a_large_one_joins_all():
+    scenario = paper(4, 2)
+    assert {len(s) for s in plan(scenario, "distance(0)").sets} == {1}
+    together = plan(scenario, "distance(100)")
+    assert len(together.sets) == 1
+    reference = plan(scenario, Planner(Ira(), Branch(), Distance(1e6)))
+    assert together.cost == pytest.approx(reference.cost)
+    assert certify(together.require()).certified == pytest.approx(
+        together.certificate.certified, rel=1e-9
+    )
+
+
+def test_sets_of_the_default_distance_never_lose_a_vehicle():
+    for seed in range(3):
+        result = plan(paper(6, seed), "distance")
+        names = sorted(name for members in result.sets for name in members)
+        assert names == sorted(v.name for v in paper(6, seed).vehicles)
+
+
+@pytest.mark.parametrize("meters", [-1.0, float("inf"), float("nan")])
+def test_a_distance_that_is_none_is_refused(meters):
+    with pytest.raises(ScenarioError, match="distance"):
+        Distance(meters)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({}, "receding"),
+        ({"covariances": "reset"}, "receding(reset)"),
+        ({"arrivals": "every_step"}, "receding(every_step)"),
+        ({"sigmas": 3.44}, "receding(3.44 sigmas)"),
+    ],
+)
+def test_other_readings_of_the_paper_are_options_and_plan(options, text):
+    receding = Receding(**options)
+    assert str(receding) == text
+    result = plan(paper(3, 4), Planner(Pool(), Branch(), receding))
+    assert result.plan is not None
+    coupled = Planner(Ira(), Branch(), Couplings(approximation=receding))
+    assert plan(paper(3, 4), coupled).plan is not None
+
+
+def test_larger_temporal_obstacles_keep_vehicles_further_apart():
+    scenario = paper(8, 1)
+    costs = [
+        plan(scenario, Planner(Pool(), Branch(), Receding(sigmas=s))).cost for s in (0.0, 3.0, 6.0)
+    ]
+    assert costs[0] < costs[1] < costs[2]
+
+
+def test_risk_moved_to_inactive_rows_does_not_lower_the_cost():
+    scenario = paper(3, 0)
+    right = plan(scenario, Planner(Ira(), Branch(), Distance(100.0)))
+    wrong = plan(scenario, Planner(Ira(direction="to_inactive"), Branch(), Distance(100.0)))
+    assert right.cost < wrong.cost
+    with pytest.raises(ScenarioError, match="direction"):
+        Ira(direction="sideways")
+
+
+@pytest.mark.parametrize("options", [{"arrivals": "never"}, {"sigmas": -1.0}])
+def test_unknown_readings_are_refused(options):
+    with pytest.raises(ScenarioError, match="must"):
+        Receding(**options)
