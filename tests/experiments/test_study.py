@@ -30,6 +30,7 @@ from radmpc.experiments.study.report import report_text, write_report
 from radmpc.experiments.study.summary import speedup, summarize
 from radmpc.planners.planner import Couplings, Planner
 from radmpc.planners.presets import PRESETS
+from radmpc.plotting import plot_chart
 from radmpc.program.policy import Ira, Uniform
 from radmpc.solvers.branch import Branch
 
@@ -253,7 +254,7 @@ def test_a_report_has_all_tables_and_figures(rows, tmp_path):
 
 
 def test_the_figures_show_the_medians(rows):
-    axes = curves(summarize(rows, 0.05), small())["runtime"]()
+    axes = plot_chart(curves(summarize(rows, 0.05), small())["runtime"])
     lines = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
     expected = [s.seconds.median for s in summarize(rows, 0.05) if s.method == "certified"]
     assert lines["certified"] == pytest.approx(expected)

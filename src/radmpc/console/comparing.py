@@ -195,13 +195,9 @@ def _as_json(one: Comparison) -> dict[str, object]:
 
 def _write_panels(found: Sequence[Comparison], path: Path) -> None:
     """Draw every planner's answer into one picture."""
-    from radmpc.plotting import (  # noqa: PLC0415 - matplotlib loads slowly
-        Panel,
-        plot_panels,
-        write_figure,
-    )
+    from radmpc.plotting import Panel, save_panels  # noqa: PLC0415 - matplotlib loads slowly
 
     panels = [Panel(one.planner, one.result.record) for one in found if one.result is not None]
     if panels:
         with writing(path):
-            write_figure(plot_panels(panels), path)
+            save_panels(panels, path)

@@ -7,26 +7,29 @@ from radmpc.plotting.plan import plot_plan
 from radmpc.plotting.save import (
     FIGURE_SUFFIXES,
     check_figure_path,
+    save_chart,
     save_figure,
     save_ledger,
-    write_figure,
+    save_panels,
 )
 from radmpc.plotting.scenario import plot_scenario
-from radmpc.plotting.spread import Spread, plot_spread
+from radmpc.plotting.spread import Chart, Spread, plot_chart
 
 __all__ = [
     "FIGURE_SUFFIXES",
+    "Chart",
     "Panel",
     "Spread",
     "check_figure_path",
+    "plot_chart",
     "plot_ledger",
     "plot_panels",
     "plot_plan",
     "plot_risk_map",
     "plot_risk_shares",
     "plot_scenario",
-    "plot_spread",
+    "save_chart",
     "save_figure",
     "save_ledger",
-    "write_figure",
+    "save_panels",
 ]

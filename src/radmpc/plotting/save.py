@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
 from radmpc.plotting.figure import DPI
 from radmpc.plotting.ledger import plot_ledger
+from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan
+from radmpc.plotting.spread import Chart, plot_chart
 
-__all__ = ["FIGURE_SUFFIXES", "check_figure_path", "save_figure", "save_ledger", "write_figure"]
+__all__ = [
+    "FIGURE_SUFFIXES",
+    "check_figure_path",
+    "save_chart",
+    "save_figure",
+    "save_ledger",
+    "save_panels",
+]
 
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 
@@ -50,10 +61,7 @@ def save_figure(plan: Plan, path: str | os.PathLike[str]) -> None:
     """
     target = Path(path)
     check_figure_path(target)
-    figure = plot_plan(plan).get_figure(root=True)
-    if figure is None:
-        raise RuntimeError("axes without a figure cannot be saved")
-    write_figure(figure, target)
+    _write(_figure_of(plot_plan(plan)), target)
 
 
 def save_ledger(plan: Plan, path: str | os.PathLike[str]) -> None:
@@ -73,19 +81,59 @@ def save_ledger(plan: Plan, path: str | os.PathLike[str]) -> None:
     """
     target = Path(path)
     check_figure_path(target)
-    write_figure(plot_ledger(plan), target)
+    _write(plot_ledger(plan), target)
 
 
-def write_figure(figure: Figure, target: Path) -> None:
-    """Write a figure beside its place, then move it there.
+def save_panels(panels: Sequence[Panel], path: str | os.PathLike[str]) -> None:
+    """Write plans side by side, in the manner of `save_figure`.
 
     Parameters
     ----------
-    figure : Figure
-        What to write.
-    target : Path
+    panels : sequence of Panel
+        What to draw, at least one.
+    path : path
         Ends in ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends otherwise.
     """
+    target = Path(path)
+    check_figure_path(target)
+    _write(plot_panels(panels), target)
+
+
+def save_chart(chart: Chart, path: str | os.PathLike[str]) -> None:
+    """Write a chart, in the manner of `save_figure`.
+
+    Parameters
+    ----------
+    chart : Chart
+        What to draw.
+    path : path
+        Ends in ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends otherwise.
+    """
+    target = Path(path)
+    check_figure_path(target)
+    _write(_figure_of(plot_chart(chart)), target)
+
+
+def _figure_of(axes: Axes) -> Figure:
+    """Return the figure that axes stand in."""
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        raise RuntimeError("axes without a figure cannot be saved")
+    return figure
+
+
+def _write(figure: Figure, target: Path) -> None:
+    """Write a figure beside its place, then move it there."""
     kind = target.suffix.lower()[1:]
     # Dates and random ids would make every file differ from the last.
     undated: dict[str, object] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}

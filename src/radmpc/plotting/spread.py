@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from radmpc.plotting.figure import DPI
 from radmpc.plotting.style import COLUMN_WIDTH, LABEL_SIZE, PALETTE, TICK_SIZE, TITLE_SIZE
 
-__all__ = ["Spread", "plot_spread"]
+__all__ = ["Chart", "Spread", "plot_chart"]
 
 _HEIGHT = 2.5  # [in]
 _SIDESTEP = 0.08
@@ -36,6 +36,8 @@ class Spread:
         The bar's ends and the marker.
     is_bound : sequence of bool
         Where the middle is a lower bound only: an open marker with an arrow up.
+    look : int or None
+        Which color and marker, so that a method looks the same in all charts; None counts on.
     """
 
     label: str
@@ -44,49 +46,61 @@ class Spread:
     middle: Sequence[float]
     high: Sequence[float]
     is_bound: Sequence[bool] = ()
+    look: int | None = None
 
 
-def plot_spread(
-    spreads: Sequence[Spread],
-    ax: Axes | None = None,
-    *,
-    title: str,
-    x_label: str,
-    y_label: str,
-    log: bool = False,
-    line: float | None = None,
-) -> Axes:
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """Several lines with what stands around them.
+
+    Attributes
+    ----------
+    spreads : sequence of Spread
+        The lines.
+    title, x_label, y_label : str
+        What it shows; labels with units.
+    is_log : bool
+        Whether the y axis is logarithmic.
+    line : float or None
+        A value to mark by a line across.
+    """
+
+    spreads: Sequence[Spread]
+    title: str
+    x_label: str
+    y_label: str
+    is_log: bool = False
+    line: float | None = None
+
+
+def plot_chart(chart: Chart, ax: Axes | None = None) -> Axes:
     """Draw medians and spreads.
 
     Parameters
     ----------
-    spreads : sequence of Spread
-        The lines.
+    chart : Chart
+        What to draw.
     ax : Axes or None
         Where; None makes a figure of one column.
-    title, x_label, y_label : str
-        What it shows; labels with units.
-    log : bool
-        Whether the y axis is logarithmic.
-    line : float or None
-        A value to mark by a line across.
 
     Returns
     -------
     Axes
         The axes drawn on; nothing is shown and nothing saved.
     """
+    spreads = chart.spreads
     axes = _new_axes() if ax is None else ax
     middle = 0.5 * (len(spreads) - 1)
     for number, spread in enumerate(spreads):
-        _draw(axes, spread, number, _SIDESTEP * (number - middle))
-    if line is not None:
-        axes.axhline(line, color="#C00000", linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
-    if log:
+        look = number if spread.look is None else spread.look
+        _draw(axes, spread, look, _SIDESTEP * (number - middle))
+    if chart.line is not None:
+        axes.axhline(chart.line, color="#C00000", linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
+    if chart.is_log:
         axes.set_yscale("log")
-    axes.set_title(title, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
-    axes.set_xlabel(x_label, fontsize=LABEL_SIZE, labelpad=1.0)
-    axes.set_ylabel(y_label, fontsize=LABEL_SIZE, labelpad=1.0)
+    axes.set_title(chart.title, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
+    axes.set_xlabel(chart.x_label, fontsize=LABEL_SIZE, labelpad=1.0)
+    axes.set_ylabel(chart.y_label, fontsize=LABEL_SIZE, labelpad=1.0)
     axes.tick_params(which="both", labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     ticks = sorted({float(x) for spread in spreads for x in spread.x})
     axes.set_xticks(ticks, [f"{x:g}" for x in ticks])

@@ -1,4 +1,4 @@
-"""Solver ``rrt``: no optimiser at all, only random samples that are checked.
+"""Solver ``rrt``: no optimizer at all, only random samples that are checked.
 
 Vehicles are planned one after the other, each by a random tree around those before it. The answer
 satisfies the programme; nothing is proven about its cost, and finding none proves nothing.

@@ -122,18 +122,17 @@ class Course:
             _lower(first, best.T > _TOL, self.levels)
         return first
 
-    def homeward(self, courses: Matrix, levels: Indices, rounds: int = ROUNDS) -> Matrix:
-        """Return courses that leave at given levels for the goal, (s, c)."""
-        prefix = np.where(self.steps < levels[:, None], courses, 0.0)
+    def homeward(self, courses: Matrix, free: np.ndarray, rounds: int = ROUNDS) -> Matrix:
+        """Return courses with their free controls, (s, c), replaced by cheap ones to the goal."""
+        kept = np.where(free, 0.0, courses)
         rows = self.hard[self.goal]
         lower, upper = self.hard_lower[self.goal], self.hard_upper[self.goal]
-        needs = 0.5 * (lower + upper) - prefix @ rows.T
+        needs = 0.5 * (lower + upper) - kept @ rows.T
         # Where in the goal to end is one more control for each of its rows, and costs nothing.
         width = np.diag(0.5 * (upper - lower))
-        limits = (self.steps >= levels[:, None]) * self.limits
-        limits = np.hstack([limits, np.full(needs.shape, 1.0 - _INSIDE)])
+        limits = np.hstack([free * self.limits, np.full(needs.shape, 1.0 - _INSIDE)])
         found = connect(np.hstack([rows, width])[None], needs, limits, rounds, free=len(width))
-        return prefix + found[:, : self.steps.size]
+        return kept + found[:, : self.steps.size]
 
 
 def _lower(first: Indices, failed: npt.ArrayLike, levels: Indices) -> None:

@@ -14,7 +14,9 @@ __all__ = ["Shortcuts"]
 _MIN_GAIN = 1e-3
 """Relative gain below which to stop."""
 
-_MAX_SPANS = 128
+_MAX_SPANS = 24
+"""Spans tried at once, those that would gain most."""
+
 _PARTS = np.array([1.0, 0.7, 0.4, 0.2, 0.1, 0.05])
 """How far to go towards a cheaper course: in between too, the states at both ends are the same."""
 
@@ -35,6 +37,7 @@ class Shortcuts:
         self._inside = course.steps >= begins[:, None]
         self._inside &= course.steps < ends[:, None]
         self._rows = _seen_later(course)
+        self._tails = _tails(course)
 
     def shorten(self, controls: Vector, limits: Limits, rounds: int = ROUNDS) -> Vector:
         """Replace spans as long as that pays.
@@ -78,9 +81,17 @@ class Shortcuts:
         replaced = np.where(self._inside, controls, 0.0)
         needs = (rows @ replaced[:, :, None])[:, :, 0]
         found = connect(rows, needs, self._inside * self.course.limits, rounds)
-        begins = np.arange(self.course.horizon)
-        home = self.course.homeward(np.tile(controls, (begins.size, 1)), begins, rounds)
+        tails = np.tile(controls, (len(self._tails), 1))
+        home = self.course.homeward(tails, self._tails, rounds)
         return np.concatenate([controls - replaced + found, home])
+
+
+def _tails(course: Course) -> np.ndarray:
+    """Return the controls from each step on, all of them and one axis at a time, (s, c)."""
+    num_axes = course.steps.size // course.horizon
+    is_tail = course.steps >= np.arange(course.horizon)[:, None]
+    is_axis = np.arange(course.steps.size) % num_axes == np.arange(num_axes)[:, None]
+    return np.vstack([is_tail, *(is_tail & one for one in is_axis)])
 
 
 def _seen_later(course: Course) -> Tensor:

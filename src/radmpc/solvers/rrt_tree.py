@@ -15,7 +15,7 @@ __all__ = ["RandomTree"]
 _BATCH = 16
 """Targets drawn at once: one product serves them all."""
 
-_NEAR = 0.7
+_NEAR = 0.5
 """Share of the targets drawn around the best way known."""
 
 _SPREAD = 0.3
@@ -84,10 +84,10 @@ class RandomTree:
             self._note(root[0])
         if failure in {0, course.horizon + 1}:
             return
-        self._way = course.paths(course.homeward(root, start))[0]
+        self._way = course.paths(course.homeward(root, root == 0.0))[0]
         self._add(root, start)
         # With one step there is no place to go but the goal.
-        for _ in range(0, 3*self.max_nodes if course.horizon > 1 else 0, _BATCH):
+        for _ in range(0, self.max_nodes if course.horizon > 1 else 0, _BATCH):
             if self.count >= self.max_nodes or self.limits.reached:
                 break
             self._grow()
@@ -141,7 +141,7 @@ class RandomTree:
         self._costs[new] = costs[kept]
         self._paths[new] = self.course.paths(controls)
         self.count += kept.size
-        ways = self.course.homeward(controls, levels)
+        ways = self.course.homeward(controls, self.course.steps >= levels[:, None])
         costs = self.course.costs(ways)
         cheap = np.flatnonzero(costs < _WORTH * self.cost)
         cheap = cheap[self.course.failures(ways[cheap]) > self.course.horizon]

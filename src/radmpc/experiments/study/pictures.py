@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from matplotlib.axes import Axes
-
 from radmpc.arrays import Matrix
 from radmpc.experiments.families import paper
 from radmpc.experiments.study.design import BASELINE, Study
@@ -14,7 +12,7 @@ from radmpc.geometry import halfspaces
 from radmpc.model.plan import Plan
 from radmpc.planners.temporal import make_temporal_obstacle
 from radmpc.planning import plan
-from radmpc.plotting import Panel, Spread, plot_spread
+from radmpc.plotting import Chart, Panel, Spread
 
 __all__ = ["curves", "panels"]
 
@@ -25,59 +23,53 @@ _NAMES = {
 }
 
 
-def curves(summaries: Sequence[Summary], study: Study) -> Mapping[str, Callable[[], Axes]]:
-    """Return what draws each figure over N, by the name of its file."""
+def curves(summaries: Sequence[Summary], study: Study) -> Mapping[str, Chart]:
+    """Return each figure over N, by the name of its file."""
     methods = [m.name for m in study.available if m.role != "ablation"]
     main = [m for m in methods if "big-M" not in m]
     bound = study.risk_bound
 
-    def drawn(
+    def chart(
         names: Sequence[str],
         value: Callable[[Summary], Quantiles | None],
         title: str,
         y_label: str,
         *,
-        log: bool = False,
+        is_log: bool = False,
         line: float | None = None,
-    ) -> Callable[[], Axes]:
-        spreads = [_spread(summaries, name, value) for name in names]
-        return lambda: plot_spread(
-            [s for s in spreads if len(s.x)],
-            title=title,
-            x_label="vehicles N",
-            y_label=y_label,
-            log=log,
-            line=line,
-        )
+    ) -> Chart:
+        spreads = [_spread(summaries, name, value, methods.index(name)) for name in names]
+        known = [spread for spread in spreads if len(spread.x)]
+        return Chart(known, title, "vehicles N", y_label, is_log, line)
 
     return {
-        "runtime": drawn(
-            methods, lambda s: s.seconds, "Runtime, median and 10–90 %", "seconds", log=True
+        "runtime": chart(
+            methods, lambda s: s.seconds, "Runtime, median and 10–90 %", "seconds", is_log=True
         ),
-        "success": drawn(
+        "success": chart(
             main,
             lambda s: s.free,
             f"Flights without collision (line: 1 − Δ = {1 - bound:g})",
             "share of flights",
             line=1.0 - bound,
         ),
-        "within": drawn(
+        "within": chart(
             main, _within, "Plans that collide in at most Δ of the flights", "share of plans"
         ),
-        "cost": drawn(
+        "cost": chart(
             main,
             lambda s: _scaled(s.above_bound, 100.0),
             "Cost above the proven bound, median and 10–90 %",
             "above the bound [%]",
         ),
-        "used": drawn(
+        "used": chart(
             main,
             lambda s: _scaled(s.used, 100.0),
             "Share of Δ used, by the certificate",
             "certificate / Δ [%]",
             line=100.0,
         ),
-        "couplings": drawn(
+        "couplings": chart(
             [name for name in main if name in {BASELINE, "certified"}],
             _missed,
             "Plans with a coupled pair in different sets",
@@ -87,7 +79,10 @@ def curves(summaries: Sequence[Summary], study: Study) -> Mapping[str, Callable[
 
 
 def _spread(
-    summaries: Sequence[Summary], method: str, value: Callable[[Summary], Quantiles | None]
+    summaries: Sequence[Summary],
+    method: str,
+    value: Callable[[Summary], Quantiles | None],
+    look: int,
 ) -> Spread:
     """Return a method's line."""
     known = [(s, v) for s in summaries if s.method == method and (v := value(s)) is not None]
@@ -98,6 +93,7 @@ def _spread(
         middle=[v.median for _, v in known],
         high=[v.high for _, v in known],
         is_bound=[s.is_censored for s, _ in known],
+        look=look,
     )
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 from radmpc.experiments.study.design import BASELINE, Study
 from radmpc.experiments.study.pictures import curves, panels
 from radmpc.experiments.study.summary import Quantiles, Speedup, Summary, speedup, summarize
 from radmpc.experiments.study.trial import Row
 from radmpc.io.atomic import write_text
-from radmpc.plotting import plot_panels, write_figure
+from radmpc.plotting import save_chart, save_panels
 
 __all__ = ["write_report"]
 
@@ -51,23 +49,15 @@ def write_report(
     written = [folder / "report.md"]
     tell("report.md")
     write_text(written[0], report_text(study, known, summaries))
-    for name, draw in curves(summaries, study).items():
-        tell(f"{name}.png")
-        written.append(_saved(draw().get_figure(root=True), folder / f"{name}.png"))
-    for vehicles, seed in study.shown.items():
-        tell(f"plans-{vehicles}.png")
-        figure = plot_panels(panels(study, vehicles))
-        written.append(_saved(figure, folder / f"plans-{vehicles}.png"))
-        del seed
+    for name, chart in curves(summaries, study).items():
+        written.append(folder / f"{name}.png")
+        tell(written[-1].name)
+        save_chart(chart, written[-1])
+    for vehicles in study.shown:
+        written.append(folder / f"plans-{vehicles}.png")
+        tell(written[-1].name)
+        save_panels(panels(study, vehicles), written[-1])
     return tuple(written)
-
-
-def _saved(figure: Figure | None, path: Path) -> Path:
-    """Write a figure."""
-    if figure is None:
-        raise RuntimeError("axes without a figure cannot be saved")
-    write_figure(figure, path)
-    return path
 
 
 def report_text(study: Study, rows: Sequence[Row], summaries: Sequence[Summary]) -> str:

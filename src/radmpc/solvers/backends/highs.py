@@ -14,6 +14,8 @@ from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["HighsBackend"]
 
+_FEASIBILITY_TOL = 1e-9
+
 
 @dataclass(frozen=True, slots=True)
 class HighsBackend:
@@ -31,6 +33,9 @@ class HighsBackend:
         """
         highs = quiet_highs()
         highs.setOptionValue("mip_rel_gap", gap)
+        # Slack in the rows that define outputs would lower the bound by more than small gaps.
+        for name in ("mip_feasibility_tolerance", "primal_feasibility_tolerance"):
+            highs.setOptionValue(name, _FEASIBILITY_TOL)
         if np.isfinite(limits.seconds_left):
             highs.setOptionValue("time_limit", limits.seconds_left)
         highs.passModel(_translated(model))
