@@ -9,6 +9,7 @@ import typer
 
 from radmpc.console.comparing import CompareRequest, check_compare, run_compare
 from radmpc.console.demo import run_demo
+from radmpc.console.exporting import ExportRequest, run_export
 from radmpc.console.files import check_output, writing
 from radmpc.console.guard import Code, GuardedCommands
 from radmpc.console.listing import planner_table, planners_json
@@ -97,10 +98,15 @@ def plan(
     ledger: Annotated[
         Path | None, typer.Option("--ledger", help="Draw where the risk goes, likewise.")
     ] = None,
+    verbose: Annotated[
+        bool, typer.Option("-v", "--verbose", help="Tell the stages on stderr as they go.")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Plan a scenario; write it where -o says."""
-    request = Request(planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask)
+    request = Request(
+        planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask, verbose
+    )
     check_request(request)
     return run_plan(load_scenario(scenario), request)
 
@@ -231,6 +237,25 @@ def import_file(
         show(f"warning: {warning}")
     show(f"scenario written to {output}")
     return Code.OK
+
+
+@app.command()
+def export(
+    plan_file: PlanFile,
+    to: Annotated[str, typer.Option("--to", help="qgc, waypoints, geojson, kml, mcap or csv.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Write it here.")],
+    origin: Annotated[
+        str | None,
+        typer.Option("--origin", help="LAT,LON[,HEIGHT] of the plan's origin [degrees, m]."),
+    ] = None,
+    altitude: Annotated[
+        float | None,
+        typer.Option("--altitude", help="Of a 2-D plan above the origin [m] (0)."),
+    ] = None,
+) -> int:
+    """Write a plan for the vehicles' own tools."""
+    request = ExportRequest(plan_file, to, output, origin, altitude)
+    return run_export(load_plan(plan_file), request)
 
 
 @app.command()

@@ -23,7 +23,9 @@ def test_the_version_is_that_of_the_package(run: Run) -> None:
 def test_help_lists_every_command(run: Run) -> None:
     result = run("--help")
     assert result.exit_code == 0
-    for command in ("plan", "check", "verify", "planners", "import", "demo"):
+    for command in (
+        "plan", "check", "compare", "export", "reproduce", "verify", "planners", "import", "demo",
+    ):  # fmt: skip
         assert f"\n  {command} " in result.stdout
 
 

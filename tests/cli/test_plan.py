@@ -223,3 +223,12 @@ def test_a_plan_the_referee_finds_fault_with_is_a_no(
     result = run("plan", crossing)
     assert result.exit_code == 1
     assert "the plan is not certified: goal missed" in assert_one_line(result.stderr)
+
+
+def test_verbose_tells_the_stages_on_stderr_and_nothing_else_does(run, crossing):
+    told = run("plan", crossing, "-v")
+    assert told.exit_code == 0
+    assert "price of risk" in told.stderr
+    assert "gap 0" in told.stderr
+    assert run("plan", crossing).stderr == ""
+    assert "iteration 1" in run("plan", crossing, "-v", "--planner", "multi-vehicle").stderr

@@ -112,3 +112,13 @@ def test_the_longest_file_name_can_be_written(tmp_path: Path) -> None:
     target = tmp_path / ("x" * 255)
     write_text(target, "x")
     assert target.read_text(encoding="utf-8") == "x"
+
+
+def test_a_pipe_behind_a_link_is_written_to():
+    read, write = os.pipe()
+    try:
+        write_text(f"/dev/fd/{write}", "hello")
+        os.close(write)
+        assert os.read(read, 100) == b"hello"
+    finally:
+        os.close(read)

@@ -12,6 +12,7 @@ from radmpc.console.output import note, show, show_json
 from radmpc.console.picture import check_picture, write_ledger, write_picture
 from radmpc.console.progress import progress_line
 from radmpc.console.report import plan_report
+from radmpc.console.stages import told_stages
 from radmpc.console.workers import workers
 from radmpc.errors import ScenarioError
 from radmpc.io.plan_file import encode_plan, save_plan
@@ -40,6 +41,8 @@ class Request:
         Number of processes.
     dask : str or None
         Address of a Dask scheduler.
+    is_verbose : bool
+        Whether stages are told on stderr.
     output, figure, ledger : Path or None
         Where the plan, its picture and that of its risk go; None writes none.
     as_json : bool
@@ -55,6 +58,7 @@ class Request:
     as_json: bool = False
     ledger: Path | None = None
     dask: str | None = None
+    is_verbose: bool = False
 
 
 def check_request(request: Request) -> None:
@@ -88,7 +92,8 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     with (
         stop_on_interrupt() as is_stopped,
         workers(request.jobs, request.dask) as executor,
-        progress_line() as progress,
+        told_stages(request.is_verbose),
+        progress_line(is_wanted=not request.is_verbose) as progress,
     ):
         result = plan(
             scenario,

@@ -14,13 +14,17 @@ ProgressCallback = Callable[[str, int, int | None], None]
 
 
 @contextmanager
-def progress_line(console: Console | None = None) -> Iterator[ProgressCallback]:
+def progress_line(
+    console: Console | None = None, *, is_wanted: bool = True
+) -> Iterator[ProgressCallback]:
     """Show progress on stderr while the context lasts, if somebody can see it.
 
     Parameters
     ----------
     console : Console or None
         Where to show it; None is stderr.
+    is_wanted : bool
+        Whether it is to be shown at all.
 
     Yields
     ------
@@ -28,7 +32,7 @@ def progress_line(console: Console | None = None) -> Iterator[ProgressCallback]:
         Takes the stage, the parts done and their number or None.
     """
     target = Console(stderr=True) if console is None else console
-    if not target.is_terminal:
+    if not (is_wanted and target.is_terminal):
         yield lambda stage, done, total: None
         return
     with target.status("planning") as status:

@@ -7,7 +7,7 @@ import secrets
 import stat
 from pathlib import Path
 
-__all__ = ["write_text"]
+__all__ = ["write_bytes", "write_text"]
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
@@ -25,9 +25,29 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     OSError
         If the file cannot be written; it is then what it was before.
     """
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file in one piece, as `write_text` does.
+
+    Parameters
+    ----------
+    path : path
+        The file; an existing one is replaced and keeps its permissions, a link keeps pointing.
+    content : bytes
+        Its new content.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; it is then what it was before.
+    """
     # A link stays a link: what it points to is replaced.
     target = Path(os.path.realpath(path))
-    content = text.encode("utf-8")
+    if not target.exists() and os.path.exists(path):
+        # A pipe behind /dev/stdout has no path of its own.
+        target = Path(path)
     try:
         mode = _mode(target)
         if mode is not None and not stat.S_ISREG(mode):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -24,6 +25,8 @@ from radmpc.solvers.frozen import solve_selection
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver
 
 __all__ = ["Propose", "Solved", "solve_under_policy"]
+
+_LOG = logging.getLogger(__name__)
 
 Propose = Callable[[Vector], Indices | None]
 """Proposes one alternative per avoidance at given margins."""
@@ -158,6 +161,18 @@ class _Ira:
             paid = allocated(self.program, allocation, solution.selection)
             counts = (upper.num_active, upper.num_chosen, paid, upper.used)
             steps.append(_step(self.stage, self.vehicles, iteration, solution, counts))
+            _LOG.info(
+                "%s of %d: iteration %d, cost %.6g, %d of %d active, risk %.3g of %.3g, %.2f s",
+                self.stage,
+                len(self.vehicles),
+                iteration + 1,
+                solution.cost,
+                upper.num_active,
+                upper.num_chosen,
+                upper.used,
+                paid,
+                solution.seconds,
+            )
             fell = best is None or solution.cost < best.cost - self.gap * abs(best.cost)
             if best is None or solution.cost < best.cost:
                 best, best_allocation = solution, allocation

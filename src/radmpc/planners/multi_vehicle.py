@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -21,6 +22,8 @@ from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["plan_multi_vehicle", "plan_receding"]
+
+_LOG = logging.getLogger(__name__)
 
 Progress = Callable[[str, int, int | None], None]
 
@@ -123,6 +126,14 @@ def plan_multi_vehicle(
     sets = everyone
     if not run.stuck:
         sets = connected_sets(run.pair_risk, couplings.threshold, run.forced)
+
+    _LOG.info(
+        "approximation: %.2f s, %d subproblems without a solution; %d sets, the largest of %d",
+        seconds["radmpc"],
+        len(run.events),
+        len(sets),
+        max(len(members) for members in sets),
+    )
 
     def plan_all(sets: tuple[tuple[int, ...], ...]) -> list[SetPlan]:
         return plan_sets(

@@ -63,6 +63,8 @@ def write_report(
 def report_text(study: Study, rows: Sequence[Row], summaries: Sequence[Summary]) -> str:
     """Return the report in Markdown."""
     tasks = study.tasks()
+    named = {method.name for method in study.methods if method.role != "ablation"}
+    main = [summary for summary in summaries if summary.method in named]
     parts = [
         "# The paper's experiments, done again",
         f"{len(rows)} of {len(tasks)} runs: fleets of {study.sizes[0]} to {study.sizes[-1]} "
@@ -83,16 +85,16 @@ def report_text(study: Study, rows: Sequence[Row], summaries: Sequence[Summary])
         "A plan that uses all of Δ comes out on either side by chance. "
         "*Flights free* is the share of flights without a collision: median and 10th percentile "
         "over the problems.",
-        _success_table(summaries),
+        _success_table(main),
         "![Success](success.png)",
         "![Within](within.png)",
         "### Plans that collide more often than Δ",
-        _failures(rows, study.risk_bound),
+        _failures([row for row in rows if row.method in named], study.risk_bound),
         "## Cost, risk and couplings",
         "Cost above the lower bound proven for the same problem, share of Δ that the certificate "
         "uses, plans certified above Δ, and plans with a pair of different sets above the coupling "
         "threshold Ψ.",
-        _quality_table(summaries),
+        _quality_table(main),
         "![Cost](cost.png)",
         "![Used](used.png)",
         "![Couplings](couplings.png)",

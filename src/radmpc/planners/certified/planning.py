@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -21,6 +22,8 @@ from radmpc.planners.result import Draft, Step
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
+
+_LOG = logging.getLogger(__name__)
 
 _MAX_ROUNDS = 40
 _SEARCH_SHARE = 0.5
@@ -121,6 +124,7 @@ def _search(
         best.rounds.append((found.least, price))
         take(fleet, found, best, risk_of)
         best.steps.append(_step(fleet, found, best, time.perf_counter() - began))
+        _tell(fleet, found, best)
         if relative_gap(best.cost, best.bound(fleet)) <= gap or fleet.limits.reached:
             return
         is_proven = relative_gap(best.cost, best.reported(fleet, gap)) <= gap
@@ -153,6 +157,27 @@ def _search(
                 return
             effort *= MORE_EFFORT
         price = following
+
+
+def _tell(fleet: Fleet, found: Round, best: Best) -> None:
+    """Log a round."""
+    step, plan = best.steps[-1], "no plan yet"
+    if best.controls:
+        plan = (
+            f"best {best.cost:.6g}, gap {100.0 * step.gap:.2g} %, certificate {best.certified:.3g}"
+        )
+    _LOG.info(
+        "%s %d: %d sets, the largest of %d; price of risk %.3g, risk %.3g of %.3g; %s; %.2f s",
+        step.stage,
+        step.iteration + 1,
+        len(found.sets),
+        max(len(members) for members in found.sets),
+        found.price,
+        found.risk + found.cross,
+        fleet.budget,
+        plan,
+        step.seconds,
+    )
 
 
 def _step(fleet: Fleet, found: Round, best: Best, seconds: float) -> Step:

@@ -1,0 +1,180 @@
+"""A plan in any of the formats known here: content of files, names, warnings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from radmpc.errors import ScenarioError
+from radmpc.io.atomic import write_bytes
+from radmpc.io.export.frame import Origin
+from radmpc.io.export.geojson import write_geojson
+from radmpc.io.export.job import Job
+from radmpc.io.export.kml import write_kml
+from radmpc.io.export.names import distinct, file_part
+from radmpc.io.export.origin import Placement, scenario_origin
+from radmpc.io.export.qgc import write_qgc
+from radmpc.io.export.ros2 import write_mcap
+from radmpc.io.export.statements import timing_sentence
+from radmpc.io.export.table import write_table
+from radmpc.io.export.tracks import Track, tracks_of
+from radmpc.io.export.waypoints import write_waypoints
+from radmpc.io.text import shown
+from radmpc.model.plan import Plan
+
+__all__ = ["FORMATS", "ExportOptions", "Exported", "Origin", "export_plan", "save_exported"]
+
+_FLEET: Mapping[str, Callable[[Job], bytes]] = {
+    "geojson": write_geojson,
+    "kml": write_kml,
+    "mcap": write_mcap,
+    "csv": write_table,
+}
+_SINGLE: Mapping[str, Callable[[Job, Track], bytes]] = {
+    "qgc": write_qgc,
+    "waypoints": write_waypoints,
+}
+_LOCAL = {"csv", "mcap"}  # no place on earth needed
+
+FORMATS = (*_SINGLE, *_FLEET)
+
+
+@dataclass(frozen=True, slots=True)
+class ExportOptions:
+    """What a plan does not say.
+
+    Attributes
+    ----------
+    origin : Origin or None
+        Where the local frame lies; None takes that of the scenario's source.
+    altitude : float or None
+        Height of a 2-D plan above the origin [m]; None is 0.
+    is_certified : bool or None
+        Whether the plan holds within its bound; None takes the plan's own word.
+    """
+
+    origin: Origin | None = None
+    altitude: float | None = None
+    is_certified: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """What is to be written.
+
+    Attributes
+    ----------
+    files : mapping
+        Content per path.
+    vehicles : mapping
+        The vehicle's name per path, where every vehicle has a file of its own.
+    warnings : tuple of str
+        What the format loses.
+    """
+
+    files: Mapping[Path, bytes]
+    vehicles: Mapping[Path, str]
+    warnings: tuple[str, ...]
+
+
+def export_plan(
+    plan: Plan,
+    to: str,
+    path: str | os.PathLike[str],
+    options: ExportOptions | None = None,
+) -> Exported:
+    """Return a plan in another format; nothing is written yet.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    to : str
+        One of `FORMATS`.
+    path : path
+        The file. With several vehicles and a format of one vehicle each, their names are put
+        before the ending.
+    options : ExportOptions or None
+        What the plan does not say.
+
+    Returns
+    -------
+    Exported
+        The same for the same plan and options.
+
+    Raises
+    ------
+    NoPlanError
+        If the plan has no trajectories.
+    ScenarioError
+        If the format is unknown, its arrays do not fit its scenario, an option does not fit, or
+        the place on earth is missing.
+    FileFormatError
+        If the format's library is missing.
+    """
+    options = options or ExportOptions()
+    if to not in FORMATS:
+        raise ScenarioError(f"--to must be one of {', '.join(FORMATS)}, got {shown(to)}")
+    job = _job(plan, to, options)
+    target = Path(path)
+    if to in _FLEET:
+        return Exported({target: _FLEET[to](job)}, {}, ())
+    names = _file_names(job, target)
+    files = {names[track.name]: _SINGLE[to](job, track) for track in job.tracks}
+    vehicles = {place: name for name, place in names.items()} if len(files) > 1 else {}
+    return Exported(files, vehicles, (timing_sentence(plan),))
+
+
+def save_exported(exported: Exported) -> None:
+    """Write every file, each whole or not at all.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
+    """
+    for path, content in exported.files.items():
+        write_bytes(path, content)
+
+
+def _job(plan: Plan, to: str, options: ExportOptions) -> Job:
+    """Return what the exporter gets, the options checked."""
+    tracks = tracks_of(plan)
+    if options.altitude is not None:
+        if plan.scenario.dimension == 3:
+            raise ScenarioError("--altitude is for 2-D plans: this one has heights of its own")
+        if to == "csv":
+            raise ScenarioError("--altitude does not fit csv: it keeps the plan's coordinates")
+        if not abs(options.altitude) <= 1e5:
+            raise ScenarioError(
+                f"--altitude must lie between -100 and 100 km, got {options.altitude} m"
+            )
+    altitude = 0.0 if options.altitude is None else options.altitude
+    if options.origin is not None and to == "csv":
+        raise ScenarioError("--origin does not fit csv: it keeps the plan's coordinates")
+    origin = options.origin
+    if origin is None and to != "csv":
+        try:
+            origin = scenario_origin(plan.scenario)
+        except ScenarioError as error:
+            raise error.under("scenario") from error
+    is_certified = options.is_certified
+    if is_certified is None:
+        certified = plan.risk.certified
+        is_certified = certified is not None and certified <= plan.scenario.risk_bound
+    placement = None if origin is None else Placement(origin, altitude)
+    return Job(plan, tracks, is_certified, placement, altitude)
+
+
+def _file_names(job: Job, target: Path) -> dict[str, Path]:
+    """Return the file of every vehicle."""
+    names = [track.name for track in job.tracks]
+    if len(names) == 1:
+        return {names[0]: target}
+    parts = distinct(names, file_part)
+    return {
+        name: target.with_name(f"{target.stem}.{part}{target.suffix}")
+        for name, part in parts.items()
+    }

@@ -1,0 +1,137 @@
+"""GeoJSON (RFC 7946): tracks with times and uncertainty, starts, goals and obstacles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.geometry import Polytope
+from radmpc.io.export.job import Job
+from radmpc.io.export.origin import Placement
+from radmpc.io.export.outlines import footprint, goal_outline, outline
+from radmpc.io.export.statements import origin_sentence, risk_sentence, title
+from radmpc.io.export.tracks import Track
+from radmpc.io.json_text import write_json
+
+__all__ = ["write_geojson"]
+
+_AXES = ("east", "north", "up")
+
+Feature = dict[str, object]
+
+
+def write_geojson(job: Job) -> bytes:
+    """Return a plan as a feature collection.
+
+    Parameters
+    ----------
+    job : Job
+        The plan and its place on earth.
+
+    Returns
+    -------
+    bytes
+        JSON. The property ``kind`` is ``path``, ``start``, ``goal`` or ``obstacle``.
+    """
+    features: list[Feature] = []
+    for track in job.tracks:
+        features += [_path(track, job.place), _start(track, job.place), _goal(track, job.place)]
+    features += _obstacles(job)
+    content: dict[str, object] = {
+        "type": "FeatureCollection",
+        "name": job.plan.scenario.name,
+        "description": title(job.plan),
+        "risk": risk_sentence(job.plan, job.is_certified),
+        "altitude": "heights are in meters above the WGS84 ellipsoid",
+        "time": "times are in seconds since the start of the mission",
+        "origin": origin_sentence(job.place),
+        "features": features,
+    }
+    return write_json(content).encode()
+
+
+def _feature(kind: str, name: str, shape: str, coordinates: object, **more: object) -> Feature:
+    """Return a feature."""
+    return {
+        "type": "Feature",
+        "geometry": {"type": shape, "coordinates": coordinates},
+        "properties": {"kind": kind, "name": name} | more,
+    }
+
+
+def _path(track: Track, place: Placement) -> Feature:
+    """Return a track as a line; its lists have one entry per corner."""
+    sigmas = {
+        f"three_sigma_{axis}": np.round(column, 6).tolist()
+        for axis, column in zip(_AXES, track.three_sigma.T, strict=False)
+    }
+    line = _positions(track.positions, place)
+    more = {"radius": track.vehicle.radius, "times": track.times.tolist()} | sigmas
+    return _feature("path", track.name, "LineString", line, **more)
+
+
+def _start(track: Track, place: Placement) -> Feature:
+    """Return where a vehicle starts."""
+    (position,) = _positions(track.vehicle.start_position[None], place)
+    return _feature("start", track.name, "Point", position, radius=track.vehicle.radius)
+
+
+def _goal(track: Track, place: Placement) -> Feature:
+    """Return a goal: its box seen from above, or its middle where the box has no area."""
+    goal = track.vehicle.goal
+    corners = goal_outline(goal)
+    if corners is None:
+        (position,) = _positions(goal.center[None], place)
+        return _feature("goal", track.name, "Point", position)
+    heights = _heights(place, goal.lower, goal.upper)
+    ring = _ring(_raised(corners, float(goal.lower[-1]), goal.lower.size), place)
+    return _feature("goal", track.name, "Polygon", [ring], **heights)
+
+
+def _obstacles(job: Job) -> Iterator[Feature]:
+    """Yield every obstacle, a moving one as an outline per step."""
+    for obstacle in job.plan.scenario.obstacles:
+        steps = range(len(obstacle.steps))
+        for step in steps:
+            time = {"time": step * job.plan.scenario.dt} if obstacle.is_moving else {}
+            if obstacle.dimension == 2:
+                ring = _ring(outline(obstacle, step), job.place)
+                yield _feature("obstacle", obstacle.name, "Polygon", [ring], **time)
+                continue
+            for piece in obstacle.at(step):
+                yield _body(obstacle.name, piece, job.place, time)
+
+
+def _body(name: str, piece: Polytope, place: Placement, time: dict[str, float]) -> Feature:
+    """Return an obstacle in space: seen from above, with its lowest and highest point."""
+    low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
+    ring = _ring(_raised(footprint(piece), float(low[2]), 3), place)
+    return _feature("obstacle", name, "Polygon", [ring], **_heights(place, low, high), **time)
+
+
+def _heights(place: Placement, low: Matrix, high: Matrix) -> dict[str, float]:
+    """Return base and top of a box in space [m above the ellipsoid]; nothing in the plane."""
+    if low.size == 2:
+        return {}
+    base, top = place.geodetic(np.array([low, high]))[:, 2].tolist()
+    return {"base": base, "top": top}
+
+
+def _raised(corners: Matrix, height: float, dimension: int) -> Matrix:
+    """Return plane corners at a height of the plan, where it has heights."""
+    if dimension == 2:
+        return corners
+    return np.column_stack([corners, np.full(len(corners), height)])
+
+
+def _ring(corners: Matrix, place: Placement) -> list[list[float]]:
+    """Return a closed ring of positions."""
+    positions = _positions(corners, place)
+    return [*positions, positions[0]]
+
+
+def _positions(points: Matrix, place: Placement) -> list[list[float]]:
+    """Return longitude, latitude [°] and height [m] of points: in this order."""
+    return [[lon, lat, height] for lat, lon, height in place.geodetic(points).tolist()]

@@ -1,0 +1,53 @@
+"""What an exporter is given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from radmpc.errors import ScenarioError
+from radmpc.io.export.origin import Placement
+from radmpc.io.export.tracks import Track
+from radmpc.model.plan import Plan
+
+__all__ = ["Job"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Job:
+    """A plan to be written, and where it lies.
+
+    Attributes
+    ----------
+    plan : Plan
+        With trajectories.
+    tracks : tuple of Track
+        One per vehicle.
+    is_certified : bool
+        Whether the plan holds within its bound.
+    placement : Placement or None
+        Where the local frame lies on earth; None if nobody said.
+    altitude : float
+        Height of a 2-D plan above the origin [m].
+    """
+
+    plan: Plan
+    tracks: tuple[Track, ...]
+    is_certified: bool
+    placement: Placement | None = None
+    altitude: float = 0.0
+
+    @property
+    def place(self) -> Placement:
+        """Where the local frame lies on earth.
+
+        Raises
+        ------
+        ScenarioError
+            If nobody said.
+        """
+        if self.placement is None:
+            raise ScenarioError(
+                "the plan has no place on earth (no 'origin' in its scenario's source): "
+                "give one with --origin LAT,LON[,HEIGHT]"
+            )
+        return self.placement

@@ -1,0 +1,174 @@
+"""KML 2.2 with Google's tracks: when each vehicle is where, starts, goals and obstacles."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.io.export.job import Job
+from radmpc.io.export.names import xml_text
+from radmpc.io.export.origin import Placement
+from radmpc.io.export.outlines import goal_outline, outline, triangles
+from radmpc.io.export.statements import origin_sentence, risk_sentence, title
+from radmpc.io.export.tracks import Track, check_duration
+from radmpc.model.obstacle import Obstacle
+
+__all__ = ["write_kml"]
+
+_START = datetime(1970, 1, 1, tzinfo=UTC)
+_LONGEST = 2e11  # [s]: years have four digits
+_COLORS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd", "8c564b", "e377c2", "17becf")
+_GRAY = "7f7f7f"
+
+
+def write_kml(job: Job) -> bytes:
+    """Return a plan as KML.
+
+    Parameters
+    ----------
+    job : Job
+        The plan and its place on earth.
+
+    Returns
+    -------
+    bytes
+        XML in UTF-8. Heights are above ground, which stands for the origin's height; time 0 is
+        the first second of 1970.
+
+    Raises
+    ------
+    ScenarioError
+        If the mission lasts longer than dates have years.
+    """
+    check_duration(job.plan, _LONGEST, "the dates of KML")
+    # Names with their prefixes: those of ElementTree's registry are shared by the process.
+    root = Element(
+        "kml",
+        {
+            "xmlns": "http://www.opengis.net/kml/2.2",
+            "xmlns:gx": "http://www.google.com/kml/ext/2.2",
+        },
+    )
+    document = SubElement(root, "Document")
+    _text(document, "name", job.plan.scenario.name)
+    _text(document, "description", _description(job))
+    for number in range(len(job.tracks)):
+        _style(document, f"vehicle{number}", _COLORS[number % len(_COLORS)])
+    _style(document, "obstacle", _GRAY)
+    for number, track in enumerate(job.tracks):
+        _vehicle(document, track, f"#vehicle{number}", job.place)
+    for obstacle in job.plan.scenario.obstacles:
+        _obstacle(document, obstacle, job)
+    ElementTree.indent(root)
+    content: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return content + b"\n"
+
+
+def _description(job: Job) -> str:
+    """Return what a reader must know."""
+    sentences = (
+        title(job.plan),
+        risk_sentence(job.plan, job.is_certified),
+        "heights are in meters above ground, which stands for the height of the plan's origin",
+        "times count from 1970-01-01T00:00:00Z, the start of the mission",
+        origin_sentence(job.place),
+    )
+    return "\n".join(sentences)
+
+
+def _vehicle(parent: Element, track: Track, style: str, place: Placement) -> None:
+    """Add a vehicle's folder: track, start and goal."""
+    folder = SubElement(parent, "Folder")
+    _text(folder, "name", track.name)
+    path = SubElement(_placemark(folder, track.name, style), "gx:Track")
+    _text(path, "altitudeMode", "relativeToGround")
+    for time in track.times.tolist():
+        _text(path, "when", _when(time))
+    for point in _points(track.positions, place):
+        _text(path, "gx:coord", " ".join(point))
+    start = track.vehicle.start_position[None]
+    _point(_placemark(folder, f"{track.name}: start", style), start, place)
+    goal = track.vehicle.goal
+    corners = goal_outline(goal)
+    mark = _placemark(folder, f"{track.name}: goal", style)
+    if corners is None:
+        _point(mark, goal.center[None], place)
+        return
+    if goal.lower.size == 3:
+        corners = np.column_stack([corners, np.full(len(corners), goal.center[2])])
+    _polygon(mark, corners, place)
+
+
+def _obstacle(parent: Element, obstacle: Obstacle, job: Job) -> None:
+    """Add an obstacle: an outline in the plane, a surface in space; a moving one per step."""
+    dt = job.plan.scenario.dt
+    for step in range(len(obstacle.steps)):
+        mark = _placemark(parent, obstacle.name, "#obstacle")
+        if obstacle.is_moving:
+            span = Element("TimeSpan")
+            _text(span, "begin", _when(step * dt))
+            _text(span, "end", _when((step + 1) * dt))
+            # The schema wants the time before the style.
+            mark.insert(1, span)
+        if obstacle.dimension == 2:
+            _polygon(mark, outline(obstacle, step), job.place)
+            continue
+        surface = SubElement(mark, "MultiGeometry")
+        for piece in obstacle.at(step):
+            for face in triangles(piece).reshape(-1, 3, 3):
+                _polygon(surface, face, job.place)
+
+
+def _placemark(parent: Element, name: str, style: str) -> Element:
+    """Add a placemark and return it."""
+    mark = SubElement(parent, "Placemark")
+    _text(mark, "name", name)
+    _text(mark, "styleUrl", style)
+    return mark
+
+
+def _point(parent: Element, points: Matrix, place: Placement) -> None:
+    """Add a point."""
+    point = SubElement(parent, "Point")
+    _text(point, "altitudeMode", "relativeToGround")
+    _text(point, "coordinates", ",".join(_points(points, place)[0]))
+
+
+def _polygon(parent: Element, corners: Matrix, place: Placement) -> None:
+    """Add a polygon."""
+    polygon = SubElement(parent, "Polygon")
+    _text(polygon, "altitudeMode", "relativeToGround")
+    ring = SubElement(SubElement(polygon, "outerBoundaryIs"), "LinearRing")
+    points = _points(corners, place)
+    _text(ring, "coordinates", " ".join(",".join(point) for point in [*points, points[0]]))
+
+
+def _points(points: Matrix, place: Placement) -> list[tuple[str, str, str]]:
+    """Return longitude, latitude and height above the origin of points, as text."""
+    rows = zip(place.geodetic(points).tolist(), place.levels(points), strict=True)
+    return [(f"{lon:.9f}", f"{lat:.9f}", f"{level:.4f}") for (lat, lon, _), level in rows]
+
+
+def _style(parent: Element, name: str, color: str) -> None:
+    """Add a style; KML writes colors as alpha, blue, green, red."""
+    style = SubElement(parent, "Style", {"id": name})
+    written = color[4:6] + color[2:4] + color[0:2]
+    _text(SubElement(style, "IconStyle"), "color", f"ff{written}")
+    line = SubElement(style, "LineStyle")
+    _text(line, "color", f"ff{written}")
+    _text(line, "width", "3")
+    _text(SubElement(style, "PolyStyle"), "color", f"80{written}")
+
+
+def _when(time: float) -> str:
+    """Return a time [s] as a date."""
+    return (_START + timedelta(seconds=time)).strftime("%Y-%m-%dT%H:%M:%S.%fZ")
+
+
+def _text(parent: Element, tag: str, text: str) -> None:
+    """Add an element that holds text."""
+    SubElement(parent, tag).text = xml_text(text)

@@ -1,0 +1,120 @@
+"""What every export needs of a plan: one track per vehicle, checked against the scenario."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.errors import NoPlanError, ScenarioError
+from radmpc.model.plan import Plan, Trajectory
+from radmpc.model.vehicle import Vehicle
+
+__all__ = ["Track", "check_duration", "tracks_of"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Where a vehicle is meant to be, and how sure that is.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        Whose track it is.
+    times : (T+1,) array
+        Since the start of the mission [s].
+    positions : (T+1, d) array
+        Mean positions [m].
+    velocities : (T+1, d) array or None
+        Mean velocities [m/s]; None where the dynamics have none.
+    three_sigma : (T+1, d) array
+        Three standard deviations of the position per axis [m].
+    controls : (T, m) array
+        Nominal controls.
+    """
+
+    vehicle: Vehicle
+    times: Vector
+    positions: Matrix
+    velocities: Matrix | None
+    three_sigma: Matrix
+    controls: Matrix
+
+    @property
+    def name(self) -> str:
+        """The vehicle's name."""
+        return self.vehicle.name
+
+
+def tracks_of(plan: Plan) -> tuple[Track, ...]:
+    """Return the tracks of a plan, in the scenario's order.
+
+    Parameters
+    ----------
+    plan : Plan
+        As read from a file: its arrays have not met its scenario yet.
+
+    Raises
+    ------
+    NoPlanError
+        If the plan has no trajectories.
+    ScenarioError
+        If a vehicle is missing or strange, or an array does not fit the scenario.
+    """
+    if not plan.trajectories:
+        why = f"no plan: {plan.explanation}" if plan.explanation else plan.status.sentence
+        raise NoPlanError(f"nothing to export, {why}")
+    vehicles = plan.scenario.vehicles
+    names = [trajectory.name for trajectory in plan.trajectories]
+    wanted = [vehicle.name for vehicle in vehicles]
+    if names != wanted:
+        raise ScenarioError(
+            f"must be those of the scenario, in its order: {wanted}, got {names}", ("vehicles",)
+        )
+    pairs = zip(vehicles, plan.trajectories, strict=True)
+    return tuple(_track(plan, i, vehicle, part) for i, (vehicle, part) in enumerate(pairs))
+
+
+def check_duration(plan: Plan, longest: float, what: str) -> None:
+    """Refuse a mission that ends after the last time a format can write.
+
+    Raises
+    ------
+    ScenarioError
+        If it does.
+    """
+    duration = plan.scenario.horizon * plan.scenario.dt
+    if duration > longest:
+        raise ScenarioError(
+            f"the mission takes {duration:.6g} s, longer than the {longest:.6g} s {what} can hold"
+        )
+
+
+def _track(plan: Plan, index: int, vehicle: Vehicle, part: Trajectory) -> Track:
+    """Return a vehicle's track, its arrays checked."""
+    system, steps = vehicle.system, plan.scenario.horizon
+    n, m = system.num_states, system.num_controls
+    for field, shape in (
+        ("controls", (steps, m)),
+        ("means", (steps + 1, n)),
+        ("covariances", (steps + 1, n, n)),
+    ):
+        found = getattr(part, field).shape
+        if found != shape:
+            raise ScenarioError(f"must have shape {shape}, got {found}", ("vehicles", index, field))
+    axes = list(system.position)
+    return Track(
+        vehicle=vehicle,
+        times=np.arange(steps + 1, dtype=np.float64) * plan.scenario.dt,
+        positions=part.means[:, axes],
+        velocities=None if system.velocity is None else part.means[:, list(system.velocity)],
+        three_sigma=_three_sigma(part.covariances, axes),
+        controls=part.controls,
+    )
+
+
+def _three_sigma(covariances: Tensor, axes: list[int]) -> Matrix:
+    """Return three standard deviations per step and axis; rounding may leave a variance below 0."""
+    variances = covariances[:, axes, axes]
+    return np.asarray(3.0 * np.sqrt(np.maximum(variances, 0.0)))
