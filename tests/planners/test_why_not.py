@@ -13,6 +13,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified import planning
 from radmpc.planners.certified.least_risk import least_risk
 from radmpc.planning import plan
 from radmpc.solvers.solution import Limits
@@ -134,3 +135,14 @@ def test_a_start_within_an_obstacle_does_not_hide_the_rest():
     result = plan(scenario(vehicle("a", (0, 0), (8, 0)), far(), obstacles=(rock,)), "certified")
     assert "start of vehicle 'a' lies within obstacle 'rock'" in result.explanation
     assert "The other vehicle can be planned" in result.explanation
+
+
+def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_it(monkeypatch):
+    # As where simple bounds see no plan at all: the search for the reason finds the safest one.
+    monkeypatch.setattr(planning, "_search", lambda *everything: None)
+    result = plan(paper(3, 2), "certified")
+    assert result.status is Status.FEASIBLE
+    assert result.is_certified
+    assert result.explanation is None
+    effort = sum(float(np.abs(t.controls).sum()) for t in result.require().trajectories)
+    assert result.cost == pytest.approx(effort)

@@ -136,7 +136,7 @@ def _seconds_cell(summary: Summary) -> str:
     if summary.seconds is None:
         return "–"
     mark = ">" if summary.is_censored else ""
-    text = f"{mark}{summary.seconds.median:.2g} ({summary.seconds.high:.2g})"
+    text = f"{mark}{_short(summary.seconds.median)} ({_short(summary.seconds.high)})"
     if summary.capped:
         text += f", {summary.capped} of {summary.problems} capped"
     return text
@@ -163,9 +163,14 @@ def _ratio(found: Speedup | None) -> str:
     if found is None:
         return "–"
     mark = ">" if found.capped else ""
-    return (
-        f"{mark}{found.mean:.3g}, {mark}{found.geometric:.3g} ({found.least:.2g}–{found.most:.3g})"
-    )
+    mean, geometric = _short(found.mean), _short(found.geometric)
+    span = f"{_short(found.least)}–{_short(found.most)}"
+    return f"{mark}{mean}, {mark}{geometric} ({span})"
+
+
+def _short(number: float) -> str:
+    """Return a positive number to two digits, or whole where it has more before the point."""
+    return f"{number:.0f}" if number >= 10.0 else f"{number:.2g}"
 
 
 def _success_table(summaries: Sequence[Summary]) -> str:
