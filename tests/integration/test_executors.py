@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 
 import distributed
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 
 from radmpc.console.cluster import cluster
 from radmpc.experiments.families import fleet
+from radmpc.experiments.study import Journal, quick_study, read_rows, run_study
 from radmpc.io.plan_file import load_plan
 from radmpc.io.scenario_file import save_scenario
 from radmpc.planning import plan
@@ -81,6 +83,23 @@ def test_a_cluster_gives_the_same_plan_on_the_command_line(scheduler, here, tmp_
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert_same(controls(load_plan(tmp_path / "plan.json")), here)
+
+
+def test_a_study_on_a_cluster_has_the_rows_of_one_here(scheduler, tmp_path):
+    study = replace(quick_study().only(["certified", "radmpc"]), sizes=(2, 3), samples=500)
+    with Journal.opened(tmp_path / "here.jsonl") as journal:
+        run_study(study, journal)
+    with (
+        cluster(scheduler.scheduler_address) as executor,
+        Journal.opened(tmp_path / "there.jsonl") as journal,
+    ):
+        run_study(study, journal, executor=executor, workers=2)
+    here, there = (
+        sorted((row.key, row.cost, row.rate) for row in read_rows(tmp_path / f"{name}.jsonl"))
+        for name in ("here", "there")
+    )
+    assert here == there
+    assert len(here) == len(study.tasks()) == 16
 
 
 def test_a_worker_of_a_cluster_killed_in_mid_run_loses_nothing(scheduler, here):
