@@ -241,7 +241,8 @@ def test_a_problem_without_robots_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_unknown_format_is_refused_with_the_known_ones(tmp_path: Path) -> None:
-    with pytest.raises(FileFormatError, match=r"is of no format known here \(dynobench, LSC\)$"):
+    known = r"is of no format known here \(dynobench, LSC, s2m2, libMultiRobot.*, GeoJSON, KML\)$"
+    with pytest.raises(FileFormatError, match=known):
         import_scenario(written(tmp_path, "map: {}\nagents: []\n"))
     with pytest.raises(FileFormatError, match=r"problem.yaml:1: must be a mapping, got 7$"):
         import_dynobench(written(tmp_path, "7"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pydantic import BaseModel, ConfigDict
@@ -38,6 +39,9 @@ class ForeignVehicle:
         Per axis [m/s].
     control_limit : float
         Acceleration per axis [m/s²].
+    goal_half_width : (d,) array or None
+        Of the region around the goal that is as good as the goal itself [m]; None if only a point
+        is stated.
     """
 
     name: str
@@ -48,10 +52,14 @@ class ForeignVehicle:
     radius: float
     speed_limit: float
     control_limit: float
+    goal_half_width: Vector | None = None
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
         d = len(self.start)
+        if self.goal_half_width is not None:
+            width = as_vector(self.goal_half_width, d, ("goal_half_width",))
+            object.__setattr__(self, "goal_half_width", width)
         for name in ("start", "goal", "start_velocity", "goal_velocity"):
             object.__setattr__(self, name, as_vector(getattr(self, name), d, (name,)))
 
@@ -85,6 +93,12 @@ class ForeignProblem:
         What the importer had to choose itself, and why.
     warnings : tuple of str
         What could not be carried over.
+    bounds_hulls : bool
+        Whether the bounds hold the whole vehicles, not only their centers.
+    usual_vehicles : int or None
+        How many of the vehicles are taken if the user does not say; None is all of them.
+    origin : mapping or None
+        Where the frame stands on the earth: ``latitude`` and ``longitude`` [°], ``height`` [m].
     """
 
     name: str
@@ -95,6 +109,9 @@ class ForeignProblem:
     workspace: Workspace | None = None
     reasons: tuple[tuple[str, str], ...] = ()
     warnings: tuple[str, ...] = ()
+    bounds_hulls: bool = False
+    usual_vehicles: int | None = None
+    origin: Mapping[str, float] | None = None
 
     def __post_init__(self) -> None:
         """Refuse a problem without vehicles."""

@@ -29,6 +29,8 @@ class ImportOptions:
         Of every vehicle [m].
     avoidance : {'intervals', 'steps'} or None
         Whether collisions count between steps.
+    agents : int or None
+        How many of the problem's vehicles are taken, the first ones.
     """
 
     dt: float | None = None
@@ -37,6 +39,7 @@ class ImportOptions:
     risk_bound: float | None = None
     radius: float | None = None
     avoidance: str | None = None
+    agents: int | None = None
 
     def __post_init__(self) -> None:
         """Refuse values that no scenario can have."""
@@ -46,6 +49,8 @@ class ImportOptions:
                 raise ScenarioError(f"must be > 0 {unit}, got {value}", (name,))
         if self.horizon is not None and not 1 <= self.horizon <= 1000:
             raise ScenarioError(f"must be 1 to 1000 steps, got {self.horizon}", ("horizon",))
+        if self.agents is not None and self.agents < 1:
+            raise ScenarioError(f"must be at least 1 vehicle, got {self.agents}", ("agents",))
         if self.risk_bound is not None and not 0.0 < self.risk_bound < 0.5:
             raise ScenarioError(
                 f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",

@@ -5,14 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.document import Document, read_document
 from radmpc.io.dynobench import is_dynobench, read_dynobench
 from radmpc.io.foreign import ForeignProblem
+from radmpc.io.geo_json import geojson_document, is_geojson, read_geojson
+from radmpc.io.geo_kml import is_kml, kml_document, kmz_refusal, read_kml
+from radmpc.io.grid import is_multi_robot_grid, read_multi_robot_grid
+from radmpc.io.grid_movingai import is_movingai, map_refusal, read_movingai, scen_document
 from radmpc.io.import_options import ImportOptions
 from radmpc.io.lsc import is_lsc, read_lsc
 from radmpc.io.overlay import ImportedScenario, overlay
+from radmpc.io.s2m2 import is_s2m2, read_s2m2
 from radmpc.io.schema import SCENARIO_FORMAT
 from radmpc.io.text import one_line
 
@@ -31,7 +37,22 @@ class _Importer:
 _IMPORTERS = (
     _Importer("dynobench", is_dynobench, read_dynobench),
     _Importer("LSC", is_lsc, read_lsc),
+    _Importer("s2m2", is_s2m2, read_s2m2),
+    _Importer("libMultiRobotPlanning", is_multi_robot_grid, read_multi_robot_grid),
+    _Importer("MovingAI", is_movingai, read_movingai),
+    _Importer("GeoJSON", is_geojson, read_geojson),
+    _Importer("KML", is_kml, read_kml),
 )
+_READERS: Mapping[str, Callable[[str | os.PathLike[str]], Document]] = {
+    ".scen": scen_document,
+    ".geojson": geojson_document,
+    ".kml": kml_document,
+}
+_REFUSALS: Mapping[str, Callable[[str | os.PathLike[str]], FileFormatError]] = {
+    ".map": map_refusal,
+    ".kmz": kmz_refusal,
+}
+_MOST_BYTES = 8 * 2**20
 
 
 def import_scenario(
@@ -42,7 +63,8 @@ def import_scenario(
     Parameters
     ----------
     path : path
-        The problem; its format is recognized by its content.
+        The problem; its format is recognized by its content, of files in formats of their own
+        (``.scen``, ``.geojson``, ``.kml``) by their ending.
     options : ImportOptions or None
         What is not to be chosen by the importer.
 
@@ -56,7 +78,7 @@ def import_scenario(
     FileFormatError
         If no importer knows the format, or with one line that names file, line and field.
     """
-    document = read_document(path)
+    document = _read(path)
     for importer in _IMPORTERS:
         if importer.recognizes(document.value):
             try:
@@ -67,3 +89,22 @@ def import_scenario(
         raise FileFormatError(one_line(f"{document.name}: is a scenario already"))
     known = ", ".join(importer.name for importer in _IMPORTERS)
     raise FileFormatError(one_line(f"{document.name}: is of no format known here ({known})"))
+
+
+def _read(path: str | os.PathLike[str]) -> Document:
+    """Return what a file holds, read by its ending."""
+    suffix = Path(path).suffix.lower()
+    if suffix in _REFUSALS:
+        raise _REFUSALS[suffix](path)
+    try:
+        size = Path(path).stat().st_size
+    except (OSError, ValueError):
+        size = 0  # reading it tells what is wrong
+    if size > _MOST_BYTES:
+        raise FileFormatError(
+            one_line(
+                f"{os.fspath(path)}: must be at most {_MOST_BYTES // 2**20} MiB, "
+                f"got {size / 2**20:.0f}"
+            )
+        )
+    return _READERS.get(suffix, read_document)(path)

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from radmpc.errors import ScenarioError
 from radmpc.io.foreign import ForeignProblem, ForeignVehicle
+from radmpc.io.grid_way import Way, lattice_of
 from radmpc.io.import_noise import Noise, choose_noise, rounded_up, told_feedback, told_noise
 from radmpc.io.import_options import ImportOptions
 from radmpc.model.dynamics import double_integrator
@@ -17,13 +19,18 @@ from radmpc.model.vehicle import Goal, Vehicle
 
 __all__ = ["ImportedScenario", "overlay"]
 
-_TIME_FACTOR = 1.5  # of the minimum time: room for detours and waiting
+_TIME_FACTOR = 1.5  # of the least time with nothing in the way: room for detours and waiting
+_WAY_FACTOR = 1.3  # of the least time around obstacles: room for waiting
 _FEWEST_STEPS, _MOST_STEPS = 10, 30
 _STRIDE = 4.0  # radii per step at full speed: finer steps multiply the choices, not the room
 _RISK_BOUND = 0.05
 _GOAL_HALF_WIDTH = 0.25  # in radii
 _GOAL_SPEED = 0.1  # of the speed limit
 _BORDER_SIGMAS = 4.0  # between starts or goals and the border: 3e-5 per step
+_ROOM_SIGMAS = 4.0  # between a vehicle and what stands beside its way, the same
+_WANTED_ROOM = 0.8  # radii: four standard deviations of the usual noise
+_LEAST_ROOM = 0.05  # radii: less is none
+_FITTING = 0.8  # of the widest radius that passes: some room is left beside it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,23 +74,17 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     """
     choices = dict(problem.reasons)
     warnings = list(problem.warnings)
-    if options.radius is not None:
-        choices["radius"] = f"{options.radius:g} m, as asked"
-        vehicles = tuple(replace(v, radius=float(options.radius)) for v in problem.vehicles)
-        problem = replace(problem, vehicles=vehicles)
-    dt, horizon = _steps(problem.vehicles, options, choices, warnings)
-    noises = [choose_noise(v, dt, horizon, options) for v in problem.vehicles]
-    choices["noise"] = told_noise(problem.vehicles, noises, options)
-    choices["feedback"] = told_feedback(noises, horizon)
+    problem = _chosen(problem, options, choices)
+    ways = _ways(problem, warnings)
+    dt, horizon = _steps(problem.vehicles, ways, options, choices, warnings)
+    noises = _noises(problem, ways, dt, horizon, options, choices)
     workspace = _workspace(problem, noises, choices, warnings)
     risk_bound = _RISK_BOUND if options.risk_bound is None else float(options.risk_bound)
     choices["risk bound"] = f"{risk_bound:g}" + (" (as asked)" if options.risk_bound else "")
     avoidance = options.chosen_avoidance
     choices["avoidance"] = avoidance
-    choices["goals"] = (
-        f"within {_GOAL_HALF_WIDTH:g} radius of the published point per axis, "
-        f"at up to {_GOAL_SPEED:g} of the speed limit"
-    )
+    choices["goals"] = _told_goals(problem.vehicles, choices.get("goals"))
+    origin = {} if problem.origin is None else {"origin": dict(problem.origin)}
     scenario = Scenario(
         name=problem.name,
         dt=dt,
@@ -98,6 +99,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
         source={
             "format": problem.format,
             "file": problem.file,
+            **origin,
             "choices": choices,
             "warnings": warnings,
         },
@@ -105,16 +107,58 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     return ImportedScenario(scenario, choices, tuple(warnings))
 
 
+def _chosen(
+    problem: ForeignProblem, options: ImportOptions, choices: dict[str, str]
+) -> ForeignProblem:
+    """Return the problem with as many vehicles as wanted, of the radius that is asked for."""
+    vehicles = problem.vehicles
+    count = problem.usual_vehicles if options.agents is None else options.agents
+    if options.agents is not None and options.agents > len(vehicles):
+        raise ScenarioError(f"must be at most {len(vehicles)}, got {options.agents}", ("agents",))
+    if count is not None and count < len(vehicles):
+        choices["agents"] = f"the first {count} of {len(vehicles)}" + (
+            "" if options.agents is None else ", as asked"
+        )
+        vehicles = vehicles[:count]
+    if options.radius is not None:
+        choices["radius"] = f"{options.radius:g} m, as asked"
+        vehicles = tuple(replace(v, radius=float(options.radius)) for v in vehicles)
+    return replace(problem, vehicles=vehicles)
+
+
+def _ways(problem: ForeignProblem, warnings: list[str]) -> list[Way]:
+    """Return the vehicles' ways around obstacles; straight ones where there is none to be found."""
+    lattice = lattice_of(problem)
+    ways = []
+    for v in problem.vehicles:
+        straight = Way(0.0, wanted := _WANTED_ROOM * v.radius)
+        way = straight if lattice is None else lattice.way(v, wanted)
+        if lattice is not None and (way is None or way.room < _LEAST_ROOM * v.radius):
+            widest = lattice.widest(v)
+            hint = f", of {_FITTING * widest:.2g} m it might (--radius)" if widest > 0.0 else ""
+            warnings.append(
+                f"between start and goal of {v.name!r} a hull of {v.radius:g} m finds no way "
+                f"with room for noise{hint}"
+            )
+            way = Way(0.0 if way is None else way.detour, wanted)
+        ways.append(straight if way is None else way)
+    return ways
+
+
 def _steps(
     vehicles: tuple[ForeignVehicle, ...],
+    ways: list[Way],
     options: ImportOptions,
     choices: dict[str, str],
     warnings: list[str],
 ) -> tuple[float, int]:
     """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow."""
     stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles)
-    least = max(v.minimum_time() for v in vehicles)
-    wanted = _TIME_FACTOR * least if least > 0.0 else _FEWEST_STEPS * stride
+    straight = max(v.minimum_time() for v in vehicles)
+    least = max(
+        v.minimum_time() + way.detour / v.speed_limit for v, way in zip(vehicles, ways, strict=True)
+    )
+    wanted = max(_TIME_FACTOR * straight, _WAY_FACTOR * least) or _FEWEST_STEPS * stride
     if options.horizon is not None:
         horizon = int(options.horizon)
     elif options.dt is not None:
@@ -133,6 +177,48 @@ def _steps(
     return dt, horizon
 
 
+def _noises(
+    problem: ForeignProblem,
+    ways: list[Way],
+    dt: float,
+    horizon: int,
+    options: ImportOptions,
+    choices: dict[str, str],
+) -> list[Noise]:
+    """Return the vehicles' noise: the usual one, or less where the way is narrow."""
+    noises, narrowest = [], math.inf
+    for vehicle, way in zip(problem.vehicles, ways, strict=True):
+        noise = choose_noise(vehicle, dt, horizon, options)
+        most = way.room / _ROOM_SIGMAS
+        if options.noise is None and noise.final > 1.02 * most:
+            std = _rounded_down(noise.std * most / noise.final)
+            noise = choose_noise(vehicle, dt, horizon, replace(options, noise=std))
+            narrowest = min(narrowest, way.room)
+        noises.append(noise)
+    choices["noise"] = told_noise(problem.vehicles, noises, options)
+    if narrowest < math.inf:
+        choices["noise"] += (
+            f": the narrowest way leaves {narrowest:.3g} m beside a hull, "
+            f"{_ROOM_SIGMAS:g} standard deviations"
+        )
+    choices["feedback"] = told_feedback(noises, horizon)
+    return noises
+
+
+def _rounded_down(value: float) -> float:
+    """Return the next smaller number of three digits; the value is > 0."""
+    digits = 2 - math.floor(math.log10(value))
+    return round(math.floor(value * 10.0**digits + 1e-9) / 10.0**digits, digits)
+
+
+def _told_goals(vehicles: tuple[ForeignVehicle, ...], regions: str | None) -> str:
+    """Return what the goals are, in words."""
+    place = f"within {_GOAL_HALF_WIDTH:g} radius of the published point per axis"
+    if regions is not None:
+        place = f"{regions}, {_BORDER_SIGMAS:g} standard deviations within"
+    return f"{place}, at up to {_GOAL_SPEED:g} of the speed limit"
+
+
 def _workspace(
     problem: ForeignProblem, noises: list[Noise], choices: dict[str, str], warnings: list[str]
 ) -> Workspace | None:
@@ -140,17 +226,18 @@ def _workspace(
     if problem.workspace is None:
         choices["workspace"] = "none"
         return None
+    inset = max(v.radius for v in problem.vehicles) if problem.bounds_hulls else 0.0
+    published = problem.workspace.lower + inset, problem.workspace.upper - inset
     margins = np.array([[_BORDER_SIGMAS * noise.final] for noise in noises])
     points = [np.array([v.start for v in problem.vehicles])]
     points.append(np.array([v.goal for v in problem.vehicles]))
-    lower = np.minimum(problem.workspace.lower, np.min([(p - margins) for p in points], (0, 1)))
-    upper = np.maximum(problem.workspace.upper, np.max([(p + margins) for p in points], (0, 1)))
-    moved = max(
-        float((problem.workspace.lower - lower).max()),
-        float((upper - problem.workspace.upper).max()),
-    )
+    lower = np.minimum(published[0], np.min([(p - margins) for p in points], (0, 1)))
+    upper = np.maximum(published[1], np.max([(p + margins) for p in points], (0, 1)))
+    moved = max(float((published[0] - lower).max()), float((upper - published[1]).max()))
     choices["workspace"] = "as published, for the vehicles' centers"
-    if moved > 0.0:
+    if inset > 0.0:
+        choices["workspace"] = f"as published, {inset:g} m within for the vehicles' centers"
+    if moved > 1e-9:
         choices["workspace"] += f", moved out by up to {moved:.3g} m"
         warnings.append(
             f"the workspace was moved out by up to {moved:.3g} m: starts or goals lie closer "
@@ -162,7 +249,10 @@ def _workspace(
 def _vehicle(vehicle: ForeignVehicle, dt: float, noise: Noise) -> Vehicle:
     """Return a vehicle of the scenario."""
     d = vehicle.start.size
-    half = _GOAL_HALF_WIDTH * vehicle.radius
+    half = np.full(d, _GOAL_HALF_WIDTH * vehicle.radius)
+    if vehicle.goal_half_width is not None:
+        # The vehicle ends within the region, not only its mean.
+        half = np.maximum(vehicle.goal_half_width - _BORDER_SIGMAS * noise.final, 0.0)
     speed = np.maximum(_GOAL_SPEED * vehicle.speed_limit, np.abs(vehicle.goal_velocity))
     return Vehicle(
         name=vehicle.name,
