@@ -12,10 +12,10 @@ from calibration_overlap import measure_overlap
 from calibration_scenes import random_planner, random_scenario
 from radmpc.model.plan import Plan
 from radmpc.planners.planner import Planner
-from radmpc.planners.result import Result
 from radmpc.planning import plan
 from radmpc.program.policy import Ira
 from radmpc.referee import Certificate, simulate
+from radmpc.result import Result
 
 __all__ = ["COLUMNS", "Trial", "run_trial", "trial_of"]
 

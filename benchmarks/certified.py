@@ -20,8 +20,8 @@ from rich.table import Table
 
 from radmpc.experiments.families import circle, clutter, fleet, paper
 from radmpc.model.scenario import Scenario
-from radmpc.planners.result import Result
 from radmpc.planning import plan
+from radmpc.result import Result
 
 
 def scenario_of(family: str, size: int, seed: int, boxes: int) -> Scenario:

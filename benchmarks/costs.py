@@ -32,9 +32,9 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.planners.presets import PRESETS, parse_planner
-from radmpc.planners.result import Result
 from radmpc.planning import plan
 from radmpc.program.build import build_program, controls_of, whole_subjects
+from radmpc.result import Result
 from radmpc.solvers.risk_rating import Rater
 
 _TOL = 1e-6

@@ -32,9 +32,9 @@ from radmpc.model.plan import Plan, Status, Trajectory
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.planner import Planner
-from radmpc.planners.result import Result
 from radmpc.planning import plan
 from radmpc.referee import Certificate, Simulation, certify, simulate
+from radmpc.result import Result
 from radmpc.version import __version__
 
 if TYPE_CHECKING:

@@ -19,11 +19,12 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.centralized import plan_centralized
 from radmpc.planners.certified import plan_certified
 from radmpc.planners.distance import plan_by_distance
+from radmpc.planners.draft import Draft
 from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
 from radmpc.planners.planner import Certified, Couplings, Distance, Planner, Receding
 from radmpc.planners.presets import DEFAULT, parse_planner
-from radmpc.planners.result import Draft, Result
 from radmpc.referee import Certificate, certify
+from radmpc.result import Result
 from radmpc.solvers.rrt import Rrt
 from radmpc.solvers.solution import Limits, never
 from radmpc.version import __version__
@@ -183,6 +184,7 @@ def _plan(
         versions=dict(_versions()),
         explanation=draft.explanation,
         trajectories=trajectories,
+        couplings=draft.couplings,
     )
 
 

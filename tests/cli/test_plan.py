@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from radmpc.model.plan import Plan
-from radmpc.planners.result import Result
 from radmpc.planning import plan
 from radmpc.referee import Certificate
+from radmpc.result import Result
 
 from .conftest import CROSSING, Run, assert_one_line
 

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from radmpc.console.output import show
 from radmpc.console.report import ledger_table, plan_report, vehicle_table, verdict
 from radmpc.experiments.families import circle
-from radmpc.model.plan import LedgerRow, Plan, Risk, Status
+from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.model.scenario import Scenario
+
+
+def standing(scenario: Scenario) -> tuple[Trajectory, ...]:
+    """Vehicles that stay where they start."""
+    steps = scenario.horizon + 1
+    return tuple(
+        Trajectory(
+            v.name, np.zeros((steps - 1, 2)), np.tile(v.start, (steps, 1)), v.covariances(steps - 1)
+        )
+        for v in scenario.vehicles
+    )
 
 
 def make_plan(**changes: object) -> Plan:
@@ -22,7 +37,7 @@ def make_plan(**changes: object) -> Plan:
         "risk": Risk(0.05, 0.01),
         "sets": (("v1",), ("v2", "v3")),
         "seconds": {"radmpc": 0.5, "total": 1.0},
-        "trajectories": ("any",),
+        "trajectories": standing(circle(3)),
     }
     return Plan(**(fields | changes))  # type: ignore[arg-type]
 
@@ -182,3 +197,41 @@ def test_the_report_says_what_more_risk_would_save(
 ) -> None:
     assert text in shown(capsys, make_plan(risk=Risk(0.05, 0.042, (), price)))
     assert "price of risk" not in shown(capsys, make_plan())
+
+
+@pytest.mark.parametrize(
+    ("coupling", "told"),
+    [
+        (
+            Coupling("v1", "v2", "collision", 3.0),
+            "v1 and v2 would run a risk of 1 if planned apart",
+        ),
+        (Coupling("v1", "v2", "risk", 2e-4), "v1 and v2 run a risk of 0.0002 in the approximation"),
+        (Coupling("v1", "v2", "blocked"), "v1 and v2 block each other in the approximation"),
+        (Coupling("v1", "v2", "distance", 1.5), "v1 and v2 come within 1.5 m if planned apart"),
+        (Coupling("v1", "v2", "share"), "v1 and v2 need more than their shares of the risk bound"),
+    ],
+)
+def test_the_report_says_why_vehicles_were_planned_together(
+    capsys: pytest.CaptureFixture[str], coupling: Coupling, told: str
+) -> None:
+    assert f"because           {told}\n" in shown(capsys, make_plan(couplings=(coupling,)))
+
+
+def test_of_many_reasons_the_strongest_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    couplings = tuple(Coupling("v1", f"w{i}", "collision", 0.1 * i) for i in range(1, 8))
+    text = " ".join(shown(capsys, make_plan(couplings=couplings)).split())
+    assert "v1 and w7 would run a risk of 0.7 if planned apart; v1 and w6" in text
+    assert "and 3 more couplings" in text
+
+
+def test_the_report_says_which_limits_are_used_up(capsys: pytest.CaptureFixture[str]) -> None:
+    still = standing(circle(3))
+    controls = still[0].controls.copy()
+    controls[:2] = circle(3).vehicles[0].control_limit
+    pushed = (replace(still[0], controls=controls), *still[1:])
+    told = shown(capsys, make_plan(trajectories=pushed, risk=Risk(0.05, 0.0495)))
+    assert "the risk bound (99 % of it spent), control limit of v1 (2 steps)" in " ".join(
+        told.split()
+    )
+    assert "limited by" not in shown(capsys, make_plan())

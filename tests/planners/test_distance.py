@@ -33,9 +33,11 @@ def test_close_pairs_are_those_that_come_within_the_distance(seed, dimension):
     ways = rng.uniform(0.0, 30.0, (12, 1, dimension)) + rng.normal(size=(12, 6, dimension)).cumsum(
         axis=1
     )
-    found = {(int(i), int(j)) for i, j in close_pairs(ways, 4.0)}
+    pairs, distances = close_pairs(ways, 4.0)
+    found = {(int(i), int(j)): d for (i, j), d in zip(pairs, distances, strict=True)}
     for i, j in combinations(range(12), 2):
         distance = nearest(ways[i], ways[j])
+        assert found.get((i, j), distance) == pytest.approx(distance, abs=1e-3)
         if abs(distance - 4.0) > 1e-3:
             assert ((i, j) in found) == (distance < 4.0)
 

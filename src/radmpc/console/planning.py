@@ -19,8 +19,8 @@ from radmpc.io.plan_file import encode_plan, save_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
-from radmpc.planners.result import Result
 from radmpc.planning import plan
+from radmpc.result import Result
 
 __all__ = ["Request", "check_request", "run_plan"]
 

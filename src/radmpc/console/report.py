@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from rich.table import Table
 from rich.text import Text
 
+from radmpc.console.reasons import limits_text, reasons_text
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
 from radmpc.model.scenario import Scenario
@@ -57,7 +58,12 @@ def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table
         rows["certificate"] = verdict(plan.risk.certified, plan.risk.bound)
         if plan.risk.price is not None:
             rows["price of risk"] = _price(plan.risk.price, plan)
+        limits = limits_text(plan)
+        if limits:
+            rows["limited by"] = limits
         rows["planned together"] = _sets(plan.sets)
+        if plan.couplings:
+            rows["because"] = reasons_text(plan)
         advice = _advice(plan)
         if advice:
             rows["advice"] = Text(advice, style="yellow")

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from radmpc.errors import SolverError
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
-from radmpc.planners.result import Result
 from radmpc.planning import plan
 from radmpc.referee import Simulation, simulate
+from radmpc.result import Result
 
 __all__ = ["Comparison", "compare"]
 

@@ -14,7 +14,7 @@ from radmpc.io.encoding import encode_scenario
 from radmpc.io.json_text import read_json, write_json
 from radmpc.io.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
 from radmpc.io.text import read_text
-from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
 
 __all__ = ["decode_plan", "encode_plan", "load_plan", "save_plan"]
 
@@ -105,6 +105,7 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
             **({} if plan.risk.price is None else {"price": float(plan.risk.price)}),
         },
         "sets": [list(names) for names in plan.sets],
+        "couplings": [_coupling(coupling) for coupling in plan.couplings],
         "seconds": {stage: float(seconds) for stage, seconds in plan.seconds.items()},
         "versions": dict(plan.versions),
         "explanation": plan.explanation,
@@ -127,6 +128,16 @@ def _ledger_row(row: LedgerRow) -> dict[str, object]:
         "other": row.other,
         "step": int(row.step),
         "risk": float(row.risk),
+    }
+
+
+def _coupling(coupling: Coupling) -> dict[str, object]:
+    """Return an edge of the coupling graph."""
+    return {
+        "vehicle": coupling.vehicle,
+        "other": coupling.other,
+        "reason": coupling.reason,
+        "value": _optional(coupling.value),
     }
 
 
@@ -177,6 +188,7 @@ def decode_plan(data: object) -> Plan:
         versions=dict(spec.versions),
         explanation=spec.explanation,
         trajectories=tuple(_trajectory(i, entry) for i, entry in enumerate(spec.vehicles)),
+        couplings=tuple(Coupling(c.vehicle, c.other, c.reason, c.value) for c in spec.couplings),
     )
 
 

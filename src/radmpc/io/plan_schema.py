@@ -9,7 +9,7 @@ from pydantic import Field
 from radmpc.io.numbers import Finite, FiniteMatrix, Text
 from radmpc.io.schema import FileModel
 
-__all__ = ["PLAN_FORMAT", "LedgerSpec", "PlanSpec", "RiskSpec", "TrajectorySpec"]
+__all__ = ["PLAN_FORMAT", "CouplingSpec", "LedgerSpec", "PlanSpec", "RiskSpec", "TrajectorySpec"]
 
 PLAN_FORMAT = "radmpc/plan/1"
 
@@ -31,6 +31,15 @@ class RiskSpec(FileModel):
     certified: Annotated[Finite, Field(ge=0.0)] | None
     ledger: list[LedgerSpec]
     price: Annotated[Finite, Field(ge=0.0)] | None = None
+
+
+class CouplingSpec(FileModel):
+    """One edge of the coupling graph."""
+
+    vehicle: Text
+    other: Text
+    reason: Literal["collision", "risk", "blocked", "distance", "share"]
+    value: Annotated[Finite, Field(ge=0.0)] | None
 
 
 class TrajectorySpec(FileModel):
@@ -55,6 +64,7 @@ class PlanSpec(FileModel):
     lower_bound: Finite | None
     risk: RiskSpec
     sets: list[list[Text]]
+    couplings: list[CouplingSpec] = Field(default_factory=list)
     seconds: dict[str, Finite] = Field(default_factory=dict)
     versions: dict[str, Text] = Field(default_factory=dict)
     explanation: Text | None = None

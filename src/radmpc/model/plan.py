@@ -10,9 +10,10 @@ from typing import Literal
 from radmpc.arrays import Matrix, Tensor, as_array, as_matrix
 from radmpc.model.scenario import Scenario
 
-__all__ = ["Cause", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"]
+__all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]
 
 Cause = Literal["obstacle", "pair", "workspace"]
+Reason = Literal["collision", "risk", "blocked", "distance", "share"]
 
 
 class Status(Enum):
@@ -115,6 +116,30 @@ class Risk:
     price: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """Why two vehicles were planned together: an edge of the coupling graph.
+
+    Attributes
+    ----------
+    vehicle, other : str
+        The two.
+    reason : {'collision', 'risk', 'blocked', 'distance', 'share'}
+        Their plans made apart collide; their risk in the approximation exceeds Ψ (paper, section
+        Identifying Couplings); one had no way past the other there; their ways alone come close;
+        their shares of Δ by head count were too small.
+    value : float or None
+        Estimated probability of collision [-] for ``collision`` and ``risk``, closest approach
+        of the centers [m] for ``distance``, None for the others. An estimate for ``collision``
+        is a sum of bounds and may exceed 1.
+    """
+
+    vehicle: str
+    other: str
+    reason: Reason
+    value: float | None = None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
     """Everything a plan file holds; ``trajectories`` is empty where no plan was found.
@@ -145,6 +170,8 @@ class Plan:
         Why there is no plan.
     trajectories : tuple of Trajectory
         One per vehicle, in the scenario's order; empty without a plan.
+    couplings : tuple of Coupling
+        Why the vehicles of a set were planned together; empty where the planner does not ask.
     """
 
     scenario: Scenario
@@ -159,3 +186,4 @@ class Plan:
     versions: Mapping[str, str] = field(default_factory=dict)
     explanation: str | None = None
     trajectories: tuple[Trajectory, ...] = ()
+    couplings: tuple[Coupling, ...] = ()

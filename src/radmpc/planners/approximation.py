@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from radmpc.arrays import Matrix
-from radmpc.planners.result import Event, Step
+from radmpc.planners.draft import Event, Step
 
 __all__ = ["Approximation"]
 

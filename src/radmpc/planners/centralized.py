@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
+from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Planner
-from radmpc.planners.result import Draft
 from radmpc.planners.sets import SetTask, run_sets
 from radmpc.solvers.solution import Limits, Outcome
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -10,8 +11,10 @@ from scipy.sparse.csgraph import connected_components
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.gaussian import tail_probability
+from radmpc.model.plan import Coupling
+from radmpc.model.scenario import Scenario
 
-__all__ = ["connected_sets", "face_risk"]
+__all__ = ["connected_sets", "couplings_of", "face_risk", "share_couplings"]
 
 
 def face_risk(
@@ -70,3 +73,51 @@ def connected_sets(
     count, labels = connected_components(coo_array(edges), directed=False)
     sets = [tuple(int(i) for i in np.flatnonzero(labels == c)) for c in range(count)]
     return tuple(sorted(sets))
+
+
+def couplings_of(
+    scenario: Scenario,
+    pair_risk: Matrix,
+    threshold: float,
+    forced: Iterable[tuple[int, int]],
+) -> tuple[Coupling, ...]:
+    """Return the edges of the coupling graph, each with its reason.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    pair_risk, threshold, forced
+        As of `connected_sets`.
+
+    Returns
+    -------
+    tuple of Coupling
+        Ordered by vehicles; what both exceeds Ψ and was blocked counts as the former.
+    """
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    largest = np.maximum(pair_risk, pair_risk.T)
+    risky = [(int(i), int(j)) for i, j in np.argwhere(np.triu(largest > threshold, k=1))]
+    blocked = {(min(pair), max(pair)) for pair in forced} - set(risky)
+    edges = {(i, j): Coupling(names[i], names[j], "risk", float(largest[i, j])) for i, j in risky}
+    edges |= {(i, j): Coupling(names[i], names[j], "blocked") for i, j in blocked}
+    return tuple(edges[pair] for pair in sorted(edges))
+
+
+def share_couplings(scenario: Scenario, sets: tuple[tuple[int, ...], ...]) -> tuple[Coupling, ...]:
+    """Return edges that join sets because their shares of Δ were too small apart.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    sets : tuple of tuple of int
+        A partition of it.
+
+    Returns
+    -------
+    tuple of Coupling
+        From each set's first vehicle to the next set's.
+    """
+    firsts = [scenario.vehicles[members[0]].name for members in sets]
+    return tuple(Coupling(one, two, "share") for one, two in pairwise(firsts))

@@ -10,9 +10,9 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.approximation import Approximation
 from radmpc.planners.coupling import face_risk
+from radmpc.planners.draft import Event, Step
 from radmpc.planners.ira import Solved, solve_under_policy
 from radmpc.planners.planner import Receding
-from radmpc.planners.result import Event, Step
 from radmpc.planners.temporal import (
     TemporalObstacle,
     make_temporal_obstacle,

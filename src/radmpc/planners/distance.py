@@ -17,11 +17,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from radmpc.arrays import Tensor
+from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.model.dynamics import rollout
+from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
+from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Distance, Planner
-from radmpc.planners.result import Draft
 from radmpc.planners.sets import SetPlan, SetTask, plan_sets, verdict_of_sets
 from radmpc.solvers.solution import Limits, Outcome
 
@@ -80,7 +81,7 @@ def plan_by_distance(
     if not all(plan.controls for plan in alone):
         status, why = verdict_of_sets(scenario, singles, alone)
         return Draft(status, (), singles, steps, (), seconds, why)
-    sets = _sets(scenario, alone, distance.meters)
+    sets, couplings = _sets(scenario, alone, distance.meters)
     together = tuple(members for members in sets if len(members) > 1)
     known = dict(zip(singles, alone, strict=True))
     known |= dict(zip(together, plan_all(together, "sets"), strict=True))
@@ -93,11 +94,13 @@ def plan_by_distance(
     }
     is_whole = all(p.outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE} for p in plans)
     ordered = tuple(controls[i] for i in sorted(controls)) if is_whole else ()
-    return Draft(status, ordered, sets, steps, (), seconds, why)
+    return Draft(status, ordered, sets, steps, (), seconds, why, couplings=couplings)
 
 
-def _sets(scenario: Scenario, alone: list[SetPlan], meters: float) -> Sets:
-    """Return the connected components of who comes close to whom."""
+def _sets(
+    scenario: Scenario, alone: list[SetPlan], meters: float
+) -> tuple[Sets, tuple[Coupling, ...]]:
+    """Return the connected components of who comes close to whom, and the graph's edges."""
     positions = np.array(
         [
             rollout(vehicle.system, vehicle.start, plan.controls[0])[
@@ -106,15 +109,20 @@ def _sets(scenario: Scenario, alone: list[SetPlan], meters: float) -> Sets:
             for vehicle, plan in zip(scenario.vehicles, alone, strict=True)
         ]
     )
-    pairs = close_pairs(positions, meters)
+    pairs, distances = close_pairs(positions, meters)
     n = scenario.num_vehicles
     edges = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
     count, labels = connected_components(edges, directed=False)
     sets = [tuple(int(i) for i in np.flatnonzero(labels == c)) for c in range(count)]
-    return tuple(sorted(sets))
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    couplings = tuple(
+        Coupling(names[i], names[j], "distance", closest)
+        for (i, j), closest in zip(pairs.tolist(), distances.tolist(), strict=True)
+    )
+    return tuple(sorted(sets)), couplings
 
 
-def close_pairs(positions: Tensor, meters: float) -> np.ndarray:
+def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:
     """Return who comes within a distance of whom on straight ways from step to step.
 
     Parameters
@@ -126,10 +134,12 @@ def close_pairs(positions: Tensor, meters: float) -> np.ndarray:
 
     Returns
     -------
-    (p, 2) int array
+    pairs : (p, 2) int array
         Pairs i < j, ascending.
+    distances : (p,) array
+        How close they come [m].
     """
-    found = [np.zeros((0, 2), dtype=np.int64)]
+    closest: dict[tuple[int, int], float] = {}
     for here, ahead in pairwise(positions.swapaxes(0, 1)):
         # Two that come close within the step have middles no further apart than this.
         longest = float(np.linalg.norm(ahead - here, axis=1).max(initial=0.0))
@@ -140,5 +150,9 @@ def close_pairs(positions: Tensor, meters: float) -> np.ndarray:
         length = np.maximum((move**2).sum(axis=1), 1e-300)
         share = np.clip(-(start * move).sum(axis=1) / length, 0.0, 1.0)
         least = np.linalg.norm(start + share[:, None] * move, axis=1)
-        found.append(near[least <= meters])
-    return np.unique(np.concatenate(found), axis=0)
+        close = least <= meters
+        for (one, two), gap in zip(near[close].tolist(), least[close].tolist(), strict=True):
+            closest[one, two] = min(gap, closest.get((one, two), gap))
+    pairs = sorted(closest)
+    distances = np.array([closest[pair] for pair in pairs])
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2), distances

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from radmpc.arrays import Indices, Vector
-from radmpc.planners.result import Step
+from radmpc.planners.draft import Step
 from radmpc.program.policy import (
     Ira,
     NoRisk,

@@ -12,11 +12,11 @@ import numpy as np
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.approximation import Approximation
-from radmpc.planners.coupling import connected_sets
+from radmpc.planners.coupling import connected_sets, couplings_of, share_couplings
 from radmpc.planners.decentralized import approximate
+from radmpc.planners.draft import Draft, Step
 from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Couplings, Planner, Receding
-from radmpc.planners.result import Draft, Step
 from radmpc.planners.sets import SetPlan, SetTask, plan_sets, verdict_of_sets
 from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
@@ -145,10 +145,12 @@ def plan_multi_vehicle(
             lambda done, total: progress("sets", done, total),
         )
 
+    edges = couplings_of(scenario, run.pair_risk, couplings.threshold, run.forced)
     plans = plan_all(sets)
     steps = run.steps + _steps_of(plans)
     if any(p.outcome is Outcome.INFEASIBLE for p in plans) and 1 < len(sets) <= _MOST_TOGETHER:
         # Shares by head count may starve a set that needs more: together they may share freely.
+        edges += share_couplings(scenario, sets)
         sets, plans = everyone, plan_all(everyone)
         steps += _steps_of(plans)
     seconds["sets"] = time.perf_counter() - approximated
@@ -157,7 +159,7 @@ def plan_multi_vehicle(
         i: c for s, p in zip(sets, plans, strict=True) for i, c in zip(s, p.controls, strict=False)
     }
     ordered = tuple(controls[i] for i in sorted(controls)) if status is Status.FEASIBLE else ()
-    return Draft(status, ordered, sets, steps, run.events, seconds, explanation)
+    return Draft(status, ordered, sets, steps, run.events, seconds, explanation, couplings=edges)
 
 
 def _steps_of(plans: list[SetPlan]) -> tuple[Step, ...]:

@@ -12,9 +12,9 @@ from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Plan, Status
 from radmpc.planners.planner import Couplings, Planner
-from radmpc.planners.result import Result
 from radmpc.planning import plan
 from radmpc.referee import simulate
+from radmpc.result import Result
 
 __all__ = ["Missed", "Row", "Task", "run_task"]
 

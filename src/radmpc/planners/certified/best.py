@@ -11,7 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fitting import fitted
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.rounds import Round
-from radmpc.planners.result import Step
+from radmpc.planners.draft import Step
 from radmpc.solvers.solution import relative_gap
 
 __all__ = ["Best", "RiskOf", "take"]

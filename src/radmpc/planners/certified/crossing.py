@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -10,7 +12,7 @@ from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 
-__all__ = ["cross_risks", "start_risks"]
+__all__ = ["by_sets", "cross_risks", "meeting_risks", "start_risks"]
 
 _FAR = 8.0
 """Standard deviations beyond which a pair's risk is nothing (6e-16)."""
@@ -19,7 +21,33 @@ _FAR = 8.0
 def cross_risks(
     scenario: Scenario, means: Tensor, covariances: Tensor, owners: Indices
 ) -> dict[tuple[int, int], float]:
-    """Estimate the collision risk of every two sets.
+    """Estimate the collision risk of every two sets; see `meeting_risks`.
+
+    Returns
+    -------
+    dict
+        Risk of the pairs of sets, lower number first, that run any.
+    """
+    return by_sets(meeting_risks(scenario, means, covariances, owners), owners)
+
+
+def by_sets(
+    meetings: Mapping[tuple[int, int], float], owners: Indices
+) -> dict[tuple[int, int], float]:
+    """Sum the risks of pairs of vehicles over the sets that own them."""
+    found: dict[tuple[int, int], float] = {}
+    sets = owners.tolist()
+    for (one, two), risk in meetings.items():
+        i, j = sets[one], sets[two]
+        key = (min(i, j), max(i, j))
+        found[key] = found.get(key, 0.0) + risk
+    return found
+
+
+def meeting_risks(
+    scenario: Scenario, means: Tensor, covariances: Tensor, owners: Indices
+) -> dict[tuple[int, int], float]:
+    """Estimate the collision risk of every two vehicles of different sets.
 
     By the same faces as the programme's, so that what is charged for two sets is what keeping
     them apart in one programme would cost; between steps without the bow.
@@ -38,7 +66,7 @@ def cross_risks(
     Returns
     -------
     dict
-        Risk of the pairs of sets, lower number first, that run any.
+        Risk of the pairs of vehicles, lower number first, that run any.
     """
     if np.all(owners == owners[0]):
         return {}
@@ -58,12 +86,11 @@ def cross_risks(
     else:
         by_face = by_face[:, 1:]
     risks = by_face.min(axis=2).sum(axis=1)
-    found: dict[tuple[int, int], float] = {}
-    for i, j, risk in zip(owners[one].tolist(), owners[two].tolist(), risks.tolist(), strict=True):
-        if risk > 1e-15:
-            key = (min(i, j), max(i, j))
-            found[key] = found.get(key, 0.0) + risk
-    return found
+    return {
+        (i, j): risk
+        for i, j, risk in zip(one.tolist(), two.tolist(), risks.tolist(), strict=True)
+        if risk > 1e-15
+    }
 
 
 def start_risks(

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import NoPlanError
+from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.crossing import cross_risks, start_risks
+from radmpc.planners.certified.crossing import by_sets, meeting_risks, start_risks
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import Order, SetProblem, SetState
 from radmpc.planners.certified.working import Job, search_sets
@@ -41,6 +42,9 @@ _FILL = 0.9
 _RISK_TO_COST = 0.006
 """Typical value of the whole risk budget, as a share of the cost of plans."""
 
+_TELLING = 1e-3
+"""Share of the worst risk between two sets below which a meeting does not explain it."""
+
 _NODES = 400
 """Nodes that a set gets per vehicle and round."""
 
@@ -63,6 +67,8 @@ class Fleet:
     alone: dict[Members, Scenario] = field(default_factory=dict)
     known: dict[int, Vector] = field(default_factory=dict)
     """What every vehicle does in some plan of the whole fleet; empty until there is one."""
+    met: dict[tuple[int, int], float] = field(default_factory=dict)
+    """Why vehicles were planned together: the risk between plans of them made apart."""
     is_sketched: bool = False
     is_costless: bool = False
     """Whether effort counts for nothing, so that at a price of 1 only risk is minimised."""
@@ -192,12 +198,50 @@ class Fleet:
         self, sets: Sequence[Members], points: Sequence[Vector]
     ) -> dict[tuple[int, int], float]:
         """Estimate the risk between every two sets, numbered as given."""
+        return by_sets(self.meetings(sets, points), self.owners(sets))
+
+    def owners(self, sets: Sequence[Members]) -> Indices:
+        """Return the number of every vehicle's set."""
         owners = np.empty(self.scenario.num_vehicles, dtype=np.int64)
-        means = np.empty((self.scenario.num_vehicles, *self.subjects[0].drift_position.shape))
-        for number, (members, z) in enumerate(zip(sets, points, strict=True)):
+        for number, members in enumerate(sets):
             owners[list(members)] = number
+        return owners
+
+    def meetings(
+        self, sets: Sequence[Members], points: Sequence[Vector]
+    ) -> dict[tuple[int, int], float]:
+        """Estimate the risk between every two vehicles of different sets."""
+        means = np.empty((self.scenario.num_vehicles, *self.subjects[0].drift_position.shape))
+        for members, z in zip(sets, points, strict=True):
             means[list(members)] = self.problems[members].means(z)
-        return cross_risks(self.scenario, means, self.covariances, owners)
+        return meeting_risks(self.scenario, means, self.covariances, self.owners(sets))
+
+    def remember(
+        self,
+        apart: Sequence[Members],
+        joined: Sequence[Members],
+        meetings: Mapping[tuple[int, int], float],
+    ) -> None:
+        """Note whose meetings made sets planned apart into one."""
+        old, new = self.owners(apart).tolist(), self.owners(joined).tolist()
+        inside = {pair: risk for pair, risk in meetings.items() if new[pair[0]] == new[pair[1]]}
+        worst: dict[tuple[int, int], float] = {}
+        for (i, j), risk in inside.items():
+            key = (min(old[i], old[j]), max(old[i], old[j]))
+            worst[key] = max(worst.get(key, 0.0), risk)
+        for (i, j), risk in inside.items():
+            if risk >= _TELLING * worst[min(old[i], old[j]), max(old[i], old[j])]:
+                self.met[i, j] = max(self.met.get((i, j), 0.0), risk)
+
+    def couplings(self, sets: Sequence[Members]) -> tuple[Coupling, ...]:
+        """Return why the vehicles of these sets were planned together."""
+        owner = self.owners(sets)
+        names = [vehicle.name for vehicle in self.scenario.vehicles]
+        return tuple(
+            Coupling(names[i], names[j], "collision", risk)
+            for (i, j), risk in sorted(self.met.items())
+            if owner[i] == owner[j]
+        )
 
     def controls(self, sets: Sequence[Members], points: Sequence[Vector]) -> tuple[Matrix, ...]:
         """Return every vehicle's controls, in the scenario's order."""

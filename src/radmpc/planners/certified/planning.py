@@ -17,8 +17,8 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.why_not import why_not
+from radmpc.planners.draft import Draft, Step
 from radmpc.planners.planner import Planner
-from radmpc.planners.result import Draft, Step
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
@@ -96,6 +96,7 @@ def plan_certified(
         seconds,
         lower_bound=_finite(bound),
         price=best.price(fleet),
+        couplings=fleet.couplings(best.sets),
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from radmpc.planners.certified.crossing import by_sets
 from radmpc.planners.certified.fleet import Fleet, Members
 from radmpc.planners.certified.sketch import sketch
 from radmpc.solvers.risk_nodes import Incumbent
@@ -83,12 +84,15 @@ def run_round(fleet: Fleet, price: float, effort: int) -> Round | None:
         if not has_plans:
             return None
         plans = [fleet.best(m) for m in sets]
-        crossing = fleet.crossing(sets, [plan.z for plan in plans])
+        meetings = fleet.meetings(sets, [plan.z for plan in plans])
+        crossing = by_sets(meetings, fleet.owners(sets))
         cross = sum(crossing.values())
         allowed = _allowed_cross(fleet, plans, price)
         if cross <= allowed:
             return _round(fleet, sets, price, cross)
-        sets = _merged(sets, crossing, cross - allowed)
+        merged = _merged(sets, crossing, cross - allowed)
+        fleet.remember(sets, merged, meetings)
+        sets = merged
 
 
 def _round(fleet: Fleet, sets: tuple[Members, ...], price: float, cross: float) -> Round:

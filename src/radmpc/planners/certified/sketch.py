@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from radmpc.planners.certified.crossing import by_sets
 from radmpc.planners.certified.fleet import Fleet, Members
 from radmpc.solvers.risk_neighborhood import Neighborhood
 from radmpc.solvers.risk_nodes import Incumbent
@@ -48,10 +49,12 @@ def sketch(
             plans[members] = state.best
     sets = tuple(part for m in sets for part in ((m,) if m in plans else tuple((i,) for i in m)))
     for _ in range(_ROUNDS):
-        crossing = fleet.crossing(sets, [plans[m].z for m in sets])
+        meetings = fleet.meetings(sets, [plans[m].z for m in sets])
+        crossing = by_sets(meetings, fleet.owners(sets))
         joined = _joined(sets, crossing, _NEGLIGIBLE * fleet.unit)
         if joined == sets:
             break
+        fleet.remember(sets, joined, meetings)
         sets = joined
         for members in sets:
             if members not in plans:

@@ -1,4 +1,4 @@
-"""What planning returns. Knows no algorithm."""
+"""What a decomposition hands over. Knows no algorithm."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from radmpc.arrays import Matrix
-from radmpc.errors import NoPlanError
-from radmpc.model.plan import Plan, Status
-from radmpc.referee import Certificate
+from radmpc.model.plan import Coupling, Status
 
-__all__ = ["Draft", "Event", "Result", "Step"]
+__all__ = ["Draft", "Event", "Step"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +95,8 @@ class Draft:
         Proven least cost, where there is a proof.
     price : float or None
         What a little more Δ would save, per unit of probability.
+    couplings : tuple of Coupling
+        Why the vehicles of a set were planned together.
     """
 
     status: Status
@@ -108,82 +108,4 @@ class Draft:
     explanation: str | None = None
     lower_bound: float | None = None
     price: float | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Result:
-    """The answer to `radmpc.plan`.
-
-    Attributes
-    ----------
-    record : Plan
-        What a plan file holds, also where no plan was found.
-    certificate : Certificate or None
-        The referee's word on the plan.
-    steps : tuple of Step
-        Every solve, in order.
-    events : tuple of Event
-        Subproblems without a solution on the way.
-    """
-
-    record: Plan
-    certificate: Certificate | None
-    steps: tuple[Step, ...] = ()
-    events: tuple[Event, ...] = ()
-
-    @property
-    def plan(self) -> Plan | None:
-        """The plan, or None."""
-        return self.record if self.record.trajectories else None
-
-    @property
-    def status(self) -> Status:
-        """How planning ended."""
-        return self.record.status
-
-    @property
-    def cost(self) -> float | None:
-        """``Σ weight · ‖u‖₁``."""
-        return self.record.cost
-
-    @property
-    def lower_bound(self) -> float | None:
-        """Proven least cost, where there is a proof."""
-        return self.record.lower_bound
-
-    @property
-    def sets(self) -> tuple[tuple[str, ...], ...]:
-        """Who was planned together."""
-        return self.record.sets
-
-    @property
-    def seconds(self) -> Mapping[str, float]:
-        """Seconds per stage and ``total``."""
-        return self.record.seconds
-
-    @property
-    def explanation(self) -> str | None:
-        """Why there is no plan."""
-        return self.record.explanation
-
-    @property
-    def is_certified(self) -> bool:
-        """Whether there is a plan and the referee holds it to be within Δ."""
-        return self.certificate is not None and self.certificate.holds
-
-    def require(self) -> Plan:
-        """Return the plan.
-
-        Returns
-        -------
-        Plan
-            As in `plan`.
-
-        Raises
-        ------
-        NoPlanError
-            If there is none; the message explains why.
-        """
-        if self.plan is None:
-            raise NoPlanError(self.explanation or self.status.sentence)
-        return self.plan
+    couplings: tuple[Coupling, ...] = ()

@@ -1,0 +1,77 @@
+"""Which limits of its vehicles a plan uses up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.model.plan import Plan, Trajectory
+from radmpc.model.vehicle import Vehicle
+
+__all__ = ["TightLimit", "tight_limits"]
+
+_CLOSE = 1e-6
+"""Share of a limit below which what is left of it is rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class TightLimit:
+    """A limit that a vehicle uses up.
+
+    Attributes
+    ----------
+    vehicle : str
+        Whose.
+    limit : {'control', 'speed'}
+        Which: the control limit less the feedback's reserve, or the speed limit.
+    num_steps : int
+        At how many steps, on any axis.
+    """
+
+    vehicle: str
+    limit: Literal["control", "speed"]
+    num_steps: int
+
+
+def tight_limits(plan: Plan) -> tuple[TightLimit, ...]:
+    """Return the limits that a plan uses up, those in use longest first.
+
+    Parameters
+    ----------
+    plan : Plan
+        Any; without trajectories none is in use.
+
+    Returns
+    -------
+    tuple of TightLimit
+        At most two per vehicle.
+    """
+    found = []
+    for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
+        controls = np.abs(trajectory.controls)
+        bounds = vehicle.control_bounds(trajectory.covariances)
+        used = _num_used(controls, bounds, vehicle.control_limit)
+        found.append(TightLimit(vehicle.name, "control", used))
+        found.append(TightLimit(vehicle.name, "speed", _num_fast(vehicle, trajectory)))
+    used_up = [limit for limit in found if limit.num_steps]
+    return tuple(sorted(used_up, key=lambda limit: -limit.num_steps))
+
+
+def _num_fast(vehicle: Vehicle, trajectory: Trajectory) -> int:
+    """Return at how many steps the mean speed is at its limit."""
+    if vehicle.speed_limit is None or vehicle.system.velocity is None:
+        return 0
+    speeds = np.abs(trajectory.means[1:, list(vehicle.system.velocity)])
+    return _num_used(
+        speeds, np.broadcast_to(vehicle.speed_limit, speeds.shape), vehicle.speed_limit
+    )
+
+
+def _num_used(values: Matrix, bounds: Matrix, scale: Matrix) -> int:
+    """Return in how many rows some value reaches its bound."""
+    if values.shape != bounds.shape:
+        return 0
+    return int(np.count_nonzero(np.any(values >= bounds - _CLOSE * scale, axis=1)))

@@ -1,0 +1,61 @@
+"""Why vehicles were planned together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radmpc import plan
+from radmpc.experiments.families import fleet, paper
+
+
+def components(scenario, couplings):
+    part_of = {v.name: frozenset([v.name]) for v in scenario.vehicles}
+    for coupling in couplings:
+        whole = part_of[coupling.vehicle] | part_of[coupling.other]
+        part_of |= dict.fromkeys(whole, whole)
+    return set(part_of.values())
+
+
+@pytest.mark.parametrize("planner", ["multi-vehicle", "certified", "distance(6)"])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_couplings_connect_the_vehicles_of_every_set_and_no_others(planner, seed):
+    scenario = paper(5, seed=seed)
+    result = plan(scenario, planner, rng=0)
+    assert components(scenario, result.couplings) == {frozenset(s) for s in result.sets}
+
+
+def test_a_fleets_couplings_connect_its_sets():
+    scenario = fleet(16, seed=3)
+    result = plan(scenario, rng=0, time_limit=30.0)
+    assert len(result.sets) < 16
+    assert components(scenario, result.couplings) == {frozenset(s) for s in result.sets}
+
+
+def test_couplings_tell_the_risk_that_exceeds_the_threshold():
+    result = plan(paper(5, seed=3), "multi-vehicle(1e-4)", rng=0)
+    told = [c.value for c in result.couplings if c.reason == "risk"]
+    assert told
+    assert all(1e-4 < value <= 1.0 for value in told)
+
+
+def test_couplings_by_distance_tell_how_close_the_ways_alone_come():
+    result = plan(paper(4, seed=2), "distance(6)", rng=0)
+    assert result.couplings
+    assert all(0.0 <= c.value <= 6.0 for c in result.couplings)
+
+
+def test_plans_made_together_because_they_would_collide_do_collide_apart():
+    scenario = paper(2, seed=1)
+    joined = [s for s in range(1, 12) if len(plan(paper(2, seed=s), rng=0).couplings) == 1]
+    assert joined
+    scenario = paper(2, seed=joined[0])
+    [coupling] = plan(scenario, rng=0).couplings
+    alone = [plan(scenario.subset((i,), 0.5 * scenario.risk_bound)).require() for i in range(2)]
+    gap = np.subtract(*(a.trajectories[0].means[:, :2] for a in alone))
+    assert coupling.value > scenario.risk_bound / 100
+    assert np.abs(gap).max(axis=1).min() < 2.5
+
+
+def test_planners_that_take_all_together_give_no_reason():
+    assert plan(paper(2, seed=1), "ira").couplings == ()
