@@ -14,36 +14,51 @@ True
 from __future__ import annotations
 
 import logging
+from importlib import import_module
 from typing import TYPE_CHECKING
 
-from radmpc.errors import (
-    FileFormatError,
-    NoPlanError,
-    RadmpcError,
-    RiskError,
-    ScenarioError,
-    SolverError,
-)
-from radmpc.io.plan_file import load_plan, save_plan
-from radmpc.io.scenario_file import load_scenario, save_scenario
-from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
-from radmpc.model.obstacle import Obstacle
-from radmpc.model.plan import Plan, Status, Trajectory
-from radmpc.model.scenario import Scenario, Workspace
-from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.planner import Planner
-from radmpc.planning import plan
-from radmpc.referee import Certificate, Simulation, certify, simulate
-from radmpc.result import Result
 from radmpc.version import __version__
 
 if TYPE_CHECKING:
-    from radmpc.plotting import plot_ledger, plot_plan, plot_scenario
+    from radmpc.errors import (
+        FileFormatError,
+        NoPlanError,
+        RadmpcError,
+        RiskError,
+        ScenarioError,
+        SolverError,
+    )
+    from radmpc.io.mapping import from_dict, to_dict
+    from radmpc.io.plan_file import load_plan, save_plan
+    from radmpc.io.scenario_file import load_scenario, save_scenario
+    from radmpc.io.tables import to_pandas, to_xarray
+    from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
+    from radmpc.model.obstacle import Obstacle
+    from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+    from radmpc.model.scenario import Scenario, Workspace
+    from radmpc.model.vehicle import Goal, Vehicle
+    from radmpc.planners.planner import Planner
+    from radmpc.planning import plan
+    from radmpc.plotting import (
+        animate_plan,
+        plot_couplings,
+        plot_distances,
+        plot_ledger,
+        plot_plan,
+        plot_risk,
+        plot_scenario,
+        save_animation,
+        save_figure,
+    )
+    from radmpc.referee import Certificate, Simulation, certify, simulate
+    from radmpc.result import Result
 
 __all__ = [
     "Certificate",
+    "Coupling",
     "FileFormatError",
     "Goal",
+    "LedgerRow",
     "LinearSystem",
     "NoPlanError",
     "Obstacle",
@@ -51,6 +66,7 @@ __all__ = [
     "Planner",
     "RadmpcError",
     "Result",
+    "Risk",
     "RiskError",
     "Scenario",
     "ScenarioError",
@@ -61,27 +77,79 @@ __all__ = [
     "Vehicle",
     "Workspace",
     "__version__",
+    "animate_plan",
     "certify",
     "double_integrator",
+    "from_dict",
     "load_plan",
     "load_scenario",
     "lqr_gain",
     "plan",
+    "plot_couplings",
+    "plot_distances",
     "plot_ledger",
     "plot_plan",
+    "plot_risk",
     "plot_scenario",
+    "save_animation",
+    "save_figure",
     "save_plan",
     "save_scenario",
     "simulate",
+    "to_dict",
+    "to_pandas",
+    "to_xarray",
 ]
+
+# Where each name stands; it is loaded when first asked for. Solvers and matplotlib take most of a
+# second, which the shell's completion and `radmpc --version` must not wait for.
+_HOMES = {
+    "errors": (
+        "FileFormatError",
+        "NoPlanError",
+        "RadmpcError",
+        "RiskError",
+        "ScenarioError",
+        "SolverError",
+    ),
+    "io.mapping": ("from_dict", "to_dict"),
+    "io.plan_file": ("load_plan", "save_plan"),
+    "io.scenario_file": ("load_scenario", "save_scenario"),
+    "io.tables": ("to_pandas", "to_xarray"),
+    "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
+    "model.obstacle": ("Obstacle",),
+    "model.plan": ("Coupling", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"),
+    "model.scenario": ("Scenario", "Workspace"),
+    "model.vehicle": ("Goal", "Vehicle"),
+    "planners.planner": ("Planner",),
+    "planning": ("plan",),
+    "plotting": (
+        "animate_plan",
+        "plot_couplings",
+        "plot_distances",
+        "plot_ledger",
+        "plot_plan",
+        "plot_risk",
+        "plot_scenario",
+        "save_animation",
+        "save_figure",
+    ),
+    "referee": ("Certificate", "Simulation", "certify", "simulate"),
+    "result": ("Result",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> object:
-    """Load the plotting functions when first used: matplotlib takes longer than planning."""
-    if name in {"plot_ledger", "plot_plan", "plot_scenario"}:
-        import radmpc.plotting  # noqa: PLC0415 - see above
+    """Load a public name when it is first used."""
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module(f"radmpc.{_HOME_OF[name]}"), name)
+    return value
 
-        return getattr(radmpc.plotting, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+def __dir__() -> list[str]:
+    """Return the public names, loaded or not."""
+    return sorted(__all__)

@@ -1,6 +1,41 @@
-"""Run the command line with ``python -m radmpc``."""
+"""Run the command line with ``python -m radmpc``: Ctrl-C at any time is one line."""
 
-from radmpc.cli import main
+from __future__ import annotations
+
+import os
+import signal
+from types import FrameType
+
+__all__ = ["main"]
+
+_INTERRUPTED = 1
+
+
+def main() -> None:
+    """Run the command line and exit the process with its code."""
+    # While modules load, an exception would come out of any of them with a traceback.
+    usual = signal.signal(signal.SIGINT, _leave)
+    from radmpc.cli import app  # noqa: PLC0415 - see above
+
+    signal.signal(signal.SIGINT, usual)
+    code = _INTERRUPTED
+    try:
+        code = app(standalone_mode=False)
+    except KeyboardInterrupt:
+        os.write(2, b"radmpc: interrupted\n")
+    # What is left is the interpreter's own end; it would end by SIGINT rather than with the code
+    # if the last string that anything executed had been interrupted.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    exec("")
+    raise SystemExit(code)
+
+
+def _leave(signum: int, frame: FrameType | None) -> None:
+    """End the process; nothing has been begun."""
+    del signum, frame
+    os.write(2, b"radmpc: interrupted\n")
+    os._exit(_INTERRUPTED)
+
 
 if __name__ == "__main__":
     main()

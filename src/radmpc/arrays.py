@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.errors import ScenarioError
 
-__all__ = ["Indices", "Matrix", "Tensor", "Vector", "as_array", "as_matrix", "as_vector", "frozen"]
+__all__ = [
+    "Frozen",
+    "Indices",
+    "Matrix",
+    "Tensor",
+    "Vector",
+    "as_array",
+    "as_matrix",
+    "as_vector",
+    "frozen",
+]
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
@@ -88,3 +100,27 @@ def as_matrix(
         If the value has no such shape or is not finite everywhere.
     """
     return as_array(value, shape, path)
+
+
+class Frozen:
+    """A dataclass whose arrays stay read-only through pickles and copies, which forget that."""
+
+    __slots__ = ()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Return what makes an equal value: its constructor runs again."""
+        return _made_again, (type(self), *(getattr(self, name) for name in _fields(self)))
+
+
+def _fields(value: object) -> tuple[str, ...]:
+    """Return the names of a dataclass's fields, in the order of its constructor."""
+    return tuple(field.name for field in fields(value))  # type: ignore[arg-type] # its subclasses
+
+
+def _made_again(kind: type[Frozen], *values: object) -> Frozen:
+    """Return the value of its fields, arrays frozen."""
+    for value in values:
+        for entry in value if isinstance(value, tuple) else (value,):
+            if isinstance(entry, np.ndarray):
+                frozen(entry)
+    return kind(*values)

@@ -1,4 +1,7 @@
-"""The command line: parse, call, print, exit code. No algorithm, no default of its own."""
+"""The command line: parse, call, print, exit code. No algorithm, no default of its own.
+
+Commands import what they run: neither the shell's completion nor `--version` waits for solvers.
+"""
 
 from __future__ import annotations
 
@@ -7,44 +10,20 @@ from typing import Annotated
 
 import typer
 
-from radmpc.console.comparing import CompareRequest, check_compare, run_compare
-from radmpc.console.demo import run_demo
-from radmpc.console.exporting import ExportRequest, run_export
-from radmpc.console.files import check_output, writing
+from radmpc.console import arguments as given
 from radmpc.console.guard import Code, GuardedCommands
-from radmpc.console.listing import planner_table, planners_json
 from radmpc.console.output import show, show_json
-from radmpc.console.planning import Request, check_request, run_plan
-from radmpc.console.report import facts, scenario_line
-from radmpc.console.reproducing import StudyRequest, run_reproduction
-from radmpc.console.verifying import verify_plan, verify_report
-from radmpc.io.importing import ImportOptions, import_scenario
-from radmpc.io.plan_file import load_plan
-from radmpc.io.scenario_file import load_scenario, save_scenario
-from radmpc.planners.presets import COMPARED, DEFAULT
 from radmpc.version import __version__
 
 __all__ = ["app", "main"]
 
 app = typer.Typer(
     cls=GuardedCommands,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     help="Plan fleets whose joint risk of any collision stays within one bound.",
     epilog="Exit codes: 0 yes, 1 no (no plan, or not within the bound), 2 bad input, 3 defect.",
 )
-
-ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario, YAML or JSON.")]
-PlanFile = Annotated[Path, typer.Argument(metavar="PLAN", help="Plan, JSON.")]
-PlannerName = Annotated[str, typer.Option("--planner", help="A name from 'radmpc planners'.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
-Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate parts.")]
-DaskAddress = Annotated[
-    str | None, typer.Option("--dask", help="Address of a Dask scheduler to plan on.")
-]
-Samples = Annotated[int, typer.Option("--samples", min=1, help="Simulated missions.")]
-AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 
 
 def main() -> None:
@@ -78,34 +57,27 @@ def options(
 
 @app.command()
 def plan(
-    scenario: ScenarioFile,
-    planner: PlannerName = DEFAULT,
-    seed: Seed = 0,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            "--time-limit", min=0.0, help="Seconds, then the best so far (certified: 60)."
-        ),
-    ] = None,
-    jobs: Jobs = 1,
-    dask: DaskAddress = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Write the plan here, as JSON.")
-    ] = None,
-    figure: Annotated[
-        Path | None, typer.Option("--figure", help="Draw it here: .png, .pdf or .svg.")
-    ] = None,
-    ledger: Annotated[
-        Path | None, typer.Option("--ledger", help="Draw where the risk goes, likewise.")
-    ] = None,
-    verbose: Annotated[
-        bool, typer.Option("-v", "--verbose", help="Tell the stages on stderr as they go.")
-    ] = False,
-    as_json: AsJson = False,
+    scenario: given.ScenarioFile,
+    planner: given.PlannerName = None,
+    seed: given.Seed = 0,
+    time_limit: given.PlanningSeconds = None,
+    jobs: given.Jobs = 1,
+    dask: given.DaskAddress = None,
+    output: given.PlanOutput = None,
+    figure: given.PlanFigure = None,
+    ledger: given.LedgerFigure = None,
+    animation: given.Film = None,
+    verbose: given.Verbose = False,
+    as_json: given.AsJson = False,
 ) -> int:
     """Plan a scenario; write it where -o says."""
+    from radmpc.console.planning import Request, check_request, run_plan
+    from radmpc.io.scenario_file import load_scenario
+    from radmpc.planners.presets import DEFAULT
+
+    planner = DEFAULT if planner is None else planner
     request = Request(
-        planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask, verbose
+        planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask, verbose, animation
     )
     check_request(request)
     return run_plan(load_scenario(scenario), request)
@@ -113,24 +85,23 @@ def plan(
 
 @app.command("compare")
 def compare_planners(
-    scenario: ScenarioFile,
-    planners: Annotated[
-        str, typer.Option("--planners", help="Names, with commas between them.")
-    ] = ",".join(COMPARED),
-    seed: Seed = 0,
-    time_limit: Annotated[
-        float | None, typer.Option("--time-limit", min=0.0, help="Seconds for each planner.")
-    ] = None,
-    samples: Samples = 100_000,
-    jobs: Jobs = 1,
-    dask: DaskAddress = None,
-    figure: Annotated[
-        Path | None, typer.Option("--figure", help="A panel per planner: .png, .pdf or .svg.")
-    ] = None,
-    as_json: AsJson = False,
+    scenario: given.ScenarioFile,
+    planners: given.PlannerNames = None,
+    seed: given.Seed = 0,
+    time_limit: given.PlannerSeconds = None,
+    samples: given.Samples = 100_000,
+    jobs: given.Jobs = 1,
+    dask: given.DaskAddress = None,
+    figure: given.PanelFigure = None,
+    as_json: given.AsJson = False,
 ) -> int:
     """Plan one scenario with several planners, side by side."""
-    names = tuple(name.strip() for name in planners.split(",") if name.strip())
+    from radmpc.console.comparing import CompareRequest, check_compare, run_compare
+    from radmpc.io.scenario_file import load_scenario
+    from radmpc.planners.presets import COMPARED
+
+    words = COMPARED if planners is None else planners.split(",")
+    names = tuple(word.strip() for word in words if word.strip())
     request = CompareRequest(names, seed, time_limit, samples, jobs, dask, figure, as_json)
     check_compare(request)
     return run_compare(load_scenario(scenario), request)
@@ -142,46 +113,45 @@ def reproduce(
     quick: Annotated[
         bool, typer.Option("--quick", help="A small sample, in a few minutes.")
     ] = False,
-    jobs: Jobs = 1,
-    dask: DaskAddress = None,
-    cap: Annotated[
-        float | None, typer.Option("--cap", min=0.1, help="Seconds per problem (60).")
-    ] = None,
-    budget: Annotated[
-        float | None,
-        typer.Option("--budget", min=0.0, help="Seconds for each mixed-integer solver (600)."),
-    ] = None,
-    seeds: Annotated[
-        int | None, typer.Option("--seeds", min=1, help="Problems of each size (50).")
-    ] = None,
-    method: Annotated[
-        list[str] | None, typer.Option("--method", help="Run this method only; may be repeated.")
-    ] = None,
+    jobs: given.Jobs = 1,
+    dask: given.DaskAddress = None,
+    cap: given.StudyCap = None,
+    budget: given.StudySeconds = None,
+    seeds: given.StudySeeds = None,
+    method: given.Methods = None,
     report_only: Annotated[
         bool, typer.Option("--report-only", help="Write tables and figures of the rows there are.")
     ] = False,
 ) -> int:
     """Do the paper's experiments again; killed and started again it goes on."""
+    from radmpc.console.reproducing import StudyRequest, run_reproduction
+
     return run_reproduction(
         StudyRequest(out, quick, jobs, dask, cap, budget, seeds, tuple(method or ()), report_only)
     )
 
 
 @app.command()
-def check(scenario: ScenarioFile) -> int:
+def check(scenario: given.ScenarioFile) -> int:
     """Say whether a scenario file is valid."""
+    from radmpc.console.report import scenario_line
+    from radmpc.io.scenario_file import load_scenario
+
     show(f"valid: {scenario_line(load_scenario(scenario))}")
     return Code.OK
 
 
 @app.command()
 def verify(
-    plan_file: PlanFile,
-    samples: Samples = 100_000,
-    seed: Seed = 0,
-    as_json: AsJson = False,
+    plan_file: given.PlanFile,
+    samples: given.Samples = 100_000,
+    seed: given.Seed = 0,
+    as_json: given.AsJson = False,
 ) -> int:
     """Certify and simulate a plan, from its file alone."""
+    from radmpc.console.verifying import verify_plan, verify_report
+    from radmpc.io.plan_file import load_plan
+
     record = load_plan(plan_file)
     verification = verify_plan(record, samples, seed)
     if as_json:
@@ -192,8 +162,10 @@ def verify(
 
 
 @app.command()
-def planners(as_json: AsJson = False) -> int:
+def planners(as_json: given.AsJson = False) -> int:
     """List the planners and their choices."""
+    from radmpc.console.listing import planner_table, planners_json
+
     if as_json:
         show_json(planners_json())
     else:
@@ -203,8 +175,8 @@ def planners(as_json: AsJson = False) -> int:
 
 @app.command("import")
 def import_file(
-    source: Annotated[Path, typer.Argument(metavar="FILE", help="A problem in another format.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="Write the scenario here.")],
+    source: given.ForeignFile,
+    output: given.ScenarioOutput,
     dt: Annotated[float | None, typer.Option("--dt", help="Step [s].")] = None,
     horizon: Annotated[int | None, typer.Option("--horizon", help="Number of steps.")] = None,
     noise: Annotated[
@@ -219,6 +191,11 @@ def import_file(
     ] = None,
 ) -> int:
     """Import another format; print what had to be chosen."""
+    from radmpc.console.files import check_output, writing
+    from radmpc.console.report import facts, scenario_line
+    from radmpc.io.importing import ImportOptions, import_scenario
+    from radmpc.io.scenario_file import save_scenario
+
     check_output(output)
     options = ImportOptions(
         dt=dt,
@@ -240,9 +217,17 @@ def import_file(
 
 
 @app.command()
+def draw(source: given.DrawnFile, output: given.DrawnOutput, view: given.View = None) -> int:
+    """Draw a scenario or a plan, or film it."""
+    from radmpc.console.drawing import run_draw
+
+    return run_draw(source, view, output)
+
+
+@app.command()
 def export(
-    plan_file: PlanFile,
-    to: Annotated[str, typer.Option("--to", help="qgc, waypoints, geojson, kml, mcap or csv.")],
+    plan_file: given.PlanFile,
+    to: given.ExportFormat,
     output: Annotated[Path, typer.Option("-o", "--output", help="Write it here.")],
     origin: Annotated[
         str | None,
@@ -254,6 +239,9 @@ def export(
     ] = None,
 ) -> int:
     """Write a plan for the vehicles' own tools."""
+    from radmpc.console.exporting import ExportRequest, run_export
+    from radmpc.io.plan_file import load_plan
+
     request = ExportRequest(plan_file, to, output, origin, altitude)
     return run_export(load_plan(plan_file), request)
 
@@ -265,4 +253,6 @@ def demo(
     ),
 ) -> int:
     """Plan the shipped scenario and draw it."""
+    from radmpc.console.demo import run_demo
+
     return run_demo(out)

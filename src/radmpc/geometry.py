@@ -5,7 +5,9 @@ No time, no probability.
 
 from __future__ import annotations
 
+import heapq
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -13,14 +15,14 @@ import shapely
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from radmpc.arrays import Matrix, Vector, as_matrix, as_vector, frozen
+from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
 
 __all__ = ["Polytope", "box", "convex_pieces", "halfspaces", "hull", "sphere_directions"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Polytope:
+class Polytope(Frozen):
     """A bounded convex set with inner points, ``normals @ x <= offsets``.
 
     Attributes
@@ -185,21 +187,36 @@ def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
 
 
 def _merge_convex(pieces: list[shapely.Geometry]) -> list[shapely.Geometry]:
-    """Join neighbours as long as the union stays convex: fewer pieces, fewer avoidances."""
-    merged = True
-    while merged:
-        merged = False
-        for i, first in enumerate(pieces):
-            for j in range(i + 1, len(pieces)):
-                union = shapely.union(first, pieces[j])
-                if union.geom_type == "Polygon" and _is_convex(union):
-                    pieces[i] = union
-                    del pieces[j]
-                    merged = True
-                    break
-            if merged:
-                break
-    return pieces
+    """Join triangles as long as the union stays convex: fewer pieces, fewer avoidances."""
+    left, neighbors = dict(enumerate(pieces)), _neighbors(pieces)
+    # The first pair that can be joined is, until none can; a pair that changed is asked again.
+    pairs = [(i, j) for i, others in neighbors.items() for j in others if i < j]
+    heapq.heapify(pairs)
+    while pairs:
+        i, j = heapq.heappop(pairs)
+        union = shapely.union(left[i], left[j]) if i in left and j in left else None
+        if union is None or union.geom_type != "Polygon" or not _is_convex(union):
+            continue
+        left[i], taken = union, left.pop(j)
+        neighbors[i] = (neighbors[i] | neighbors.pop(j)) - {i, j}
+        for k in neighbors[i]:
+            neighbors[k] = (neighbors[k] - {j}) | {i}
+            if shapely.intersects(taken, left[k]):  # elsewhere all corners are as they were
+                heapq.heappush(pairs, (min(i, k), max(i, k)))
+    return list(left.values())
+
+
+def _neighbors(triangles: list[shapely.Geometry]) -> dict[int, set[int]]:
+    """Return which triangles share an edge with each."""
+    owners: dict[frozenset[tuple[float, ...]], int] = {}
+    neighbors: dict[int, set[int]] = {i: set() for i in range(len(triangles))}
+    for i, triangle in enumerate(triangles):
+        for edge in pairwise(triangle.exterior.coords):
+            j = owners.setdefault(frozenset(edge), i)
+            if j != i:
+                neighbors[i].add(j)
+                neighbors[j].add(i)
+    return neighbors
 
 
 def _is_convex(polygon: shapely.Geometry) -> bool:

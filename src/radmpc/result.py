@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Mapping
 from dataclasses import dataclass
+from html import escape
+from io import BytesIO
 
 from radmpc.errors import NoPlanError
+from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.planners.draft import Event, Step
 from radmpc.referee import Certificate
 
 __all__ = ["Result"]
 
+_MOST_SETS = 6
+_DPI = 150
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Result:
-    """The answer to `radmpc.plan`.
+    """The answer to `radmpc.plan`; in a notebook it shows a summary and a picture.
 
     Attributes
     ----------
@@ -95,3 +102,51 @@ class Result:
         if self.plan is None:
             raise NoPlanError(self.explanation or self.status.sentence)
         return self.plan
+
+    def __repr__(self) -> str:
+        """Return the answer in one line."""
+        return f"Result({'; '.join(text for _, text in _facts(self))})"
+
+    def _repr_html_(self) -> str:
+        """Return a summary and, of a plan, its picture: what notebooks show."""
+        rows = "".join(
+            f'<tr><th style="text-align:left">{escape(name)}</th>'
+            f'<td style="text-align:left">{escape(text)}</td></tr>'
+            for name, text in _facts(self)
+        )
+        return f"<table>{rows}</table>{_picture(self.record)}"
+
+
+def _facts(result: Result) -> list[tuple[str, str]]:
+    """Return what one wants to know first, by name."""
+    record = result.record
+    facts = [("scenario", record.scenario.name), ("status", record.status.value)]
+    if result.plan is None:
+        return [*facts, ("why", result.explanation or result.status.sentence)]
+    bound = "no lower bound" if result.lower_bound is None else f"at least {result.lower_bound:.6g}"
+    facts.append(("cost", f"{result.cost:.6g} ({bound})"))
+    if result.certificate is not None:
+        sign = "within" if result.certificate.holds else "NOT within"
+        risk = f"at most {bound_text(result.certificate.certified)}"
+        facts.append(("risk", f"{risk}, {sign} {record.scenario.risk_bound:g}"))
+    groups = sorted(result.sets, key=len, reverse=True)
+    shown = ", ".join("{" + ", ".join(group) + "}" for group in groups[:_MOST_SETS])
+    more = f" and {len(groups) - _MOST_SETS} more" if len(groups) > _MOST_SETS else ""
+    facts.append(("sets", shown + more))
+    facts.append(("seconds", f"{result.seconds.get('total', 0.0):.2f}"))
+    return facts
+
+
+def _picture(plan: Plan) -> str:
+    """Return a plan's picture as part of a page."""
+    # matplotlib takes longer to load than many a plan to make.
+    from radmpc.plotting import plot_plan  # noqa: PLC0415
+
+    axes = plot_plan(plan)
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        return ""
+    content = BytesIO()
+    figure.savefig(content, format="png", dpi=_DPI)
+    data = b64encode(content.getvalue()).decode("ascii")
+    return f'<img alt="{escape(plan.scenario.name)}" src="data:image/png;base64,{data}"/>'

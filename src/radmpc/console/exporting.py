@@ -8,6 +8,7 @@ from pathlib import Path
 from radmpc.console.files import OutputError, check_output, writing
 from radmpc.console.guard import Code
 from radmpc.console.output import note, show
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.export.exporting import ExportOptions, export_plan, save_exported
 from radmpc.io.export.origin import parse_origin
 from radmpc.io.text import one_line
@@ -61,7 +62,13 @@ def run_export(plan: Plan, request: ExportRequest) -> int:
     origin = None if request.origin is None else parse_origin(request.origin)
     doubts = _doubts(certify(plan)) if plan.trajectories else ""
     options = ExportOptions(origin, request.altitude, is_certified=not doubts)
-    exported = export_plan(plan, request.to, request.output, options)
+    try:
+        exported = export_plan(plan, request.to, request.output, options)
+    except ScenarioError as error:
+        # What does not begin with an option is wrong in the file.
+        if error.message.startswith("--"):
+            raise
+        raise FileFormatError(one_line(f"{request.plan_file}: {error}")) from error
     for path in exported.files:
         check_output(path)
         if path.exists() and path.samefile(request.plan_file):

@@ -12,6 +12,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from radmpc.console.interrupt import interrupt_on_termination
 from radmpc.console.output import note, silence_closed_pipe
 from radmpc.errors import NoPlanError, RadmpcError, SolverError
 
@@ -76,7 +77,7 @@ class GuardedCommands(TyperGroup):
                 words, prog_name, complete_var, False, windows_expand_args, **extra
             )
 
-        with silence_closed_pipe():
+        with silence_closed_pipe(), interrupt_on_termination():
             code = _guarded(run, is_debug)
         if standalone_mode:
             sys.exit(code)

@@ -1,4 +1,4 @@
-"""Ctrl-C: first a request to finish, then an order to stop."""
+"""Ctrl-C: first a request to finish, then an order to stop. SIGTERM is the latter."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["stop_on_interrupt"]
+__all__ = ["interrupt_on_termination", "stop_on_interrupt"]
 
 _REQUEST = b"radmpc: finishing with the best plan so far; Ctrl-C again stops at once\n"
 
@@ -42,3 +42,21 @@ def stop_on_interrupt() -> Iterator[Callable[[], bool]]:
         yield requested.is_set
     finally:
         signal.signal(signal.SIGINT, previous)
+
+
+@contextmanager
+def interrupt_on_termination() -> Iterator[None]:
+    """Turn SIGTERM into `KeyboardInterrupt`: temporary files and worker processes go with us."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def handle(signum: int, frame: FrameType | None) -> None:
+        del signum, frame
+        raise KeyboardInterrupt
+
+    previous = signal.signal(signal.SIGTERM, handle)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)

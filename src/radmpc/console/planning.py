@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from radmpc.console.drawing import check_film, write_film
 from radmpc.console.files import check_output, writing
 from radmpc.console.guard import Code
 from radmpc.console.interrupt import stop_on_interrupt
@@ -17,6 +18,7 @@ from radmpc.console.workers import workers
 from radmpc.errors import ScenarioError
 from radmpc.io.plan_file import encode_plan, save_plan
 from radmpc.model.ledger import bound_text
+from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
@@ -43,8 +45,8 @@ class Request:
         Address of a Dask scheduler.
     is_verbose : bool
         Whether stages are told on stderr.
-    output, figure, ledger : Path or None
-        Where the plan, its picture and that of its risk go; None writes none.
+    output, figure, ledger, animation : Path or None
+        Where the plan, its picture, that of its risk and its film go; None writes none.
     as_json : bool
         Whether stdout gets JSON rather than the report.
     """
@@ -59,6 +61,7 @@ class Request:
     ledger: Path | None = None
     dask: str | None = None
     is_verbose: bool = False
+    animation: Path | None = None
 
 
 def check_request(request: Request) -> None:
@@ -79,6 +82,7 @@ def check_request(request: Request) -> None:
     check_output(request.output)
     check_picture(request.figure)
     check_picture(request.ledger)
+    check_film(request.animation)
 
 
 def run_plan(scenario: Scenario, request: Request) -> int:
@@ -112,12 +116,14 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         write_picture(result.record, request.figure)
     if request.ledger is not None:
         write_ledger(result.record, request.ledger)
+    if request.animation is not None:
+        write_film(result.record, request.animation)
     if request.as_json:
         show_json(encode_plan(result.record, with_vehicles=False))
     else:
         report = plan_report(result.record, request.planner.strip(), len(result.events))
         show(*report, *_written(request))
-    return _conclude(result, was_interrupted)
+    return _conclude(result, was_interrupted, not request.as_json)
 
 
 def _written(request: Request) -> list[str]:
@@ -129,17 +135,28 @@ def _written(request: Request) -> list[str]:
         lines.append(f"picture written to {request.figure}")
     if request.ledger is not None:
         lines.append(f"risk ledger written to {request.ledger}")
+    if request.animation is not None:
+        lines.append(f"film written to {request.animation}")
     return lines if len(lines) > 1 else []
 
 
-def _conclude(result: Result, was_interrupted: bool) -> Code:
+def _no_plan(record: Plan, is_reported: bool) -> str:
+    """Return that there is no plan, and why unless the report has just said so."""
+    if not record.explanation:
+        return record.status.sentence
+    if is_reported:
+        return f"no plan ({record.status.value}): the report says why"
+    return f"no plan: {record.explanation}"
+
+
+def _conclude(result: Result, was_interrupted: bool, is_reported: bool) -> Code:
     """Say on stderr what stands against using the plan, and return the exit code."""
     record = result.record
     if result.plan is None and was_interrupted:
         note("interrupted before any plan was found")
         return Code.NO
     if result.plan is None:
-        note(f"no plan: {record.explanation}" if record.explanation else record.status.sentence)
+        note(_no_plan(record, is_reported))
         return Code.NO
     if not result.is_certified:
         certified, bound = record.risk.certified, record.risk.bound

@@ -88,6 +88,9 @@ def _message(model: type[BaseModel], detail: ErrorDetails) -> str:
         return _unknown(str(key), _keys(model, parent))
     if kind == "missing":
         return _MESSAGES[kind]
+    if kind == "too_long":
+        most, count = detail["ctx"]["max_length"], len(detail["input"])
+        return f"must have at most {most:,} entries, got {count:,}"
     if kind not in _MESSAGES:
         return detail["msg"]
     wanted = _MESSAGES[kind].format(**detail.get("ctx", {}))

@@ -6,6 +6,7 @@ from radmpc.arrays import as_vector
 from radmpc.errors import ScenarioError
 from radmpc.io.checking import check_format, validated
 from radmpc.io.plain import plain_mapping
+from radmpc.io.ranges import check_range
 from radmpc.io.schema import SCENARIO_FORMAT, ObstacleSpec, ScenarioSpec
 from radmpc.io.text import shown
 from radmpc.io.vehicle_decoding import Shared, build_vehicle
@@ -61,8 +62,7 @@ def _build(spec: ScenarioSpec) -> Scenario:
 
 def _vehicles(spec: ScenarioSpec) -> tuple[Vehicle, ...]:
     """Return the vehicles, their own fields before the defaults."""
-    if spec.dt <= 0.0:
-        raise ScenarioError(f"must be > 0 s, got {spec.dt}", ("dt",))
+    check_range(spec.dt, "s", ("dt",))
     shared = Shared(spec.dt)
     vehicles = []
     for i, entry in enumerate(spec.vehicles):

@@ -14,6 +14,8 @@ from radmpc.io.yaml_text import read_yaml
 
 __all__ = ["Document", "read_document"]
 
+_MOST_YAML = 4 * 2**20  # reading a megabyte takes seconds; of JSON, milliseconds
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Document:
@@ -62,8 +64,9 @@ def read_document(path: str | os.PathLike[str]) -> Document:
         If the file cannot be read, or is neither YAML nor JSON.
     """
     name = os.fspath(path)
-    text = read_text(path)
     if Path(path).suffix.lower() == ".json":
+        text = read_text(path)
         return Document(name, text, read_json(text, name), None)
+    text = read_text(path, _MOST_YAML)
     value, places = read_yaml(text, name)
     return Document(name, text, value, places)

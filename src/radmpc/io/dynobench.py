@@ -17,6 +17,7 @@ from radmpc.io.import_options import ImportOptions
 from radmpc.io.numbers import Text
 from radmpc.io.numbers import Vector as Numbers
 from radmpc.io.overlay import ImportedScenario, overlay
+from radmpc.io.rounding import rounded
 from radmpc.io.schema import FileModel
 from radmpc.io.text import shown
 from radmpc.model.obstacle import Obstacle
@@ -186,7 +187,7 @@ def _box(index: int, spec: _Obstacle) -> Obstacle:
     if not np.all(half > 0.0):
         raise ScenarioError(f"must be > 0 m, got {spec.size}", (*path, "size"))
     try:
-        return Obstacle.box(f"box{index}", center - half, center + half)
+        return Obstacle.box(f"box{index}", rounded(center - half), rounded(center + half))
     except ScenarioError as error:
         raise error.under(*path) from error
 

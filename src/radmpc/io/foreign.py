@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict
 
 from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ScenarioError
+from radmpc.io.ranges import check_range
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 
@@ -55,8 +56,10 @@ class ForeignVehicle:
     goal_half_width: Vector | None = None
 
     def __post_init__(self) -> None:
-        """Freeze the arrays."""
+        """Freeze the arrays, and refuse what would overflow."""
         d = len(self.start)
+        for name, unit in (("radius", "m"), ("speed_limit", "m/s"), ("control_limit", "m/s²")):
+            check_range(getattr(self, name), unit, (name,))
         if self.goal_half_width is not None:
             width = as_vector(self.goal_half_width, d, ("goal_half_width",))
             object.__setattr__(self, "goal_half_width", width)

@@ -11,6 +11,7 @@ import shapely
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.io.geo_feature import Feature
+from radmpc.io.rounding import rounded
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 
@@ -107,10 +108,10 @@ def _box(outer: Matrix) -> tuple[Vector, Vector, bool]:
         if missed <= _ALIGNED:
             return inner_low, inner_high, True
     inset = _INSET * (high - low)
-    return low + inset, high - inset, False
+    return rounded(low + inset), rounded(high - inset), False
 
 
 def _pieces(rest: shapely.Geometry) -> list[Matrix]:
     """Return the outlines of what is left over, slivers aside."""
     parts = [part for part in shapely.get_parts(rest) if part.area > _SLIVER]
-    return [np.array(part.exterior.coords)[:-1] for part in parts]
+    return [rounded(np.array(part.exterior.coords)[:-1]) for part in parts]

@@ -12,6 +12,7 @@ import shapely
 
 from radmpc.arrays import Matrix, as_matrix
 from radmpc.errors import ScenarioError
+from radmpc.io.ranges import check_range
 from radmpc.io.text import shown
 
 __all__ = ["SETTINGS", "Feature", "Path", "drawn_ring", "position"]
@@ -133,9 +134,10 @@ class Feature:
                 continue
             path = (*self.properties_path, key)
             value = self.number(key)
-            if not 0.0 < value <= 1e6:
+            if not value > 0.0:
                 given = shown(self.properties[key])
                 raise ScenarioError(f"must be a number > 0 {unit}, got {given}", path)
+            check_range(value, unit, path)
             if name in found:
                 raise ScenarioError(f"is {name!r} by another name: state one of them", path)
             found[name] = value

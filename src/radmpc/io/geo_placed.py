@@ -11,6 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.io.export.frame import Origin, to_local
 from radmpc.io.geo_feature import Feature
+from radmpc.io.rounding import rounded
 
 __all__ = ["CONTROL_LIMIT", "RADIUS", "SPEED_LIMIT", "Placed", "told_choices", "told_losses"]
 
@@ -46,7 +47,7 @@ class Placed:
         """Return longitudes and latitudes in the plane; drawn heights are passed over."""
         heights = np.full(len(ring), self.origin.height)
         places = np.column_stack([ring[:, 1], ring[:, 0], heights])
-        return np.asarray(to_local(places, self.origin)[:, :2])
+        return rounded(np.asarray(to_local(places, self.origin)[:, :2]))
 
     def check(self, features: Sequence[Feature]) -> None:
         """Refuse what lies too far from the rest: two mistakes made one map.

@@ -120,7 +120,13 @@ def read_movingai(document: Document) -> ForeignProblem:
         raise ScenarioError(f"must be a mapping, got {shown(document.value)}")
     file = validated(_File, document.value)
     name = _map_name(file.tasks)
-    blocked = _read_map(Path(document.name).parent / name)
+    path = Path(document.name).parent / name
+    try:
+        blocked = _read_map(path)
+    except FileFormatError as error:
+        if path.is_file():
+            raise
+        raise ScenarioError(f"must stand beside this file: {error}", ("tasks", 0, "map")) from error
     starts, goals = set(), set()
     tasks: list[Task] = []
     for i, task in enumerate(file.tasks):

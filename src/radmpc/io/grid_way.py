@@ -6,7 +6,7 @@ For choosing times and noise only: no plan comes from here.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -22,6 +22,7 @@ __all__ = ["Lattice", "Way", "lattice_of"]
 # In radii; of 0.25 m they divide a meter, so that a point lies in the middle of every cell.
 _SPACINGS = (0.2, 0.4, 0.8, 2.0, 4.0)
 _MOST_POINTS = 60_000
+_MOST_POINTS_OF_ALL = 3_000_000  # one vehicle's way after the other is looked for
 _BORDER = 10.0  # radii around everything, where there are no bounds
 _HALVINGS = 7
 _NEIGHBORS = ((0, 1), (1, 0), (1, 1), (1, -1))
@@ -86,15 +87,18 @@ class Lattice:
 
     def widest(self, vehicle: ForeignVehicle) -> float:
         """Return the radius of the widest hull, up to the vehicle's own, with a way to its goal."""
-        return self._most_room(replace(vehicle, radius=0.0), vehicle.radius) or 0.0
+        room = self._most_room(vehicle, 0.0, -vehicle.radius)
+        return 0.0 if room is None else vehicle.radius + room
 
-    def _most_room(self, vehicle: ForeignVehicle, wanted: float) -> float | None:
+    def _most_room(
+        self, vehicle: ForeignVehicle, wanted: float, least: float = 0.0
+    ) -> float | None:
         """Return the largest room up to the wanted one with a way left, by halving."""
         if self._is_connected(vehicle, wanted):
             return wanted
-        if not self._is_connected(vehicle, 0.0):
+        if not self._is_connected(vehicle, least):
             return None
-        low, high = 0.0, wanted
+        low, high = least, wanted
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             if self._is_connected(vehicle, middle):
@@ -156,12 +160,16 @@ def lattice_of(problem: ForeignProblem) -> Lattice | None:
     pieces = [shapely.Polygon(p.vertices) for o in problem.obstacles for p in o.at(0)]
     low, high = _bounds(problem, pieces)
     radius = min(vehicle.radius for vehicle in vehicles)
+    most = min(_MOST_POINTS, _MOST_POINTS_OF_ALL // len(vehicles))
     for factor in _SPACINGS:
         spacing = factor * radius
-        if np.prod((high - low) / spacing + 2.0) <= _MOST_POINTS:
+        if np.prod((high - low) / spacing + 2.0) <= most:
             break
     else:
-        spacing = float(np.sqrt(np.prod(high - low) / _MOST_POINTS))
+        spacing = float(np.sqrt(np.prod(high - low) / most))
+        # Of something long and thin the short axis has too few points to make up for the long one.
+        while np.prod((high - low) / spacing + 2.0) > 2.0 * most:
+            spacing *= 2.0
     anchor = vehicles[0].start
     origin = anchor - spacing * np.floor((anchor - low) / spacing + 1e-9)
     counts = np.floor((high - origin) / spacing + 1e-9).astype(int) + 1

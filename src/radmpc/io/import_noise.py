@@ -11,6 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.io.foreign import ForeignVehicle
 from radmpc.io.import_options import ImportOptions
+from radmpc.io.rounding import rounded
 from radmpc.model.dynamics import covariances, double_integrator
 
 __all__ = ["Noise", "choose_noise", "rounded_up", "told_feedback", "told_noise"]
@@ -63,7 +64,8 @@ def choose_noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: Impo
         # A step too short for the noise would leave the feedback no control to give.
         if 3.0 * std * np.sqrt(effort.max()) <= _MOST_RESERVE * vehicle.control_limit:
             break
-    return Noise(std**2 * shape, candidate, std, std * spread)
+    gain = None if candidate is None else rounded(candidate)
+    return Noise(rounded(std**2 * shape), gain, std, std * spread)
 
 
 def told_noise(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from radmpc.errors import ScenarioError
+from radmpc.io.ranges import check_range
 from radmpc.model.scenario import Avoidance
 
 __all__ = ["ImportOptions"]
@@ -45,8 +45,8 @@ class ImportOptions:
         """Refuse values that no scenario can have."""
         for name, unit in (("dt", "s"), ("noise", "m"), ("radius", "m")):
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and 0.0 < value <= 1e6):
-                raise ScenarioError(f"must be > 0 {unit}, got {value}", (name,))
+            if value is not None:
+                check_range(value, unit, (name,))
         if self.horizon is not None and not 1 <= self.horizon <= 1000:
             raise ScenarioError(f"must be 1 to 1000 steps, got {self.horizon}", ("horizon",))
         if self.agents is not None and self.agents < 1:

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.decoding import decode_scenario
 from radmpc.io.document import Document, read_document
 from radmpc.io.dynobench import is_dynobench, read_dynobench
+from radmpc.io.encoding import encode_scenario
 from radmpc.io.foreign import ForeignProblem
 from radmpc.io.geo_json import geojson_document, is_geojson, read_geojson
 from radmpc.io.geo_kml import is_kml, kml_document, kmz_refusal, read_kml
@@ -82,13 +84,25 @@ def import_scenario(
     for importer in _IMPORTERS:
         if importer.recognizes(document.value):
             try:
-                return overlay(importer.read(document), options or ImportOptions())
+                imported = overlay(importer.read(document), options or ImportOptions())
             except ScenarioError as error:
                 raise document.failure(error) from error
+            _check_readable(imported, document.name)
+            return imported
     if isinstance(document.value, Mapping) and document.value.get("format") == SCENARIO_FORMAT:
         raise FileFormatError(one_line(f"{document.name}: is a scenario already"))
     known = ", ".join(importer.name for importer in _IMPORTERS)
     raise FileFormatError(one_line(f"{document.name}: is of no format known here ({known})"))
+
+
+def _check_readable(imported: ImportedScenario, name: str) -> None:
+    """Refuse a scenario whose own file would be refused: its numbers are too large."""
+    try:
+        decode_scenario(encode_scenario(imported.scenario))
+    except ScenarioError as error:
+        raise FileFormatError(
+            one_line(f"{name}: leads to a scenario that cannot be: {error}")
+        ) from error
 
 
 def _read(path: str | os.PathLike[str]) -> Document:

@@ -13,8 +13,9 @@ from radmpc.errors import ScenarioError
 from radmpc.io.checking import validated
 from radmpc.io.document import Document
 from radmpc.io.foreign import ForeignModel, ForeignProblem, ForeignVehicle
-from radmpc.io.numbers import Text
+from radmpc.io.numbers import Number, Text
 from radmpc.io.numbers import Vector as Numbers
+from radmpc.io.ranges import check_range
 from radmpc.io.text import shown
 from radmpc.model.scenario import Workspace
 
@@ -28,8 +29,8 @@ class _Quadrotor(ForeignModel):
 
     max_vel: Numbers
     max_acc: Numbers
-    radius: float
-    downwash: float = 1.0
+    radius: Number
+    downwash: Number = 1.0
 
 
 class _World(ForeignModel):
@@ -128,11 +129,13 @@ def _vehicle(index: int, agent: _Agent, file: _File) -> ForeignVehicle:
             ("agents", index, "type"),
         )
     kind = file.quadrotors[agent.type]
-    for key, limits in (("max_vel", kind.max_vel), ("max_acc", kind.max_acc)):
-        if len(limits) != _DIMENSION or min(limits) <= 0.0:
-            raise ScenarioError(
-                f"must be 3 numbers > 0, got {list(limits)}", ("quadrotors", agent.type, key)
-            )
+    path = ("quadrotors", agent.type)
+    check_range(kind.radius, "m", (*path, "radius"))
+    limits = (("max_vel", kind.max_vel, "m/s"), ("max_acc", kind.max_acc, "m/s²"))
+    for key, given, unit in limits:
+        if len(given) != _DIMENSION or min(given) <= 0.0:
+            raise ScenarioError(f"must be 3 numbers > 0, got {list(given)}", (*path, key))
+        check_range(min(given), unit, (*path, key))
     places: list[Vector] = []
     for key, given in (("start", agent.start), ("goal", agent.goal)):
         if len(given) != _DIMENSION:

@@ -13,6 +13,8 @@ from radmpc.io.foreign import ForeignProblem, ForeignVehicle
 from radmpc.io.grid_way import Way, lattice_of
 from radmpc.io.import_noise import Noise, choose_noise, rounded_up, told_feedback, told_noise
 from radmpc.io.import_options import ImportOptions
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
+from radmpc.io.rounding import rounded
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
@@ -112,6 +114,7 @@ def _chosen(
 ) -> ForeignProblem:
     """Return the problem with as many vehicles as wanted, of the radius that is asked for."""
     vehicles = problem.vehicles
+    check_count(len(problem.obstacles), MOST_OBSTACLES, ("obstacles",))
     count = problem.usual_vehicles if options.agents is None else options.agents
     if options.agents is not None and options.agents > len(vehicles):
         raise ScenarioError(f"must be at most {len(vehicles)}, got {options.agents}", ("agents",))
@@ -120,6 +123,7 @@ def _chosen(
             "" if options.agents is None else ", as asked"
         )
         vehicles = vehicles[:count]
+    check_count(len(vehicles), MOST_VEHICLES, ("vehicles",))
     if options.radius is not None:
         choices["radius"] = f"{options.radius:g} m, as asked"
         vehicles = tuple(replace(v, radius=float(options.radius)) for v in vehicles)
@@ -243,6 +247,9 @@ def _workspace(
             f"the workspace was moved out by up to {moved:.3g} m: starts or goals lie closer "
             f"to its border than {_BORDER_SIGMAS:g} standard deviations"
         )
+    # What is as published stays so, bit for bit.
+    lower = np.where(lower == problem.workspace.lower, lower, rounded(lower))
+    upper = np.where(upper == problem.workspace.upper, upper, rounded(upper))
     return Workspace(lower, upper)
 
 
@@ -253,12 +260,13 @@ def _vehicle(vehicle: ForeignVehicle, dt: float, noise: Noise) -> Vehicle:
     if vehicle.goal_half_width is not None:
         # The vehicle ends within the region, not only its mean.
         half = np.maximum(vehicle.goal_half_width - _BORDER_SIGMAS * noise.final, 0.0)
-    speed = np.maximum(_GOAL_SPEED * vehicle.speed_limit, np.abs(vehicle.goal_velocity))
+    usual = rounded(np.full(d, _GOAL_SPEED * vehicle.speed_limit))
+    speed = np.maximum(usual, np.abs(vehicle.goal_velocity))
     return Vehicle(
         name=vehicle.name,
         system=double_integrator(dt, d),
         start=np.concatenate([vehicle.start, vehicle.start_velocity]),
-        goal=Goal(vehicle.goal - half, vehicle.goal + half, speed),
+        goal=Goal(rounded(vehicle.goal - half), rounded(vehicle.goal + half), speed),
         radius=vehicle.radius,
         control_limit=np.full(d, vehicle.control_limit),
         speed_limit=np.full(d, vehicle.speed_limit),

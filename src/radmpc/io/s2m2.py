@@ -16,6 +16,8 @@ from radmpc.io.document import Document
 from radmpc.io.foreign import ForeignModel, ForeignProblem, ForeignVehicle
 from radmpc.io.numbers import Matrix, Number, Text
 from radmpc.io.numbers import Vector as Numbers
+from radmpc.io.ranges import check_range
+from radmpc.io.rounding import rounded
 from radmpc.io.text import shown
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
@@ -133,8 +135,13 @@ def _vehicle(index: int, file: _File, dimension: int) -> ForeignVehicle:
     """Return an agent."""
     agent, start = file.agents[index], file.starts[index]
     for key, value, unit in (("size", agent.size, "m"), ("velocity", agent.velocity, "m/s")):
-        if value <= 0.0:
-            raise ScenarioError(f"must be > 0 {unit}, got {value}", ("agents", index, key))
+        check_range(value, unit, ("agents", index, key))
+    # v² / (2 a) is the way from rest to full speed.
+    acceleration = agent.velocity**2 / agent.size
+    try:
+        check_range(acceleration, "m/s²", ("agents", index, "velocity"))
+    except ScenarioError as error:
+        raise ScenarioError(f"its square over the size {error.message}", error.path) from error
     if len(start) < dimension:
         raise ScenarioError(
             f"must have at least {dimension} numbers, got {len(start)}", ("starts", index)
@@ -153,8 +160,7 @@ def _vehicle(index: int, file: _File, dimension: int) -> ForeignVehicle:
         goal_velocity=np.zeros(dimension),
         radius=agent.size,
         speed_limit=agent.velocity,
-        # v² / (2 a) is the way from rest to full speed.
-        control_limit=agent.velocity**2 / agent.size,
+        control_limit=float(rounded(np.array(acceleration))),
         goal_half_width=0.5 * (high - low),
     )
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from radmpc.io.numbers import Matrix, Number, ScalarOrVector, Square, Text, Vector
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES
 
 __all__ = [
     "SCENARIO_FORMAT",
@@ -22,6 +23,11 @@ __all__ = [
 ]
 
 SCENARIO_FORMAT = "radmpc/scenario/1"
+
+# Nothing in the method bounds counts; a slip of the hand should not fill the memory.
+_MOST_STATES = 50
+_MOST_CORNERS = 2000
+_MOST_STEPS = 1000
 
 
 class FileModel(BaseModel):
@@ -41,7 +47,7 @@ class ObstacleSpec(FileModel):
     """A name and one of four descriptions; which, is checked when it is built."""
 
     name: Text
-    vertices: Matrix | None = None
+    vertices: Annotated[Matrix, Field(max_length=_MOST_CORNERS)] | None = None
     min: Vector | None = None
     max: Vector | None = None
     normals: Matrix | None = None
@@ -63,8 +69,8 @@ class DynamicsSpec(FileModel):
     """``{model}`` or ``{A, B, position, velocity}``."""
 
     model: Literal["double_integrator"] | None = None
-    A: Matrix | None = None
-    B: Matrix | None = None
+    A: Annotated[Matrix, Field(max_length=_MOST_STATES)] | None = None
+    B: Annotated[Matrix, Field(max_length=_MOST_STATES)] | None = None
     position: list[int] | None = None
     velocity: list[int] | None = None
 
@@ -106,13 +112,12 @@ class ScenarioSpec(FileModel):
     format: Literal["radmpc/scenario/1"]
     name: Text
     dt: Number
-    # Nothing in the method bounds these two; a slip of the hand should not fill the memory.
-    horizon: Annotated[int, Field(le=1000)]
+    horizon: Annotated[int, Field(le=_MOST_STEPS)]
     risk_bound: Number
     avoidance: Literal["steps", "intervals"] = "intervals"
     pair_faces: Annotated[int, Field(le=360)] | None = None
     workspace: WorkspaceSpec | None = None
-    obstacles: list[ObstacleSpec] = []
+    obstacles: Annotated[list[ObstacleSpec], Field(max_length=MOST_OBSTACLES)] = []
     defaults: VehicleSpec = VehicleSpec()
-    vehicles: list[VehicleSpec]
+    vehicles: Annotated[list[VehicleSpec], Field(max_length=MOST_VEHICLES)]
     source: dict[str, Any] | None = None

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 import os
 import reprlib
-from pathlib import Path
 
 from radmpc.errors import FileFormatError
 
 __all__ = ["one_line", "read_text", "shown"]
 
 _LONGEST_LINE = 400
+_MOST_BYTES = 512 * 2**20  # devices such as /dev/zero have no end
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 60
 _REPR.maxlevel = 3
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
+def read_text(path: str | os.PathLike[str], most_bytes: int = _MOST_BYTES) -> str:
     """Return the text of a file in UTF-8.
 
     Parameters
     ----------
     path : path
         The file; a byte order mark at its start is dropped.
+    most_bytes : int
+        A longer one is refused; no more of it is read.
 
     Returns
     -------
@@ -33,15 +35,18 @@ def read_text(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     FileFormatError
-        If the file cannot be read, or is not text in UTF-8.
+        If the file cannot be read, is too long, or is not text in UTF-8.
     """
     name = os.fspath(path)
     try:
-        content = Path(path).read_bytes()
+        with open(path, "rb") as file:
+            content = file.read(most_bytes + 1)
     except OSError as error:
         raise FileFormatError(one_line(f"{name}: {error.strerror or error}")) from error
     except ValueError as error:  # a name with a NUL in it
         raise FileFormatError(one_line(f"{name}: is no file name: {error}")) from error
+    if len(content) > most_bytes:
+        raise FileFormatError(one_line(f"{name}: must be at most {most_bytes / 2**20:g} MiB"))
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from radmpc.arrays import Matrix, Tensor, Vector, as_matrix
+from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_matrix
 from radmpc.errors import ScenarioError
 
-__all__ = ["LinearSystem", "covariances", "double_integrator", "lqr_gain", "rollout"]
+__all__ = ["LinearSystem", "covariances", "double_integrator", "growth", "lqr_gain", "rollout"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LinearSystem:
+class LinearSystem(Frozen):
     """Discrete linear dynamics ``x⁺ = A x + B u + w`` (paper, Eq. 2).
 
     Attributes
@@ -114,14 +114,47 @@ def lqr_gain(system: LinearSystem, Q: Matrix, R: Matrix) -> Matrix:
     state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))
     control_weight = as_matrix(R, (system.num_controls, system.num_controls), ("R",))
     try:
-        P = solve_discrete_are(system.A, system.B, state_weight, control_weight)
+        # What overflows is refused by the last line, or by the solver itself.
+        with np.errstate(all="ignore"):
+            P = solve_discrete_are(system.A, system.B, state_weight, control_weight)
+            PB = P @ system.B
+            gain = -np.linalg.solve(control_weight + system.B.T @ PB, PB.T @ system.A)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise ScenarioError(
             "no stabilising gain exists for these dynamics and weights; "
             "Q must be positive semi-definite, R positive definite"
         ) from error
-    PB = P @ system.B
-    return as_matrix(-np.linalg.solve(control_weight + system.B.T @ PB, PB.T @ system.A))
+    return as_matrix(gain)
+
+
+def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
+    """Return the largest factor from a state or a constant control to a state within the horizon.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        The dynamics.
+    gain : (m, n) array or None
+        Feedback K; None is open loop.
+    horizon : int
+        Number of steps T.
+
+    Returns
+    -------
+    float
+        Largest entry of the powers up to T of ``[[F, B], [0, 1]]`` with ``F = A + B K``; inf where
+        they overflow.
+    """
+    n, m = system.num_states, system.num_controls
+    step = np.eye(n + m)
+    step[:n, n:] = system.B
+    with np.errstate(all="ignore"):
+        step[:n, :n] = system.A if gain is None else system.A + system.B @ gain
+        powers = step[None]
+        while len(powers) < horizon:
+            powers = np.concatenate([powers, powers[-1] @ powers])
+        largest = float(np.abs(powers[:horizon]).max())
+    return largest if np.isfinite(largest) else float("inf")
 
 
 def rollout(system: LinearSystem, start: Vector, controls: Matrix) -> Matrix:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy.typing as npt
 
-from radmpc.arrays import Matrix, Vector, as_matrix, as_vector
+from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
 
@@ -15,14 +15,14 @@ __all__ = ["BoxShape", "HalfspaceShape", "MovingShape", "Obstacle", "PolygonShap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PolygonShape:
+class PolygonShape(Frozen):
     """A simple polygon (2-D, convex or not) or the hull of points (3-D); vertices (v, d) [m]."""
 
     vertices: Matrix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BoxShape:
+class BoxShape(Frozen):
     """An axis-parallel box between two corners, each (d,) [m]."""
 
     lower: Vector
@@ -30,7 +30,7 @@ class BoxShape:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class HalfspaceShape:
+class HalfspaceShape(Frozen):
     """The set ``normals @ x <= offsets``, (f, d) and (f,) [m], as given."""
 
     normals: Matrix
@@ -38,7 +38,7 @@ class HalfspaceShape:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MovingShape:
+class MovingShape(Frozen):
     """One convex polygon (the hull of its points) per step, each (v, d) [m]."""
 
     outlines: tuple[Matrix, ...]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Literal
 
-from radmpc.arrays import Matrix, Tensor, as_array, as_matrix
+from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.model.scenario import Scenario
 
 __all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]
@@ -36,7 +36,7 @@ class Status(Enum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trajectory:
+class Trajectory(Frozen):
     """One vehicle's part of a plan.
 
     Attributes
@@ -187,3 +187,8 @@ class Plan:
     explanation: str | None = None
     trajectories: tuple[Trajectory, ...] = ()
     couplings: tuple[Coupling, ...] = ()
+
+    def __repr__(self) -> str:
+        """Return the plan in one line."""
+        cost = "no plan" if self.cost is None else f"cost {self.cost:.6g}"
+        return f"Plan({self.scenario.name!r}, {self.status.value}, {cost}, {self.planner})"

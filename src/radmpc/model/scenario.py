@@ -8,18 +8,21 @@ from typing import Literal
 
 import numpy as np
 
-from radmpc.arrays import Vector, as_vector
+from radmpc.arrays import Frozen, Vector, as_vector
 from radmpc.errors import ScenarioError
+from radmpc.model.dynamics import growth
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 
 __all__ = ["Avoidance", "Scenario", "Workspace"]
 
+_MOST_GROWTH = 1e12  # solvers refuse coefficients from 1e15 on
+
 Avoidance = Literal["steps", "intervals"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Workspace:
+class Workspace(Frozen):
     """The box that holds every vehicle's center; leaving it counts towards the risk bound.
 
     Attributes
@@ -96,8 +99,16 @@ class Scenario:
         _check_distinct([v.name for v in self.vehicles], "vehicles")
         _check_distinct([o.name for o in self.obstacles], "obstacles")
         self._check_dimensions()
+        self._check_growth()
         self._check_workspace()
         self._check_moving()
+
+    def __repr__(self) -> str:
+        """Return the question in one line."""
+        return (
+            f"Scenario({self.name!r}, {len(self.vehicles)} vehicles, {len(self.obstacles)} "
+            f"obstacles, {self.horizon} steps of {self.dt:g} s, risk bound {self.risk_bound:g})"
+        )
 
     def _check_numbers(self) -> None:
         """Check the scalars."""
@@ -137,6 +148,21 @@ class Scenario:
         ):
             kind = "an even number of at least 6" if d == 3 else "at least 3"
             raise ScenarioError(f"must be {kind} in {d}-D, got {self.pair_faces}", ("pair_faces",))
+
+    def _check_growth(self) -> None:
+        """Refuse dynamics whose numbers no solver takes any more."""
+        known: dict[tuple[int, int], bool] = {}
+        for i, vehicle in enumerate(self.vehicles):
+            for gain, field in ((None, "dynamics"), (vehicle.gain, "feedback")):
+                key = (id(vehicle.system), id(gain))
+                if key not in known:
+                    known[key] = growth(vehicle.system, gain, self.horizon) <= _MOST_GROWTH
+                if not known[key]:
+                    raise ScenarioError(
+                        f"must not let a state grow more than {_MOST_GROWTH:g} times within "
+                        f"{self.horizon} steps of {self.dt:g} s",
+                        ("vehicles", i, field),
+                    )
 
     def _check_workspace(self) -> None:
         """Check that every goal can be reached without leaving the workspace."""

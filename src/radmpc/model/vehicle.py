@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector, as_array, as_matrix, as_vector, frozen
+from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem, covariances
 
@@ -14,7 +14,7 @@ __all__ = ["Goal", "Vehicle"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Goal:
+class Goal(Frozen):
     """A box for the mean position at the horizon, and the largest mean speed there.
 
     Attributes
@@ -58,7 +58,7 @@ class Goal:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Vehicle:
+class Vehicle(Frozen):
     """A disc (a ball in space) that must be carried from a start to a goal.
 
     Attributes

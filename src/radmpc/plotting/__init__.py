@@ -1,12 +1,18 @@
 """Pictures of scenarios and plans: each takes ``ax=None`` and returns the axes."""
 
+from radmpc.plotting.animation import animate_plan
+from radmpc.plotting.couplings import plot_couplings
+from radmpc.plotting.distances import plot_distances
+from radmpc.plotting.films import FILM_SUFFIXES, check_film_path, save_animation
 from radmpc.plotting.ledger import plot_ledger, plot_risk_map
 from radmpc.plotting.ledger_shares import plot_risk_shares
 from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan
+from radmpc.plotting.risk_steps import plot_risk
 from radmpc.plotting.save import (
     FIGURE_SUFFIXES,
     check_figure_path,
+    save_axes,
     save_chart,
     save_figure,
     save_ledger,
@@ -17,17 +23,25 @@ from radmpc.plotting.spread import Chart, Spread, plot_chart
 
 __all__ = [
     "FIGURE_SUFFIXES",
+    "FILM_SUFFIXES",
     "Chart",
     "Panel",
     "Spread",
+    "animate_plan",
     "check_figure_path",
+    "check_film_path",
     "plot_chart",
+    "plot_couplings",
+    "plot_distances",
     "plot_ledger",
     "plot_panels",
     "plot_plan",
+    "plot_risk",
     "plot_risk_map",
     "plot_risk_shares",
     "plot_scenario",
+    "save_animation",
+    "save_axes",
     "save_chart",
     "save_figure",
     "save_ledger",

@@ -14,7 +14,7 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.style import ALERT, MUTED, STAR_SIZE, TICK_SIZE
 from radmpc.plotting.worst import worst_rows
 
-__all__ = ["draw_legend", "num_legend_lines"]
+__all__ = ["draw_film_legend", "draw_legend", "num_legend_lines"]
 
 _DROP = 0.27  # from the axes' lower edge, past ticks and label [in]
 _MOST_COLUMNS = 5
@@ -29,11 +29,31 @@ def num_legend_lines(plan: Plan) -> int:
 
 def draw_legend(ax: Axes, plan: Plan) -> None:
     """Say below the axes what the signs mean that are drawn."""
+    _place(ax, _entries(plan))
+
+
+def draw_film_legend(ax: Axes, plan: Plan) -> None:
+    """Say below the axes what the signs of a film mean."""
+    entries: dict[str, Handle] = {"start": _sign("o", 5.5, "none", MUTED, 0.9)}
+    if plan.trajectories:
+        is_flat = plan.scenario.dimension == 2
+        size = 8.0 if is_flat else 5.0
+        entries["hull" if is_flat else "center"] = _sign("o", size, "#55555566", MUTED, 0.6)
+        entries["3σ"] = _sign("o", 5.0, "#555555B0" if is_flat else "none", MUTED, 0.4)
+        entries["temporal obstacle"] = Patch(
+            facecolor="#55555512", edgecolor="#55555599" if is_flat else "none", linewidth=0.5,
+            linestyle=(0, (3, 1.5)),
+        )  # fmt: skip
+    entries["goal"] = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
+    _place(ax, entries)
+
+
+def _place(ax: Axes, entries: dict[str, Handle]) -> None:
+    """Put a legend below the axes' labels."""
     figure = ax.get_figure(root=True)
     if figure is None:
         return
-    entries = _entries(plan)
-    lines = num_legend_lines(plan)
+    lines = -(-len(entries) // _MOST_COLUMNS)
     drop = 0.0 if isinstance(ax, Axes3D) else -_DROP
     below = ScaledTranslation(0.0, drop, figure.dpi_scale_trans)
     ax.legend(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -21,7 +22,9 @@ from radmpc.plotting.spread import Chart, plot_chart
 
 __all__ = [
     "FIGURE_SUFFIXES",
+    "beside",
     "check_figure_path",
+    "save_axes",
     "save_chart",
     "save_figure",
     "save_ledger",
@@ -42,6 +45,26 @@ def check_figure_path(path: Path) -> None:
     if path.suffix.lower() not in FIGURE_SUFFIXES:
         known = ", ".join(FIGURE_SUFFIXES)
         raise FileFormatError(f"{path}: a figure must end in {known}")
+
+
+def save_axes(axes: Axes, path: str | os.PathLike[str]) -> None:
+    """Write the figure that axes stand in, in the manner of `save_figure`.
+
+    Parameters
+    ----------
+    axes : Axes
+        What any of the functions here returned.
+    path : path
+        Ends in ``.png``, ``.pdf`` or ``.svg``.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends otherwise.
+    """
+    target = Path(path)
+    check_figure_path(target)
+    _write(_figure_of(axes), target)
 
 
 def save_figure(plan: Plan, path: str | os.PathLike[str]) -> None:
@@ -137,11 +160,18 @@ def _write(figure: Figure, target: Path) -> None:
     kind = target.suffix.lower()[1:]
     # Dates and random ids would make every file differ from the last.
     undated: dict[str, object] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    with beside(target) as name, rc_context({"svg.hashsalt": "radmpc"}):
+        figure.savefig(name, format=kind, dpi=DPI, metadata=undated[kind])
+
+
+@contextmanager
+def beside(target: Path) -> Iterator[str]:
+    """Give the name of a file beside a place, and move it there once it is written."""
+    suffix = target.suffix.lower()
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=suffix)
     os.close(handle)
     try:
-        with rc_context({"svg.hashsalt": "radmpc"}):
-            figure.savefig(name, format=kind, dpi=DPI, metadata=undated[kind])
+        yield name
         os.chmod(name, 0o666 & ~_umask())
         os.replace(name, target)
     finally:

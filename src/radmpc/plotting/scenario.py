@@ -52,13 +52,19 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
 
 
 def draw_surroundings(
-    ax: Axes, scenario: Scenario, board: LabelBoard, colors: dict[str, Color]
+    ax: Axes,
+    scenario: Scenario,
+    board: LabelBoard,
+    colors: dict[str, Color],
+    *,
+    moving: bool = True,
 ) -> None:
-    """Draw everything but trajectories and the names of vehicles."""
+    """Draw everything but trajectories and the names of vehicles; moving obstacles on request."""
+    obstacles = [o for o in scenario.obstacles if moving or not o.is_moving]
     if isinstance(ax, Axes3D):
         if scenario.workspace is not None:
             draw_workspace_3d(ax, scenario.workspace)
-        for obstacle in scenario.obstacles:
+        for obstacle in obstacles:
             draw_obstacle_3d(ax, obstacle)
         for vehicle in scenario.vehicles:
             draw_ends_3d(ax, vehicle, colors[vehicle.name])
@@ -69,7 +75,7 @@ def draw_surroundings(
         draw_ends(ax, vehicle, colors[vehicle.name])
         start = vehicle.start_position
         board.avoid(_ring(start, vehicle.radius), _ring(vehicle.goal.center, 0.5 * vehicle.radius))
-    for obstacle in scenario.obstacles:
+    for obstacle in obstacles:
         draw_obstacle(ax, obstacle, board)
 
 

@@ -1,0 +1,147 @@
+"""Arguments and options of the commands: types, limits, help and what the shell completes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from radmpc.console.completing import (
+    complete_drawn,
+    complete_format,
+    complete_plan,
+    complete_planner,
+    complete_planners,
+    complete_scenario,
+    complete_view,
+)
+
+__all__ = [
+    "AsJson",
+    "DaskAddress",
+    "DrawnFile",
+    "DrawnOutput",
+    "ExportFormat",
+    "Film",
+    "ForeignFile",
+    "Jobs",
+    "LedgerFigure",
+    "Methods",
+    "PanelFigure",
+    "PlanFigure",
+    "PlanFile",
+    "PlanOutput",
+    "PlannerName",
+    "PlannerNames",
+    "PlannerSeconds",
+    "PlanningSeconds",
+    "Samples",
+    "ScenarioFile",
+    "ScenarioOutput",
+    "Seed",
+    "StudyCap",
+    "StudySeconds",
+    "StudySeeds",
+    "Verbose",
+    "View",
+]
+
+ScenarioFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="SCENARIO", help="Scenario, YAML or JSON.", autocompletion=complete_scenario
+    ),
+]
+PlanFile = Annotated[
+    Path, typer.Argument(metavar="PLAN", help="Plan, JSON.", autocompletion=complete_plan)
+]
+ForeignFile = Annotated[Path, typer.Argument(metavar="FILE", help="A problem in another format.")]
+
+PlannerName = Annotated[
+    str | None,
+    typer.Option(
+        "--planner",
+        help="A name from 'radmpc planners' (certified).",
+        autocompletion=complete_planner,
+    ),
+]
+PlannerNames = Annotated[
+    str | None,
+    typer.Option(
+        "--planners",
+        help="Names, with commas between them (five, one for each idea).",
+        autocompletion=complete_planners,
+    ),
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
+PlanningSeconds = Annotated[
+    float | None,
+    typer.Option("--time-limit", min=0.0, help="Seconds, then the best so far (certified: 60)."),
+]
+PlannerSeconds = Annotated[
+    float | None, typer.Option("--time-limit", min=0.0, help="Seconds for each planner.")
+]
+Samples = Annotated[int, typer.Option("--samples", min=1, help="Simulated missions.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate parts.")]
+DaskAddress = Annotated[
+    str | None, typer.Option("--dask", help="Address of a Dask scheduler to plan on.")
+]
+
+PlanOutput = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Write the plan here, as JSON.")
+]
+ScenarioOutput = Annotated[Path, typer.Option("-o", "--output", help="Write the scenario here.")]
+PlanFigure = Annotated[
+    Path | None, typer.Option("--figure", help="Draw it here: .png, .pdf or .svg.")
+]
+PanelFigure = Annotated[
+    Path | None, typer.Option("--figure", help="A panel per planner: .png, .pdf or .svg.")
+]
+LedgerFigure = Annotated[
+    Path | None, typer.Option("--ledger", help="Draw where the risk goes, likewise.")
+]
+Film = Annotated[
+    Path | None, typer.Option("--animation", help="Film it here: .gif, or .mp4 with ffmpeg.")
+]
+DrawnFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FILE", help="Scenario or plan, YAML or JSON.", autocompletion=complete_drawn
+    ),
+]
+DrawnOutput = Annotated[
+    Path, typer.Option("-o", "--output", help="Picture .png, .pdf, .svg, or film .gif, .mp4.")
+]
+View = Annotated[
+    str | None,
+    typer.Option(
+        "--view",
+        help="plan, ledger, couplings, distances or risk (plan).",
+        autocompletion=complete_view,
+    ),
+]
+ExportFormat = Annotated[
+    str,
+    typer.Option(
+        "--to",
+        help="qgc, waypoints, geojson, kml, mcap or csv.",
+        autocompletion=complete_format,
+    ),
+]
+Verbose = Annotated[
+    bool, typer.Option("-v", "--verbose", help="Tell the stages on stderr as they go.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
+
+StudyCap = Annotated[float | None, typer.Option("--cap", min=0.1, help="Seconds per problem (60).")]
+StudySeconds = Annotated[
+    float | None,
+    typer.Option("--budget", min=0.0, help="Seconds for each mixed-integer solver (600)."),
+]
+StudySeeds = Annotated[
+    int | None, typer.Option("--seeds", min=1, help="Problems of each size (50).")
+]
+Methods = Annotated[
+    list[str] | None, typer.Option("--method", help="Run this method only; may be repeated.")
+]

@@ -1,0 +1,96 @@
+"""What the shell completes: planners, formats, and files by what they end in.
+
+Loads nothing of the package: the user waits for it at every press of the key.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+__all__ = [
+    "FORMATS",
+    "PLANNERS",
+    "VIEWS",
+    "complete_drawn",
+    "complete_format",
+    "complete_plan",
+    "complete_planner",
+    "complete_planners",
+    "complete_scenario",
+    "complete_view",
+]
+
+PLANNERS = (
+    "milp",
+    "dlp",
+    "rmpc",
+    "dmpc",
+    "uniform",
+    "ira",
+    "distance",
+    "radmpc",
+    "multi-vehicle",
+    "rmpc-rrt",
+    "certified",
+)
+"""Names of the presets."""
+
+FORMATS = ("qgc", "waypoints", "geojson", "kml", "mcap", "csv")
+"""Names of the formats of exports."""
+
+VIEWS = ("plan", "ledger", "couplings", "distances", "risk")
+"""What there is to see of a plan, beside films."""
+
+
+def complete_planner(incomplete: str) -> list[str]:
+    """Return the planners that begin like the word."""
+    return [name for name in PLANNERS if name.startswith(incomplete)]
+
+
+def complete_planners(incomplete: str) -> list[str]:
+    """Return the same for the last name of a list with commas."""
+    before, comma, last = incomplete.rpartition(",")
+    named = before.split(",")
+    return [f"{before}{comma}{name}" for name in complete_planner(last) if name not in named]
+
+
+def complete_format(incomplete: str) -> list[str]:
+    """Return the formats of exports that begin like the word."""
+    return [name for name in FORMATS if name.startswith(incomplete)]
+
+
+def complete_view(incomplete: str) -> list[str]:
+    """Return the views of plans that begin like the word."""
+    return [name for name in VIEWS if name.startswith(incomplete)]
+
+
+def complete_drawn(incomplete: str) -> list[str]:
+    """Return the files that may be scenarios or plans."""
+    return _files(incomplete, (".yaml", ".yml", ".json"))
+
+
+def complete_scenario(incomplete: str) -> list[str]:
+    """Return the files that may be scenarios; plans are none."""
+    found = _files(incomplete, (".yaml", ".yml", ".json"))
+    return [name for name in found if not name.endswith(".plan.json")]
+
+
+def complete_plan(incomplete: str) -> list[str]:
+    """Return the files that may be plans."""
+    return _files(incomplete, (".json",))
+
+
+def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
+    """Return files by their ends, and the folders on the way to them."""
+    folder, slash, begin = incomplete.rpartition("/")
+    try:
+        entries = sorted(Path(f"{folder}{slash}" or ".").expanduser().iterdir())
+    except OSError:
+        return []
+    entries = [e for e in entries if e.name.startswith(begin) and (begin or e.name[0] != ".")]
+    found = [f"{folder}{slash}{e.name}" for e in entries if e.name.endswith(suffixes)]
+    folders = [f"{folder}{slash}{e.name}/" for e in entries if e.is_dir()]
+    if not found and len(folders) == 1:
+        # Shells put a space behind the only answer: go on into the folder instead.
+        return _files(folders[0], suffixes)
+    return found + folders

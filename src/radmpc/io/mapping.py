@@ -1,0 +1,70 @@
+"""Scenarios and plans as plain data: what files hold, without the files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from radmpc.errors import ScenarioError
+from radmpc.io.decoding import decode_scenario
+from radmpc.io.encoding import encode_scenario
+from radmpc.io.plan_file import decode_plan, encode_plan
+from radmpc.io.plan_schema import PLAN_FORMAT
+from radmpc.io.schema import SCENARIO_FORMAT
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+
+__all__ = ["from_dict", "to_dict"]
+
+
+def to_dict(value: Scenario | Plan) -> dict[str, object]:
+    """Return a scenario or a plan as plain data, ready for ``json.dumps``.
+
+    Parameters
+    ----------
+    value : Scenario or Plan
+        What to turn into data; of a result its ``plan`` or ``record``.
+
+    Returns
+    -------
+    dict
+        The content of its file (``radmpc/scenario/1`` or ``radmpc/plan/1``): dict, list, str,
+        int, float, bool and None. `from_dict` returns an equal value, bit for bit.
+
+    Raises
+    ------
+    ScenarioError
+        If the scenario holds what no file can: a double integrator of another ``dt``, or a
+        ``source`` that is not plain.
+    """
+    return encode_plan(value) if isinstance(value, Plan) else encode_scenario(value)
+
+
+def from_dict(data: Mapping[str, object]) -> Scenario | Plan:
+    """Return the scenario or the plan that plain data describe; its ``format`` says which.
+
+    Parameters
+    ----------
+    data : mapping
+        As of `to_dict`, or as parsed from a file.
+
+    Returns
+    -------
+    Scenario or Plan
+        Checked as when it is read from a file.
+
+    Raises
+    ------
+    ScenarioError
+        If the format is neither of the two, or anything is missing, unknown or not allowed; its
+        path says where in the data.
+    """
+    if not isinstance(data, Mapping):
+        raise ScenarioError(f"must be a mapping, got {type(data).__name__}")
+    kind = data.get("format")
+    if kind == PLAN_FORMAT:
+        return decode_plan(data)
+    if kind == SCENARIO_FORMAT:
+        return decode_scenario(data)
+    raise ScenarioError(
+        f"must be {SCENARIO_FORMAT!r} or {PLAN_FORMAT!r}, got {kind!r}", ("format",)
+    )

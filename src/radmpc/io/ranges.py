@@ -1,0 +1,41 @@
+"""How large quantities in files may be, so that arithmetic on them stays finite and ends."""
+
+from __future__ import annotations
+
+from radmpc.errors import ScenarioError
+
+__all__ = ["MOST_OBSTACLES", "MOST_VEHICLES", "check_count", "check_range"]
+
+MOST_VEHICLES = 10_000
+"""Vehicles that a scenario file may have: a slip of the hand should not fill the memory."""
+
+MOST_OBSTACLES = 10_000
+"""The same of obstacles."""
+
+_LEAST, _MOST = 1e-6, 1e6
+
+
+def check_range(value: float, unit: str, path: tuple[str | int, ...]) -> None:
+    """Refuse what no vehicle has: sizes, speeds and times below 1e-6 or above 1e6.
+
+    Raises
+    ------
+    ScenarioError
+        With the unit and what is allowed.
+    """
+    if not value > 0.0:
+        raise ScenarioError(f"must be > 0 {unit}, got {value}", path)
+    if not _LEAST <= value <= _MOST:
+        raise ScenarioError(f"must lie between {_LEAST:g} and {_MOST:g} {unit}, got {value}", path)
+
+
+def check_count(count: int, most: int, path: tuple[str | int, ...]) -> None:
+    """Refuse more of something than a scenario file may have.
+
+    Raises
+    ------
+    ScenarioError
+        With how many there are and how many are allowed.
+    """
+    if count > most:
+        raise ScenarioError(f"must be at most {most:,}, got {count:,}", path)

@@ -1,0 +1,141 @@
+"""Plans as tables of the libraries that people analyze data with (extras)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from radmpc.model.plan import Plan
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+__all__ = ["to_pandas", "to_xarray"]
+
+_AXES = "xyz"
+
+
+def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
+    """Return a plan's trajectories, or its risk ledger, as a table.
+
+    Parameters
+    ----------
+    plan : Plan
+        Any; without trajectories the table has no rows.
+    table : {'trajectories', 'ledger'}
+        Which.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``trajectories``: a row per vehicle and step, indexed by both; ``time`` [s], mean position
+        ``x``, ``y`` (``z``) [m], its standard deviations ``sigma_x`` … [m], the controls that
+        follow ``u0``, ``u1``, … (nan at the last step). ``ledger``: ``cause``, ``vehicle``,
+        ``other``, ``step`` and ``risk`` [-].
+
+    Raises
+    ------
+    ImportError
+        If pandas is not installed (extra ``pandas``).
+    ValueError
+        If there is no such table.
+    """
+    try:
+        import pandas as pd  # noqa: PLC0415 - an extra
+    except ImportError as error:
+        raise ImportError("to_pandas needs pandas: pip install 'radmpc[pandas]'") from error
+    if table == "ledger":
+        columns = ["cause", "vehicle", "other", "step", "risk"]
+        rows = [[getattr(row, name) for name in columns] for row in plan.risk.ledger]
+        return pd.DataFrame(rows, columns=columns)
+    if table != "trajectories":
+        raise ValueError(f"table must be 'trajectories' or 'ledger', got {table!r}")
+    frames = [pd.DataFrame(_columns(plan, index)) for index in range(len(plan.trajectories))]
+    whole = pd.concat(frames) if frames else pd.DataFrame({"vehicle": [], "step": []})
+    return whole.set_index(["vehicle", "step"])
+
+
+def _columns(plan: Plan, index: int) -> dict[str, object]:
+    """Return a vehicle's columns."""
+    vehicle, trajectory = plan.scenario.vehicles[index], plan.trajectories[index]
+    steps = np.arange(len(trajectory.means))
+    columns: dict[str, object] = {
+        "vehicle": vehicle.name,
+        "step": steps,
+        "time": plan.scenario.dt * steps,
+    }
+    for name, state in zip(_AXES, vehicle.system.position, strict=False):
+        columns[name] = trajectory.means[:, state]
+        variances = np.maximum(trajectory.covariances[:, state, state], 0.0)
+        columns[f"sigma_{name}"] = np.sqrt(variances)
+    for j in range(trajectory.controls.shape[1]):
+        columns[f"u{j}"] = np.append(trajectory.controls[:, j], np.nan)
+    return columns
+
+
+def to_xarray(plan: Plan) -> xarray.Dataset:
+    """Return a plan's trajectories as labelled arrays.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories of one number of states and of controls.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``mean`` (vehicle, step, state), ``covariance`` (vehicle, step, state, state_) and
+        ``control`` (vehicle, step, input; nan at the last step); ``position`` (vehicle, step,
+        axis) [m]; coordinate ``time`` [s]. Cost, risk and names stand in ``attrs``.
+
+    Raises
+    ------
+    ImportError
+        If xarray is not installed (extra ``xarray``).
+    ValueError
+        If vehicles have different numbers of states or controls, or there is no plan.
+    """
+    try:
+        import xarray as xr  # noqa: PLC0415 - an extra
+    except ImportError as error:
+        raise ImportError("to_xarray needs xarray: pip install 'radmpc[xarray]'") from error
+    shapes = {(t.means.shape, t.controls.shape) for t in plan.trajectories}
+    if len(shapes) != 1:
+        raise ValueError(
+            "to_xarray needs a plan whose vehicles have equally many states and controls, got "
+            f"{len(shapes)} kinds"
+        )
+    scenario, trajectories = plan.scenario, plan.trajectories
+    last = np.full((1, trajectories[0].controls.shape[1]), np.nan)
+    places = [
+        t.means[:, list(v.system.position)]
+        for v, t in zip(scenario.vehicles, trajectories, strict=True)
+    ]
+    dims = ("vehicle", "step")
+    return xr.Dataset(
+        {
+            "position": ((*dims, "axis"), np.array(places), {"units": "m"}),
+            "mean": ((*dims, "state"), np.array([t.means for t in trajectories])),
+            "covariance": (
+                (*dims, "state", "state_"), np.array([t.covariances for t in trajectories])
+            ),
+            "control": (
+                (*dims, "input"), np.array([np.vstack([t.controls, last]) for t in trajectories])
+            ),
+        },
+        coords={
+            "vehicle": [t.name for t in trajectories],
+            "axis": list(_AXES[: scenario.dimension]),
+            "time": ("step", scenario.dt * np.arange(scenario.horizon + 1), {"units": "s"}),
+        },
+        attrs={
+            "scenario": scenario.name,
+            "planner": plan.planner,
+            "status": plan.status.value,
+            "cost": plan.cost,
+            "risk_bound": scenario.risk_bound,
+            "certified": plan.risk.certified,
+        },
+    )  # fmt: skip

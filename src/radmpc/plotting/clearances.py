@@ -1,0 +1,197 @@
+"""How far hulls stay from what they must not touch, over time. No matplotlib."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import shapely
+from scipy.optimize import nnls
+from scipy.spatial import cKDTree
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.geometry import Polytope
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Plan
+from radmpc.plotting.curves import mean_path, positions
+
+__all__ = ["Clearance", "closest_clearances"]
+
+_NEAR = 12.0
+"""Standard deviations beyond which a pair is not looked at."""
+
+_HEAVY = 1e3
+"""Weight of a row of a least-squares problem that must hold."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clearance:
+    """One encounter over time.
+
+    Attributes
+    ----------
+    name : str
+        Who and what.
+    times : (p,) array
+        When [s].
+    distance : (p,) array
+        Between the hulls on the mean paths [m]; negative where they overlap.
+    sigma : (p,) array
+        Standard deviation of the distance along the line between the two [m].
+    stride : int
+        Points from one step to the next.
+    """
+
+    name: str
+    times: Vector
+    distance: Vector
+    sigma: Vector
+    stride: int
+
+    def at_steps(self, values: Vector) -> Vector:
+        """Return the values at the steps alone, (T+1,)."""
+        return values[:: self.stride]
+
+    def least(self, *, at_steps: bool) -> float:
+        """Return the least distance in standard deviations [-]: what orders encounters."""
+        shares = self.distance / np.maximum(self.sigma, 1e-9)
+        return float(np.min(self.at_steps(shares) if at_steps else shares))
+
+
+def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
+    """Return the encounters that come closest, in standard deviations.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    most : int
+        How many at most.
+
+    Returns
+    -------
+    tuple of Clearance
+        The closest first. Vehicles that stay far from each other are not looked at.
+    """
+    scenario = plan.scenario
+    count = _points_per_step(plan)
+    ways = np.array([_fine_path(plan, i, count) for i in range(len(plan.trajectories))])
+    noise = np.array([_fine_noise(plan, i, count) for i in range(len(plan.trajectories))])
+    times = np.linspace(0.0, scenario.dt * scenario.horizon, ways.shape[1])
+    found = [_of_pair(plan, i, j, ways, noise, times) for i, j in _near_pairs(plan, ways, noise)]
+    for obstacle in scenario.obstacles:
+        for i in range(len(ways)):
+            found.append(_of_obstacle(plan, i, obstacle, ways[i], noise[i], times))
+    at_steps = scenario.avoidance == "steps"
+    return tuple(sorted(found, key=lambda c: c.least(at_steps=at_steps))[:most])
+
+
+def _points_per_step(plan: Plan) -> int:
+    """Return how finely all paths are cut: as their curves are, where any is curved."""
+    longest = max(
+        len(mean_path(v, t, plan.scenario.dt))
+        for v, t in zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+    )
+    return max(10, (longest - 1) // plan.scenario.horizon)
+
+
+def _fine_path(plan: Plan, index: int, count: int) -> Matrix:
+    """Return a mean path at ``count`` points per step, (p, d) [m]."""
+    path = mean_path(plan.scenario.vehicles[index], plan.trajectories[index], plan.scenario.dt)
+    fine = np.linspace(0.0, 1.0, count * plan.scenario.horizon + 1)
+    known = np.linspace(0.0, 1.0, len(path))
+    return np.column_stack([np.interp(fine, known, path[:, a]) for a in range(path.shape[1])])
+
+
+def _fine_noise(plan: Plan, index: int, count: int) -> Tensor:
+    """Return the position covariances at the same points, between steps interpolated."""
+    axes = list(plan.scenario.vehicles[index].system.position)
+    coarse = plan.trajectories[index].covariances[:, axes][:, :, axes]
+    share = np.linspace(0.0, len(coarse) - 1.0, count * (len(coarse) - 1) + 1)
+    low = np.minimum(share.astype(int), len(coarse) - 2)
+    part = (share - low)[:, None, None]
+    return np.asarray((1.0 - part) * coarse[low] + part * coarse[low + 1])
+
+
+def _near_pairs(plan: Plan, ways: Tensor, noise: Tensor) -> list[tuple[int, int]]:
+    """Return the pairs that come near each other at any time."""
+    vehicles = plan.scenario.vehicles
+    if len(vehicles) <= 8:
+        return list(combinations(range(len(vehicles)), 2))
+    spread = float(np.sqrt(np.trace(noise, axis1=2, axis2=3).max()))
+    reach = 2.0 * max(v.radius for v in vehicles) + _NEAR * spread
+    found: set[tuple[int, int]] = set()
+    for k in range(0, ways.shape[1], 3):
+        found |= cKDTree(ways[:, k]).query_pairs(reach)
+    return sorted(found)
+
+
+def _of_pair(plan: Plan, i: int, j: int, ways: Tensor, noise: Tensor, times: Vector) -> Clearance:
+    """Return the distance between two vehicles' hulls."""
+    one, two = plan.scenario.vehicles[i], plan.scenario.vehicles[j]
+    between = ways[j] - ways[i]
+    centers = np.linalg.norm(between, axis=1)
+    along = between / np.maximum(centers, 1e-12)[:, None]
+    variance = np.einsum("pa,pab,pb->p", along, noise[i] + noise[j], along)
+    stride = (len(times) - 1) // plan.scenario.horizon
+    distance = centers - one.radius - two.radius
+    return Clearance(f"{one.name} – {two.name}", times, distance, np.sqrt(variance), stride)
+
+
+def _of_obstacle(
+    plan: Plan, i: int, obstacle: Obstacle, way: Matrix, noise: Tensor, times: Vector
+) -> Clearance:
+    """Return the distance between a vehicle's hull and an obstacle, a moving one at the steps."""
+    vehicle = plan.scenario.vehicles[i]
+    stride = (len(times) - 1) // plan.scenario.horizon
+    if obstacle.is_moving:
+        way = positions(vehicle, plan.trajectories[i])
+        noise, times, stride = noise[::stride], times[::stride], 1
+        at_steps = [_nearest(way[k : k + 1], obstacle.at(k)) for k in range(len(way))]
+        distance = np.concatenate([found[0] for found in at_steps])
+        along = np.concatenate([found[1] for found in at_steps])
+    else:
+        distance, along = _nearest(way, obstacle.at(0))
+    variance = np.einsum("pa,pab,pb->p", along, noise, along)
+    name = f"{vehicle.name}, {obstacle.name}"
+    return Clearance(name, times, distance - vehicle.radius, np.sqrt(variance), stride)
+
+
+def _nearest(points: Matrix, pieces: tuple[Polytope, ...]) -> tuple[Vector, Matrix]:
+    """Return distance and direction from convex pieces to points; inside, from the next face."""
+    found = [_nearest_of(points, piece) for piece in pieces]
+    best = np.argmin([distance for distance, _ in found], axis=0)
+    rows = np.arange(len(points))
+    distances = np.array([distance for distance, _ in found])
+    return distances[best, rows], np.array([along for _, along in found])[best, rows]
+
+
+def _nearest_of(points: Matrix, piece: Polytope) -> tuple[Vector, Matrix]:
+    """Return distance and direction from a convex piece to points."""
+    slack = points @ piece.normals.T - piece.offsets
+    face = slack.argmax(axis=1)
+    distance, along = slack.max(axis=1), piece.normals[face]
+    outside = np.flatnonzero(distance > 0.0)
+    if outside.size:
+        away = points[outside] - _feet(points[outside], piece)
+        length = np.linalg.norm(away, axis=1)
+        far = length > 1e-9
+        along[outside[far]] = away[far] / length[far, None]
+        distance[outside[far]] = length[far]
+    return distance, along
+
+
+def _feet(points: Matrix, piece: Polytope) -> Matrix:
+    """Return the points of a convex piece that are nearest to points outside."""
+    if points.shape[1] == 2:
+        lines = shapely.shortest_line(shapely.Polygon(piece.vertices), shapely.points(points))
+        return np.asarray(shapely.get_coordinates(shapely.get_point(lines, 0)))
+    # Least squares over weights of the corners; a heavy row makes the weights sum to one.
+    corners = piece.vertices - piece.vertices.mean(axis=0)
+    heavy = _HEAVY * max(float(np.abs(corners).max()), 1.0)
+    matrix = np.vstack([corners.T, np.full(len(corners), heavy)])
+    wanted = points - piece.vertices.mean(axis=0)
+    weights = np.array([nnls(matrix, np.append(w, heavy))[0] for w in wanted])
+    weights /= weights.sum(axis=1, keepdims=True)
+    return np.asarray(weights @ piece.vertices)

@@ -1,0 +1,100 @@
+"""The picture of distances over time against what is allowed."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from radmpc.model.plan import Plan
+from radmpc.plotting.clearances import closest_clearances
+from radmpc.plotting.ledger_looks import new_column, say_nothing, settle_part
+from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
+
+__all__ = ["plot_distances"]
+
+_HEIGHT = 2.4  # [in]
+_SIGMAS = 3.0
+_TALL = 3.0  # of the view, in multiples of what the least distances need
+
+
+def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes:
+    """Draw the distances between hulls over time, for the encounters that come closest.
+
+    A line is the distance on the mean paths, the band below it three standard deviations along
+    the line between the two: where a band reaches the red line, hulls touching is no rare event.
+    Dots are steps; with avoidance at steps they alone count.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories; without them the axes say so.
+    ax : Axes or None
+        Where. None makes a figure of one column.
+    most : int
+        Encounters drawn at most, between 1 and 6.
+
+    Returns
+    -------
+    Axes
+        The axes drawn on; nothing is shown and nothing saved.
+    """
+    axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
+    settle_part(axes, "", "time [s]")
+    axes.set_title(
+        f"{plan.scenario.name}: closest encounters", loc="left", fontsize=TITLE_SIZE,
+        fontweight="bold", pad=3.0,
+    )  # fmt: skip
+    if not plan.trajectories:
+        return say_nothing(axes, plan)
+    clearances = closest_clearances(plan, min(max(most, 1), len(PALETTE)))
+    for number, (clearance, color) in enumerate(zip(clearances, PALETTE, strict=False)):
+        times, distance = clearance.times, clearance.distance
+        axes.plot(
+            times, distance, color=color, linewidth=1.1, label=clearance.name, zorder=4,
+            linestyle=("solid", (0, (5, 1.2)), (0, (2, 1)))[number % 3],
+            gid=f"distance:{clearance.name}",
+        )  # fmt: skip
+        axes.plot(
+            clearance.at_steps(times), clearance.at_steps(distance), linestyle="none", marker=".",
+            markersize=3.6, color=color, zorder=5, gid=f"steps:{clearance.name}",
+        )  # fmt: skip
+        axes.fill_between(
+            times, distance - _SIGMAS * clearance.sigma, distance, color=color, alpha=0.15,
+            linewidth=0.0, zorder=2, gid=f"band:{clearance.name}",
+        )  # fmt: skip
+    axes.axhline(0.0, color=ALERT, linewidth=0.8, zorder=3, gid="allowed")
+    axes.annotate(
+        "hulls touch", (1.0, 0.0), xycoords=("axes fraction", "data"), xytext=(-2.0, -2.0),
+        textcoords="offset points", fontsize=TICK_SIZE, color=ALERT, ha="right", va="top",
+    )  # fmt: skip
+    if plan.scenario.avoidance == "steps" and clearances:
+        axes.text(
+            1.0, 1.0, "at steps (dots) only", transform=axes.transAxes, ha="right", va="bottom",
+            fontsize=TICK_SIZE, color=MUTED, gid="avoidance",
+        )  # fmt: skip
+    _settle_view(axes, plan, [(c.distance, c.sigma) for c in clearances])
+    axes.set_ylabel("distance of hulls [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+    axes.grid(axis="y", color="#E4E4E4", linewidth=0.4, zorder=0)
+    if clearances:
+        axes.legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3, fontsize=TICK_SIZE,
+            frameon=False, handlelength=1.8, columnspacing=1.2, borderaxespad=0.0,
+        )  # fmt: skip
+    else:
+        axes.text(
+            0.5, 0.5, "nothing near", transform=axes.transAxes, ha="center", color=MUTED,
+            fontsize=LABEL_SIZE,
+        )  # fmt: skip
+    return axes
+
+
+def _settle_view(ax: Axes, plan: Plan, bands: list[tuple[np.ndarray, np.ndarray]]) -> None:
+    """Show where it is close; what is far away leaves at the top."""
+    ax.set_xlim(0.0, plan.scenario.dt * plan.scenario.horizon)
+    if not bands:
+        return
+    low = min(float((distance - _SIGMAS * sigma).min()) for distance, sigma in bands)
+    widest = max(float(sigma.max()) for _, sigma in bands)
+    least = max(float(distance.min()) for distance, _ in bands)
+    size = max(*(v.radius for v in plan.scenario.vehicles), _SIGMAS * widest, least)
+    ax.set_ylim(min(low, 0.0) - 0.25 * size, _TALL * size)

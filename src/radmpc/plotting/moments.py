@@ -1,0 +1,90 @@
+"""Where everything is at a moment between steps. No matplotlib."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor
+from radmpc.geometry import hull
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Trajectory
+from radmpc.model.vehicle import Vehicle
+from radmpc.plotting.curves import mean_path, positions
+
+__all__ = ["Way", "moving_outline", "way_of"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """A vehicle's way, frame by frame.
+
+    Attributes
+    ----------
+    places : (f, d) array
+        Mean position at each frame [m].
+    roots : (f, d, d) array
+        Square root of the position covariance at each frame, principal axes as columns [m].
+    boxes : tuple of ((c, d) array, ...)
+        Corners of the temporal obstacle of each step 0..T-1 [m] (paper, section Temporal
+        Obstacles): the hull of the squares around the means at k and k+1, with three standard
+        deviations along the longest axis plus the radius as half-side.
+    """
+
+    places: Matrix
+    roots: Tensor
+    boxes: tuple[Matrix, ...]
+
+
+def way_of(vehicle: Vehicle, trajectory: Trajectory, dt: float, per_step: int) -> Way:
+    """Return a vehicle's way at ``per_step`` frames per step, and the last one.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Who.
+    trajectory : Trajectory
+        Its part of a plan.
+    dt : float
+        Step [s].
+    per_step : int
+        Frames per step.
+
+    Returns
+    -------
+    Way
+        Covariances are interpolated between steps.
+    """
+    axes = list(vehicle.system.position)
+    at_steps = positions(vehicle, trajectory)
+    steps = len(at_steps) - 1
+    path = mean_path(vehicle, trajectory, dt)
+    frames = np.linspace(0.0, 1.0, steps * per_step + 1)
+    known = np.linspace(0.0, 1.0, len(path))
+    places = np.column_stack([np.interp(frames, known, column) for column in path.T])
+    coarse = trajectory.covariances[:, axes][:, :, axes]
+    share = frames * steps
+    low = np.minimum(share.astype(int), steps - 1)
+    part = (share - low)[:, None, None]
+    values, vectors = np.linalg.eigh((1.0 - part) * coarse[low] + part * coarse[low + 1])
+    roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+    largest = np.sqrt(np.maximum(np.linalg.eigvalsh(coarse)[:, -1], 0.0))
+    halves = 3.0 * largest + vehicle.radius
+    cube = np.array(np.meshgrid(*[[-1.0, 1.0]] * len(axes))).reshape(len(axes), -1).T
+    squares = at_steps[:, None, :] + halves[:, None, None] * cube
+    boxes = tuple(hull(np.vstack(squares[k : k + 2])).vertices for k in range(steps))
+    return Way(places, np.asarray(roots), boxes)
+
+
+def moving_outline(obstacle: Obstacle, time: float) -> Matrix:
+    """Return the corners of a moving obstacle at a moment, counted in steps, (c, d) [m].
+
+    Between steps it is the Minkowski interpolation of its outlines, as the certificate has it.
+    """
+    last = len(obstacle.steps) - 1
+    before = min(int(time), last)
+    here, ahead = (obstacle.steps[min(k, last)][0].vertices for k in (before, before + 1))
+    share = min(max(time - before, 0.0), 1.0)
+    between = (1.0 - share) * here[:, None, :] + share * ahead[None, :, :]
+    return hull(between.reshape(-1, here.shape[1])).vertices

@@ -1,0 +1,154 @@
+"""Couplings, distances and risk over time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from matplotlib import pyplot
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.optimize import minimize
+
+from radmpc.geometry import box
+from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk
+from radmpc.plotting import plot_couplings, plot_distances, plot_risk
+from radmpc.plotting.clearances import _nearest_of, closest_clearances
+
+
+def artists(ax: Axes, gid: str) -> list[object]:
+    return [child for child in ax.get_children() if child.get_gid() == gid]
+
+
+def texts(ax: Axes) -> list[str]:
+    return [text.get_text() for text in ax.texts]
+
+
+@pytest.fixture
+def coupled(flat_plan: Plan) -> Plan:
+    return replace(flat_plan, couplings=(Coupling("a", "b", "collision", 0.25),))
+
+
+def test_every_vehicle_and_every_coupling_is_drawn(coupled: Plan) -> None:
+    ax = plot_couplings(coupled)
+    for name in "abc":
+        assert len(artists(ax, f"vehicle:{name}")) == 1
+        assert name in texts(ax)
+    [edges] = artists(ax, "couplings")
+    assert len(edges.get_segments()) == 1
+    assert "0.2" in texts(ax)
+    assert ax.get_title(loc="left") == "bay: 2 sets"
+    assert "edge: risk of collision if planned apart (≤ 1)" in texts(ax)
+
+
+def test_an_edge_joins_the_dots_of_its_vehicles(coupled: Plan) -> None:
+    ax = plot_couplings(coupled)
+    [edges] = artists(ax, "couplings")
+    ends = {tuple(np.round(end, 9)) for end in edges.get_segments()[0]}
+    dots = {tuple(np.round(np.ravel(artists(ax, f"vehicle:{n}")[0].get_data()), 9)) for n in "ab"}
+    assert ends == dots
+
+
+def test_no_two_vehicles_share_a_place_however_the_sets_are(coupled: Plan) -> None:
+    for sizes in ([7, 2, 1], [1] * 30, [2] * 9, [3, 3, 1, 1], [1]):
+        names = iter(range(100))
+        sets = tuple(tuple(f"v{next(names)}" for _ in range(n)) for n in sizes)
+        scenario = coupled.scenario
+        vehicles = tuple(
+            replace(scenario.vehicles[0], name=name) for group in sets for name in group
+        )
+        plan = replace(
+            coupled, scenario=replace(scenario, vehicles=vehicles), sets=sets, couplings=()
+        )
+        ax = plot_couplings(plan)
+        dots = np.array(
+            [np.ravel(artists(ax, f"vehicle:{v.name}")[0].get_data()) for v in vehicles]
+        )
+        apart = np.linalg.norm(dots[:, None] - dots[None], axis=2) + 9.0 * np.eye(len(dots))
+        assert apart.min() > 0.5
+        (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+        assert np.all((dots > [left, low]) & (dots < [right, high]))
+
+
+def test_couplings_without_a_number_are_dashed(coupled: Plan) -> None:
+    ax = plot_couplings(replace(coupled, couplings=(Coupling("a", "b", "blocked"),)))
+    [edges] = artists(ax, "couplings")
+    assert edges.get_linestyle()[0][1] is not None
+
+
+def test_bars_are_the_ledger_and_the_line_is_their_sum(flat_plan: Plan) -> None:
+    ledger = (
+        LedgerRow("pair", "a", "b", 2, 0.01),
+        LedgerRow("obstacle", "a", "hook", 2, 0.002),
+        LedgerRow("obstacle", "c", "wall", 4, 0.003),
+    )
+    ax = plot_risk(replace(flat_plan, risk=Risk(0.05, 0.015, ledger)))
+    [total] = artists(ax, "sum")
+    np.testing.assert_allclose(total.get_data().values, [0.0, 0.0, 0.012, 0.012, 0.015])
+    heights = {
+        (round(bar.get_x() + 0.5 * bar.get_width()), round(bar.get_height(), 6))
+        for bars in ax.containers
+        for bar in bars
+        if bar.get_height() > 0.0
+    }
+    assert heights == {(2, 0.01), (2, 0.002), (4, 0.003)}
+    assert ax.get_ylim()[1] > 0.05
+    assert "Δ = 0.05" in texts(ax)
+
+
+def test_without_a_plan_charts_say_so(empty_plan: Plan) -> None:
+    assert "no plan" in texts(plot_risk(empty_plan))
+    assert "no plan" in texts(plot_distances(empty_plan))
+    assert "no sets" in texts(plot_couplings(empty_plan))
+
+
+def test_distances_are_those_of_the_hulls(flat_plan: Plan) -> None:
+    found = {c.name: c for c in closest_clearances(flat_plan, 20)}
+    a, b = flat_plan.trajectories[:2]
+    between = np.linalg.norm(a.means[:, :2] - b.means[:, :2], axis=1) - 1.0
+    pair = found["a – b"]
+    np.testing.assert_allclose(pair.at_steps(pair.distance), between, atol=1e-9)
+    wall = shapely.box(5.0, 8.0, 5.2, 9.0)
+    away = [wall.distance(shapely.Point(p)) - 0.5 for p in b.means[:, :2]]
+    obstacle = found["b, wall"]
+    np.testing.assert_allclose(obstacle.at_steps(obstacle.distance), away, atol=1e-9)
+    assert {"c, ferry", "a, hook", "b – c"} <= set(found)
+
+
+def test_the_encounters_drawn_are_the_closest(flat_plan: Plan) -> None:
+    ax = plot_distances(flat_plan, most=3)
+    lines = [line for line in ax.get_lines() if (line.get_gid() or "").startswith("distance:")]
+    everything = closest_clearances(flat_plan, 100)
+    least = [c.least(at_steps=False) for c in everything]
+    assert least == sorted(least)
+    assert [line.get_gid() for line in lines] == [f"distance:{c.name}" for c in everything[:3]]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [s]", "distance of hulls [m]")
+
+
+def test_with_avoidance_at_steps_only_the_steps_are_promised(flat_plan: Plan) -> None:
+    plan = replace(flat_plan, scenario=replace(flat_plan.scenario, avoidance="steps"))
+    assert "at steps (dots) only" in texts(plot_distances(plan))
+
+
+def test_distances_in_space_agree_with_an_optimizer() -> None:
+    rng = np.random.default_rng(3)
+    piece = box([0.0, 0.0, 0.0], [1.0, 2.0, 3.0])
+    points = rng.uniform(-3.0, 5.0, (20, 3))
+    distances, along = _nearest_of(points, piece)
+    for point, distance, direction in zip(points, distances, along, strict=True):
+        nearest = minimize(
+            lambda x, p=point: np.sum((x - p) ** 2), [0.5, 1.0, 1.5],
+            bounds=[(0.0, 1.0), (0.0, 2.0), (0.0, 3.0)],
+        )  # fmt: skip
+        if distance > 0.0:
+            assert distance == pytest.approx(np.sqrt(nearest.fun), abs=1e-4)
+            np.testing.assert_allclose(direction, (point - nearest.x) / distance, atol=1e-3)
+
+
+def test_charts_are_drawn_on_given_axes_and_leave_no_figure_behind(coupled: Plan) -> None:
+    for function in (plot_couplings, plot_distances, plot_risk):
+        ax = Figure().add_subplot()
+        assert function(coupled, ax) is ax
+    assert pyplot.get_fignums() == []

@@ -1,0 +1,155 @@
+"""Plans as films."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+from radmpc.errors import FileFormatError
+from radmpc.model.plan import Plan
+from radmpc.planners.temporal import make_temporal_obstacle
+from radmpc.plotting import animate_plan, save_animation
+from radmpc.plotting.moments import moving_outline, way_of
+
+from .conftest import HORIZON
+
+
+def artist(ax: Axes, gid: str) -> object:
+    [found] = [child for child in ax.get_children() if child.get_gid() == gid]
+    return found
+
+
+def drawn(film: object, frame: int) -> Axes:
+    """The axes of a film at a frame."""
+    film._draw_was_started = True  # it is looked at here, frame by frame
+    film._func(frame)
+    return film._fig.axes[0]
+
+
+def test_vehicles_are_where_the_plan_has_them_at_every_step(flat_plan: Plan) -> None:
+    film = animate_plan(flat_plan, frames_per_step=3)
+    for step in range(HORIZON + 1):
+        ax = drawn(film, 3 * step)
+        for trajectory in flat_plan.trajectories:
+            hull = artist(ax, f"vehicle:{trajectory.name}")
+            assert hull.center == pytest.approx(tuple(trajectory.means[step, :2]))
+        assert artist(ax, "clock").get_text() == f"t = {float(step):.1f} s"
+
+
+def test_the_regions_are_the_three_sigma_ellipses(flat_plan: Plan) -> None:
+    film = animate_plan(flat_plan, frames_per_step=2)
+    trajectory = flat_plan.trajectories[0]
+    for step in range(HORIZON + 1):
+        outline = artist(drawn(film, 2 * step), "ellipse:a").get_xy()
+        away = outline - trajectory.means[step, :2]
+        inverse = np.linalg.inv(trajectory.covariances[step][:2, :2])
+        np.testing.assert_allclose(np.einsum("pa,ab,pb->p", away, inverse, away), 9.0, rtol=1e-9)
+
+
+def test_temporal_obstacles_are_those_of_the_planner(flat_plan: Plan) -> None:
+    vehicle, trajectory = flat_plan.scenario.vehicles[0], flat_plan.trajectories[0]
+    way = way_of(vehicle, trajectory, 1.0, 1)
+    planned = make_temporal_obstacle(
+        vehicle, trajectory.means, trajectory.covariances, 0, intervals=True
+    )
+    for step in range(HORIZON):
+        normals, offsets = planned.at(step)
+        reach = (normals @ way.boxes[step].T).max(axis=1)
+        np.testing.assert_allclose(reach, offsets, atol=1e-9)
+
+
+def test_a_moving_obstacle_moves_between_steps_as_the_certificate_has_it(flat_plan: Plan) -> None:
+    ferry = next(o for o in flat_plan.scenario.obstacles if o.name == "ferry")
+    for time in (0.0, 0.4, 1.0, 2.75, 4.0):
+        center = np.asarray(shapely.Polygon(moving_outline(ferry, time)).centroid.coords[0])
+        np.testing.assert_allclose(center, [7.5 + time, 7.5], atol=1e-9)
+    ax = drawn(animate_plan(flat_plan, frames_per_step=2), 3)
+    assert artist(ax, "obstacle:ferry").get_xy()[:, 0].min() == pytest.approx(8.5)
+
+
+def test_space_is_animated_too(space_plan: Plan) -> None:
+    film = animate_plan(space_plan, frames_per_step=2)
+    ax = drawn(film, 2 * HORIZON)
+    x, y, z = artist(ax, "vehicle:up").get_data_3d()
+    assert (x[0], y[0], z[0]) == pytest.approx(tuple(space_plan.trajectories[0].means[-1, :3]))
+
+
+def test_a_film_is_drawn_on_given_axes(flat_plan: Plan) -> None:
+    figure = Figure()
+    ax = figure.add_subplot()
+    film = animate_plan(flat_plan, ax, frames_per_step=1)
+    assert drawn(film, 0) is ax
+
+
+def test_a_gif_holds_every_frame_and_lasts_as_long_as_it_should(
+    flat_plan: Plan, tmp_path: Path
+) -> None:
+    save_animation(flat_plan, tmp_path / "bay.gif", frames_per_step=2)
+    with Image.open(tmp_path / "bay.gif") as image:
+        assert image.n_frames == 2 * HORIZON + 1
+        assert image.info["duration"] == 250
+        assert image.info["loop"] == 0
+        first = np.asarray(image.convert("RGB"), dtype=int)
+        image.seek(HORIZON)
+        assert (np.abs(np.asarray(image.convert("RGB"), dtype=int) - first) > 60).any()
+    assert os.listdir(tmp_path) == ["bay.gif"]
+
+
+def test_without_a_plan_a_film_is_one_picture_that_says_so(
+    empty_plan: Plan, tmp_path: Path
+) -> None:
+    save_animation(empty_plan, tmp_path / "none.gif")
+    with Image.open(tmp_path / "none.gif") as image:
+        assert getattr(image, "n_frames", 1) == 1
+
+
+def test_other_endings_are_refused_and_mp4_without_its_program(
+    flat_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(FileFormatError, match=r"bay.avi: a film must end in .gif, .mp4"):
+        save_animation(flat_plan, tmp_path / "bay.avi")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(FileFormatError, match="needs the program ffmpeg"):
+        save_animation(flat_plan, tmp_path / "bay.mp4")
+    assert os.listdir(tmp_path) == []
+
+
+def test_an_mp4_is_read_back_by_a_player(
+    flat_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    player = pytest.importorskip("imageio_ffmpeg")
+    bin_folder = tmp_path / "bin"
+    bin_folder.mkdir()
+    os.symlink(player.get_ffmpeg_exe(), bin_folder / "ffmpeg")
+    monkeypatch.setenv("PATH", f"{bin_folder}{os.pathsep}{os.environ['PATH']}")
+    assert shutil.which("ffmpeg")
+    path = tmp_path / "bay.mp4"
+    save_animation(flat_plan, path, frames_per_step=2)
+    frames, seconds = player.count_frames_and_secs(str(path))
+    assert frames == 2 * HORIZON + 1
+    assert seconds == pytest.approx(frames / 4.0, rel=0.2)
+
+
+def test_an_interrupted_film_leaves_the_old_file_and_nothing_else(
+    flat_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "bay.gif"
+    path.write_bytes(b"old")
+
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Image.Image, "save", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        save_animation(replace(flat_plan), path, frames_per_step=1)
+    assert path.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["bay.gif"]

@@ -1,0 +1,142 @@
+"""What holds for every scenario, plan and result as a value."""
+
+from __future__ import annotations
+
+import base64
+import copy
+import io
+import json
+import pickle
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+import radmpc
+from radmpc import from_dict, load_scenario, plan, to_dict, to_pandas, to_xarray
+from radmpc.experiments.families import paper
+
+HARBOR = "src/radmpc/data/harbor.yaml"
+
+
+@pytest.fixture(scope="module")
+def result() -> radmpc.Result:
+    return plan(paper(3, seed=1), rng=0)
+
+
+def arrays(value: object, depth: int = 0) -> list[np.ndarray]:
+    """All arrays inside a value."""
+    if isinstance(value, np.ndarray):
+        return [value]
+    if isinstance(value, tuple | list):
+        return [a for entry in value for a in arrays(entry, depth)]
+    names = getattr(type(value), "__slots__", ())
+    return [a for name in names for a in arrays(getattr(value, name, None), depth + 1)]
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda v: pickle.loads(pickle.dumps(v))])
+def test_copies_and_pickles_are_equal_and_as_frozen_as_what_they_came_from(result, again) -> None:
+    for value in (result.plan.scenario, result.plan, result):
+        assert arrays(value)
+        made = again(value)
+        for one, two in zip(arrays(value), arrays(made), strict=True):
+            assert np.array_equal(one, two)
+            assert not two.flags.writeable
+    made = again(result)
+    assert made.certificate.certified == result.certificate.certified
+    assert to_dict(made.record) == to_dict(result.record)
+
+
+def test_scenarios_with_every_kind_of_obstacle_pickle() -> None:
+    scenario = load_scenario(HARBOR)
+    assert to_dict(pickle.loads(pickle.dumps(scenario))) == to_dict(scenario)
+
+
+def test_plain_data_survive_json_and_make_an_equal_value(result) -> None:
+    for value in (result.plan.scenario, result.plan):
+        data = json.loads(json.dumps(to_dict(value)))
+        made = from_dict(data)
+        assert type(made) is type(value)
+        assert to_dict(made) == to_dict(value)
+
+
+@pytest.mark.parametrize("data", [{}, {"format": "radmpc/plan/9"}, {"format": 3}, [1], "x"])
+def test_data_of_no_known_format_are_refused(data) -> None:
+    with pytest.raises(radmpc.ScenarioError, match="must be"):
+        from_dict(data)
+
+
+def test_a_table_holds_every_vehicle_and_step(result) -> None:
+    made, table = result.plan, to_pandas(result.plan)
+    assert len(table) == 3 * (made.scenario.horizon + 1)
+    first = made.trajectories[0]
+    rows = table.loc[first.name]
+    np.testing.assert_array_equal(rows[["x", "y"]], first.means[:, :2])
+    np.testing.assert_array_equal(rows[["u0", "u1"]].iloc[:-1], first.controls)
+    assert rows[["u0", "u1"]].iloc[-1].isna().all()
+    np.testing.assert_allclose(rows["sigma_x"] ** 2, first.covariances[:, 0, 0])
+    assert np.abs(table[["u0", "u1"]]).sum().sum() == pytest.approx(result.cost)
+
+
+def test_the_ledger_as_a_table_sums_to_the_certificate(result) -> None:
+    table = to_pandas(result.plan, "ledger")
+    assert table["risk"].sum() == pytest.approx(result.certificate.certified)
+    assert list(table.columns) == ["cause", "vehicle", "other", "step", "risk"]
+
+
+def test_a_plan_that_is_none_has_an_empty_table_and_no_arrays(result) -> None:
+    none = replace(result.plan, trajectories=())
+    assert isinstance(to_pandas(none), pd.DataFrame)
+    assert to_pandas(none).empty
+    with pytest.raises(ValueError, match="needs a plan"):
+        to_xarray(none)
+    with pytest.raises(ValueError, match="got 'lines'"):
+        to_pandas(none, "lines")
+
+
+def test_labelled_arrays_hold_what_the_plan_holds(result) -> None:
+    data = to_xarray(result.plan)
+    name = result.plan.trajectories[1].name
+    one = data.sel(vehicle=name)
+    np.testing.assert_array_equal(one["mean"], result.plan.trajectories[1].means)
+    np.testing.assert_array_equal(one["covariance"], result.plan.trajectories[1].covariances)
+    np.testing.assert_array_equal(one["control"][:-1], result.plan.trajectories[1].controls)
+    assert float(data["time"][-1]) == result.plan.scenario.dt * result.plan.scenario.horizon
+    assert list(data["axis"].values) == ["x", "y"]
+    assert float(np.abs(data["control"]).sum()) == pytest.approx(data.attrs["cost"])
+
+
+def test_a_result_shows_a_summary_and_a_picture_in_a_notebook(result) -> None:
+    page = result._repr_html_()
+    for told in ("optimal", f"{result.cost:.6g}", "within 0.05", "{v"):
+        assert told in page
+    [data] = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
+    image = Image.open(io.BytesIO(base64.b64decode(data)))
+    assert image.format == "PNG"
+    assert image.width > 400
+
+
+def test_a_result_without_a_plan_shows_why() -> None:
+    none = plan(paper(2, seed=1), "ira", time_limit=0.0)
+    assert none.plan is None
+    assert "limit" in none._repr_html_()
+    assert "time limit" in repr(none)
+
+
+def test_values_print_in_one_line(result) -> None:
+    for value in (result, result.plan, result.plan.scenario):
+        assert "\n" not in repr(value)
+        assert len(repr(value)) < 300
+    assert "optimal" in repr(result)
+    assert "3 vehicles" in repr(result.plan.scenario)
+
+
+def test_every_public_name_is_there() -> None:
+    for name in radmpc.__all__:
+        assert getattr(radmpc, name) is not None
+    assert set(radmpc.__all__) <= set(dir(radmpc))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = radmpc.nothing
