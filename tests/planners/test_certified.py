@@ -18,9 +18,11 @@ import pytest
 
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import circle, clutter, fleet, paper
+from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
-from radmpc.model.vehicle import Goal
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified.crossing import cross_risks
 from radmpc.planners.planner import Centralized, Certified, Planner
 from radmpc.planning import plan
@@ -197,3 +199,22 @@ def test_the_price_of_risk_tells_what_more_of_it_saves(scenario):
 def test_where_risk_does_not_limit_the_plan_its_price_is_nothing():
     assert plan(paper(2, 1), "certified").record.risk.price == 0.0
     assert plan(paper(2, 1), "radmpc").record.risk.price is None
+
+
+def gate(half_width):
+    noise = np.diag([1e-3, 1e-3, 1e-4, 1e-4])
+    goal = Goal(np.array([25.0, 0.0]), np.array([25.0, 0.0]), np.zeros(2))
+    rover = Vehicle(
+        "rover", double_integrator(1.0, 2), np.zeros(4), goal, 0.4, np.ones(2), noise, noise
+    )
+    posts = (
+        Obstacle.box("north", [11.5, half_width], [13.5, 4.0]),
+        Obstacle.box("south", [11.5, -4.0], [13.5, -half_width]),
+    )
+    return Scenario("gate", 1.0, 25, 0.05, (rover,), posts)
+
+
+def test_through_a_wider_gate_no_plan_costs_more():
+    # Some widths leave one way whose risk, a little above the bound, no small price moves.
+    costs = [plan(gate(half), "certified").cost for half in (1.03, 1.05, 1.1, 1.15)]
+    assert all(wider <= narrower * 1.002 for narrower, wider in pairwise(costs))

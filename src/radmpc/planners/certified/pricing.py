@@ -73,4 +73,23 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
             share = np.log(r1 / budget) / np.log(r1 / r2)
             # A jump of the risk between them draws all prices to one side: keep off the ends.
             return float(p1 * (p2 / p1) ** np.clip(share, 0.15, 0.85))
-    return float(price * np.clip((max(risk, 1e-12) / budget) ** _STEEPNESS, 0.2, 5.0))
+    step = _STEEPNESS * float(np.log(max(risk, 1e-12) / budget))
+    step *= _stubbornness(tried, step)
+    return float(price * np.clip(np.exp(step), 0.2, 5.0))
+
+
+def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
+    """Return by how much to lengthen a step in the logarithm of the price, at least 1.
+
+    Where the last step moved the risk less than in proportion, the next is up to twice as long:
+    risk that no small change of price moves would else be followed in ever equal little steps.
+    """
+    if len(tried) < 2 or step == 0.0:
+        return 1.0
+    (before, risk_before), (price, risk) = tried[-2:]
+    last = float(np.log(price / before))
+    if last * step <= 0.0:
+        return 1.0
+    slope = float(np.log(risk_before / max(risk, 1e-12))) / last if risk_before > 0.0 else 1.0
+    wanted = 1.0 / max(slope * _STEEPNESS, 1e-3)
+    return float(np.clip(wanted, 1.0, max(1.0, 2.0 * abs(last / step))))
