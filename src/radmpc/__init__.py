@@ -28,6 +28,8 @@ if TYPE_CHECKING:
         ScenarioError,
         SolverError,
     )
+    from radmpc.io.export.exporting import ExportOptions, save_export
+    from radmpc.io.importing import ImportedScenario, ImportOptions, import_scenario
     from radmpc.io.mapping import from_dict, to_dict
     from radmpc.io.plan_file import load_plan, save_plan
     from radmpc.io.scenario_file import load_scenario, save_scenario
@@ -56,8 +58,11 @@ if TYPE_CHECKING:
 __all__ = [
     "Certificate",
     "Coupling",
+    "ExportOptions",
     "FileFormatError",
     "Goal",
+    "ImportOptions",
+    "ImportedScenario",
     "LedgerRow",
     "LinearSystem",
     "NoPlanError",
@@ -81,6 +86,7 @@ __all__ = [
     "certify",
     "double_integrator",
     "from_dict",
+    "import_scenario",
     "load_plan",
     "load_scenario",
     "lqr_gain",
@@ -92,6 +98,7 @@ __all__ = [
     "plot_risk",
     "plot_scenario",
     "save_animation",
+    "save_export",
     "save_figure",
     "save_plan",
     "save_scenario",
@@ -112,6 +119,8 @@ _HOMES = {
         "ScenarioError",
         "SolverError",
     ),
+    "io.export.exporting": ("ExportOptions", "save_export"),
+    "io.importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
     "io.mapping": ("from_dict", "to_dict"),
     "io.plan_file": ("load_plan", "save_plan"),
     "io.scenario_file": ("load_scenario", "save_scenario"),

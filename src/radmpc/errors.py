@@ -38,7 +38,18 @@ class ScenarioError(RadmpcError, ValueError):
         return f"{place}: {self.message}" if place else self.message
 
     def under(self, *prefix: str | int) -> ScenarioError:
-        """Return the same error seen from a larger value that holds this one."""
+        """Return the same error seen from a larger value that holds this one.
+
+        Parameters
+        ----------
+        *prefix : str or int
+            Where this value stands in the larger one, from the outside in.
+
+        Returns
+        -------
+        ScenarioError
+            With the longer path.
+        """
         return type(self)(self.message, (*prefix, *self.path))
 
 

@@ -123,13 +123,13 @@ def halfspaces(normals: npt.ArrayLike, offsets: npt.ArrayLike) -> Polytope:
     raw = as_matrix(normals)
     rhs = as_vector(offsets, raw.shape[0])
     lengths = np.linalg.norm(raw, axis=1)
-    if not np.all(lengths > 0.0):
+    if not np.all(lengths >= 1e-9):
         raise ScenarioError("every normal must be different from zero")
     unit, rhs = raw / lengths[:, None], rhs / lengths
     inner = _chebyshev_center(unit, rhs)
     try:
         # Corners at infinity are refused below.
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             corners = HalfspaceIntersection(np.column_stack([unit, -rhs]), inner).intersections
     except QhullError as error:
         raise ScenarioError("normals and offsets must describe a bounded set") from error

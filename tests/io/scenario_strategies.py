@@ -58,7 +58,13 @@ def systems(draw: st.DrawFn, dt: float, d: int) -> LinearSystem:
     n, m = draw(st.integers(2 * d, 2 * d + 1)), draw(st.integers(1, 3))
     order = draw(st.permutations(range(n)))
     velocity = tuple(order[d : 2 * d]) if draw(st.booleans()) else None
-    return LinearSystem(draw(arrays(n, n)), draw(arrays(n, m)), tuple(order[:d]), velocity)
+    A, B = draw(small(10.0, n, n)), draw(small(10.0, n, m))
+    return LinearSystem(A, B, tuple(order[:d]), velocity)
+
+
+def small(largest: float, *shape: int) -> st.SearchStrategy[np.ndarray]:
+    """Dynamics and gains that do not grow beyond all bounds within three steps."""
+    return hnp.arrays(np.float64, shape, elements=st.floats(-largest, largest))
 
 
 @st.composite
@@ -88,7 +94,7 @@ def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
         initial_covariance=draw(covariances(n)),
         disturbance_covariance=draw(covariances(n)),
         speed_limit=draw(st.none() | limits) if has_velocity else None,
-        gain=draw(st.none() | arrays(m, n)),
+        gain=draw(st.none() | small(0.01, m, n)),
         control_sigmas=draw(st.just(3.0) | st.floats(0.0, 10.0)),
         cost_weight=draw(st.just(1.0) | st.floats(0.0, 10.0)),
     )

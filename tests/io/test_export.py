@@ -16,6 +16,7 @@ from radmpc.io.export.frame import Origin
 from radmpc.io.export.names import distinct, file_part, topic_part
 from radmpc.io.export.origin import parse_origin, scenario_origin
 from radmpc.io.plan_file import load_plan, save_plan
+from radmpc.model.dynamics import LinearSystem
 from radmpc.model.plan import Plan
 
 HAS_MCAP = find_spec("mcap_ros2") is not None
@@ -131,9 +132,16 @@ def test_a_plan_too_wide_for_a_flat_map_is_refused(to: str) -> None:
     assert "from its origin" in refusal(plan_of(HARBOR, vehicles=[far]), to, origin=ORIGIN)
 
 
+def drifting(system: LinearSystem) -> LinearSystem:
+    """The same states and controls, without a step of its own."""
+    return replace(system, A=np.eye(system.num_states), is_double_integrator=False)
+
+
 @pytest.mark.parametrize("to", ["kml", *(["mcap"] if HAS_MCAP else [])])
 def test_a_mission_too_long_for_a_formats_clock_is_refused(to: str) -> None:
-    slow = replace(plan_of(FLIGHT).scenario, dt=1e12)
+    fast = plan_of(FLIGHT).scenario
+    vehicles = [replace(v, system=drifting(v.system)) for v in fast.vehicles]
+    slow = replace(fast, dt=1e12, vehicles=tuple(vehicles))
     assert "longer than" in refusal(replace(plan_of(FLIGHT), scenario=slow), to, origin=ORIGIN)
 
 

@@ -232,6 +232,6 @@ def test_numbers_that_are_not_finite_are_not_written(plan: Plan, tmp_path: Path)
 
 
 def test_a_plan_of_a_scenario_that_no_file_can_hold_is_refused(plan: Plan, tmp_path: Path) -> None:
-    odd = replace(plan, scenario=replace(plan.scenario, dt=2.0))
-    with pytest.raises(ScenarioError, match=r"dt = 2 s"):
+    odd = replace(plan, scenario=replace(plan.scenario, source={"what": object()}))
+    with pytest.raises(ScenarioError, match=r"source.what: must be plain data"):
         save_plan(odd, tmp_path / "plan.json")

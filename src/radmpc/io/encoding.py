@@ -8,10 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.errors import ScenarioError
 from radmpc.io.plain import plain_mapping
 from radmpc.io.schema import SCENARIO_FORMAT
-from radmpc.model.dynamics import LinearSystem, double_integrator
+from radmpc.model.dynamics import LinearSystem
 from radmpc.model.obstacle import BoxShape, HalfspaceShape, Obstacle, PolygonShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
@@ -39,7 +38,7 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
     Raises
     ------
     ScenarioError
-        If a double integrator does not belong to the scenario's dt, or ``source`` is not plain.
+        If ``source`` is not plain.
     """
     content: dict[str, object] = {
         "format": SCENARIO_FORMAT,
@@ -58,7 +57,7 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         }
     if scenario.obstacles:
         content["obstacles"] = [_obstacle(obstacle) for obstacle in scenario.obstacles]
-    vehicles = [_vehicle(i, v, scenario.dt) for i, v in enumerate(scenario.vehicles)]
+    vehicles = [_vehicle(v) for v in scenario.vehicles]
     defaults = _common(vehicles)
     if defaults:
         content["defaults"] = defaults
@@ -98,12 +97,8 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
     return {"name": obstacle.name, "moving": [outline.tolist() for outline in shape.outlines]}
 
 
-def _vehicle(index: int, vehicle: Vehicle, dt: float) -> dict[str, object]:
+def _vehicle(vehicle: Vehicle) -> dict[str, object]:
     """Return a vehicle's fields, without those that are as when absent."""
-    try:
-        dynamics = _dynamics(vehicle.system, dt)
-    except ScenarioError as error:
-        raise error.under("vehicles", index, "dynamics") from error
     content: dict[str, object] = {
         "name": vehicle.name,
         "start": _start(vehicle),
@@ -115,7 +110,7 @@ def _vehicle(index: int, vehicle: Vehicle, dt: float) -> dict[str, object]:
         content["speed_limit"] = _short(vehicle.speed_limit)
     content["initial_covariance"] = _covariance(vehicle.initial_covariance)
     content["disturbance_covariance"] = _covariance(vehicle.disturbance_covariance)
-    content["dynamics"] = dynamics
+    content["dynamics"] = _dynamics(vehicle.system)
     if vehicle.gain is not None:
         content["feedback"] = {"gain": vehicle.gain.tolist()}
     if vehicle.control_sigmas != 3.0:
@@ -149,16 +144,9 @@ def _goal(goal: Goal, has_speed: bool) -> dict[str, object]:
     return content
 
 
-def _dynamics(system: LinearSystem, dt: float) -> dict[str, object]:
+def _dynamics(system: LinearSystem) -> dict[str, object]:
     """Return the model's name or the matrices."""
     if system.is_double_integrator:
-        wanted = double_integrator(dt, system.dimension)
-        if (
-            not _is_same(system.A, wanted.A)
-            or not _is_same(system.B, wanted.B)
-            or (system.position, system.velocity) != (wanted.position, wanted.velocity)
-        ):
-            raise ScenarioError(f"a double integrator must be that of dt = {dt:g} s")
         return {"model": "double_integrator"}
     content: dict[str, object] = {
         "A": system.A.tolist(),

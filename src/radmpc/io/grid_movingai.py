@@ -124,7 +124,7 @@ def read_movingai(document: Document) -> ForeignProblem:
     try:
         blocked = _read_map(path)
     except FileFormatError as error:
-        if path.is_file():
+        if os.path.isfile(path):
             raise
         raise ScenarioError(f"must stand beside this file: {error}", ("tasks", 0, "map")) from error
     starts, goals = set(), set()

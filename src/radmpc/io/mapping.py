@@ -33,8 +33,7 @@ def to_dict(value: Scenario | Plan) -> dict[str, object]:
     Raises
     ------
     ScenarioError
-        If the scenario holds what no file can: a double integrator of another ``dt``, or a
-        ``source`` that is not plain.
+        If the scenario's ``source`` is not plain.
     """
     return encode_plan(value) if isinstance(value, Plan) else encode_scenario(value)
 

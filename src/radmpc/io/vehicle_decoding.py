@@ -8,7 +8,7 @@ from radmpc.arrays import Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.io.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
-from radmpc.model.vehicle import Goal, Vehicle, as_covariance
+from radmpc.model.vehicle import Goal, Vehicle, as_axes, as_covariance, as_state
 
 __all__ = ["Shared", "build_vehicle"]
 
@@ -80,16 +80,16 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
     return Vehicle(
         name=spec.name,
         system=system,
-        start=_start(spec.start, system),
+        start=as_state(spec.start, system),
         goal=_goal(goal_spec, lower, upper, system),
         radius=spec.radius,
-        control_limit=_filled(spec.control_limit, m, ("control_limit",)),
+        control_limit=as_axes(spec.control_limit, m, ("control_limit",)),
         initial_covariance=as_covariance(spec.initial_covariance, n, ("initial_covariance",)),
         disturbance_covariance=as_covariance(
             spec.disturbance_covariance, n, ("disturbance_covariance",)
         ),
         speed_limit=(
-            None if spec.speed_limit is None else _filled(spec.speed_limit, d, ("speed_limit",))
+            None if spec.speed_limit is None else as_axes(spec.speed_limit, d, ("speed_limit",))
         ),
         gain=shared.gain(spec.feedback, system),
         control_sigmas=spec.control_sigmas,
@@ -102,33 +102,13 @@ def _missing(name: str) -> ScenarioError:
     return ScenarioError("is required, here or in defaults", (name,))
 
 
-def _filled(value: float | list[float], size: int, path: tuple[str | int, ...]) -> Vector:
-    """Return a vector from a list, or from one number for all axes."""
-    if isinstance(value, list):
-        return as_vector(value, size, path)
-    return np.full(size, value)
-
-
-def _start(given: list[float], system: LinearSystem) -> Vector:
-    """Return the full state from a position, at rest elsewhere, or from a full state."""
-    d, n = system.dimension, system.num_states
-    if len(given) == n:
-        return np.array(given)
-    if len(given) != d:
-        allowed = f"{d} numbers (a position)" + (f" or {n} (a full state)" if n != d else "")
-        raise ScenarioError(f"must have {allowed}, got {len(given)}", ("start",))
-    state = np.zeros(n)
-    state[list(system.position)] = given
-    return state
-
-
 def _goal_box(spec: GoalSpec) -> tuple[Vector, Vector]:
     """Return the corners of the goal."""
     has_center = spec.center is not None
     has_width = "half_width" in spec.model_fields_set
     if spec.center is not None and spec.min is None and spec.max is None:
         center = as_vector(spec.center, path=("goal", "center"))
-        half = _filled(spec.half_width, center.size, ("goal", "half_width"))
+        half = as_axes(spec.half_width, center.size, ("goal", "half_width"))
         if np.any(half < 0.0):
             raise ScenarioError(f"must be >= 0 m, got {spec.half_width}", ("goal", "half_width"))
         lower, upper, key = center - half, center + half, "center"
@@ -157,7 +137,7 @@ def _goal(spec: GoalSpec, lower: Vector, upper: Vector, system: LinearSystem) ->
     if system.velocity is not None and not is_given:
         speed = np.zeros(lower.size)
     elif spec.speed is not None:
-        speed = _filled(spec.speed, lower.size, ("goal", "speed"))
+        speed = as_axes(spec.speed, lower.size, ("goal", "speed"))
     try:
         return Goal(lower, upper, speed)
     except ScenarioError as error:

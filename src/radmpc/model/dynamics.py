@@ -106,6 +106,20 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
 def lqr_gain(system: LinearSystem, Q: Matrix, R: Matrix) -> Matrix:
     """Return the gain K of ``u = ū + K (x − x̄)`` that minimises ``Σ xᵀQx + uᵀRu``.
 
+    Parameters
+    ----------
+    system : LinearSystem
+        The dynamics.
+    Q : (n, n) array
+        Weight of the state's deviation, positive semi-definite.
+    R : (m, m) array
+        Weight of the feedback, positive definite.
+
+    Returns
+    -------
+    (m, n) array
+        The gain K of the linear-quadratic regulator, from the discrete algebraic Riccati equation.
+
     Raises
     ------
     ScenarioError

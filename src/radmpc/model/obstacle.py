@@ -79,12 +79,35 @@ class Obstacle:
         return self.steps[0][0].dimension
 
     def at(self, step: int) -> tuple[Polytope, ...]:
-        """Return the convex pieces at a step."""
+        """Return the convex pieces at a step.
+
+        Parameters
+        ----------
+        step : int
+            0..T; what stands still is the same at all.
+
+        Returns
+        -------
+        tuple of Polytope
+            Their union is the obstacle.
+        """
         return self.steps[step] if self.is_moving else self.steps[0]
 
     @classmethod
     def polygon(cls, name: str, vertices: npt.ArrayLike) -> Obstacle:
         """Make an obstacle of a simple polygon; in 3-D of the hull of points.
+
+        Parameters
+        ----------
+        name : str
+            Unique within its scenario.
+        vertices : (v, d) array
+            Corners [m], either way round; in the plane the outline need not be convex.
+
+        Returns
+        -------
+        Obstacle
+            Split into convex pieces.
 
         Raises
         ------
@@ -102,6 +125,18 @@ class Obstacle:
     def box(cls, name: str, lower: npt.ArrayLike, upper: npt.ArrayLike) -> Obstacle:
         """Make an obstacle of an axis-parallel box.
 
+        Parameters
+        ----------
+        name : str
+            Unique within its scenario.
+        lower, upper : (d,) array
+            Corners [m], ``lower < upper``.
+
+        Returns
+        -------
+        Obstacle
+            One piece.
+
         Raises
         ------
         ScenarioError
@@ -116,6 +151,20 @@ class Obstacle:
     def halfspaces(cls, name: str, normals: npt.ArrayLike, offsets: npt.ArrayLike) -> Obstacle:
         """Make an obstacle of the set ``normals @ x <= offsets``.
 
+        Parameters
+        ----------
+        name : str
+            Unique within its scenario.
+        normals : (f, d) array
+            Outward normals of the faces, of any length but 0.
+        offsets : (f,) array
+            Right-hand sides [m, for normals of length 1].
+
+        Returns
+        -------
+        Obstacle
+            One piece.
+
         Raises
         ------
         ScenarioError
@@ -128,6 +177,18 @@ class Obstacle:
     @classmethod
     def moving(cls, name: str, outlines: Sequence[npt.ArrayLike]) -> Obstacle:
         """Make an obstacle of one convex outline per step 0..T.
+
+        Parameters
+        ----------
+        name : str
+            Unique within its scenario.
+        outlines : sequence of (v, d) array
+            Corners at each step [m], T + 1 of them; of each the hull counts.
+
+        Returns
+        -------
+        Obstacle
+            One piece per step; between steps its points move linearly.
 
         Raises
         ------

@@ -44,11 +44,11 @@ class Trajectory(Frozen):
     name : str
         The vehicle.
     controls : (T, m) array
-        Nominal controls.
+        Nominal controls ū; for a double integrator [m/s²].
     means : (T+1, n) array
-        Mean states.
+        Mean states x̄; for a double integrator positions [m] and velocities [m/s].
     covariances : (T+1, n, n) array
-        State covariances.
+        State covariances Σ [m², m²/s²].
     gain : (m, n) array or None
         Feedback in use.
     """
@@ -187,6 +187,29 @@ class Plan:
     explanation: str | None = None
     trajectories: tuple[Trajectory, ...] = ()
     couplings: tuple[Coupling, ...] = ()
+
+    def trajectory(self, name: str) -> Trajectory:
+        """Return a vehicle's part of the plan.
+
+        Parameters
+        ----------
+        name : str
+            The vehicle.
+
+        Returns
+        -------
+        Trajectory
+            Its controls, means and covariances.
+
+        Raises
+        ------
+        KeyError
+            If the plan has none of that name.
+        """
+        for trajectory in self.trajectories:
+            if trajectory.name == name:
+                return trajectory
+        raise KeyError(name)
 
     def __repr__(self) -> str:
         """Return the plan in one line."""

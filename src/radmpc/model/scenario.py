@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.arrays import Frozen, Vector, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.model.dynamics import growth
+from radmpc.model.dynamics import double_integrator, growth
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 
@@ -102,6 +102,7 @@ class Scenario:
         self._check_growth()
         self._check_workspace()
         self._check_moving()
+        self._check_step()
 
     def __repr__(self) -> str:
         """Return the question in one line."""
@@ -125,6 +126,25 @@ class Scenario:
             raise ScenarioError(
                 f"must be 'steps' or 'intervals', got {self.avoidance!r}", ("avoidance",)
             )
+
+    def _check_step(self) -> None:
+        """Check that double integrators, whose path between steps counts, belong to this dt."""
+        checked: set[int] = set()
+        for i, vehicle in enumerate(self.vehicles):
+            system = vehicle.system
+            if not system.is_double_integrator or id(system) in checked:
+                continue
+            checked.add(id(system))
+            wanted = double_integrator(self.dt, system.dimension)
+            if (
+                not np.array_equal(system.A, wanted.A)
+                or not np.array_equal(system.B, wanted.B)
+                or (system.position, system.velocity) != (wanted.position, wanted.velocity)
+            ):
+                raise ScenarioError(
+                    f"a double integrator must be that of dt = {self.dt:g} s",
+                    ("vehicles", i, "dynamics"),
+                )
 
     def _check_dimensions(self) -> None:
         """Check that all parts live in one plane or space."""
@@ -210,7 +230,20 @@ class Scenario:
         return 2 * self.dimension if self.pair_faces is None else self.pair_faces
 
     def subset(self, indices: tuple[int, ...], risk_bound: float) -> Scenario:
-        """Return the scenario of some of the vehicles alone, with their share of the risk."""
+        """Return the scenario of some of the vehicles alone, with their share of the risk.
+
+        Parameters
+        ----------
+        indices : tuple of int
+            Which vehicles, by their places in ``vehicles``.
+        risk_bound : float
+            Their share of Δ, 0 < share < 0.5.
+
+        Returns
+        -------
+        Scenario
+            The same in everything else.
+        """
         chosen = tuple(self.vehicles[i] for i in indices)
         return replace(self, vehicles=chosen, risk_bound=risk_bound)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
@@ -44,13 +45,61 @@ class Goal(Frozen):
             if np.any(speed < 0.0):
                 raise ScenarioError(f"must be >= 0 m/s, got {speed.tolist()}", ("speed",))
 
+    @classmethod
+    def at(
+        cls,
+        center: npt.ArrayLike,
+        half_width: npt.ArrayLike = 0.0,
+        speed: npt.ArrayLike | None = 0.0,
+    ) -> Goal:
+        """Return a goal around a point.
+
+        Parameters
+        ----------
+        center : (d,) array_like
+            Middle of the box [m].
+        half_width : number or (d,) array_like
+            From the middle to the sides [m], ≥ 0.
+        speed : number, (d,) array_like or None
+            Largest mean speed per axis [m/s]: 0 is a stop, None leaves it free.
+
+        Returns
+        -------
+        Goal
+            The box.
+
+        Raises
+        ------
+        ScenarioError
+            If shapes differ or a number is negative.
+        """
+        middle = as_vector(center, path=("center",))
+        half = as_axes(half_width, middle.size, ("half_width",))
+        limit = None if speed is None else as_axes(speed, middle.size, ("speed",))
+        return cls(middle - half, middle + half, limit)
+
     @property
     def center(self) -> Vector:
         """Middle of the box [m]."""
         return 0.5 * (self.lower + self.upper)
 
     def contains(self, position: Vector, velocity: Vector | None, tol: float = 1e-6) -> bool:
-        """Whether a mean position and velocity count as arrived."""
+        """Whether a mean position and velocity count as arrived.
+
+        Parameters
+        ----------
+        position : (d,) array
+            Mean position at the horizon [m].
+        velocity : (d,) array or None
+            Mean velocity there [m/s]; None where the dynamics have none.
+        tol : float
+            What a box and a speed may be missed by [m, m/s].
+
+        Returns
+        -------
+        bool
+            True within the box and at most at the speed.
+        """
         inside = np.all(position >= self.lower - tol) and np.all(position <= self.upper + tol)
         if self.speed is None or velocity is None:
             return bool(inside)
@@ -68,23 +117,23 @@ class Vehicle(Frozen):
     system : LinearSystem
         Its dynamics.
     start : (n,) array
-        Mean state at k = 0.
+        Mean state at k = 0: positions [m] and velocities [m/s] for a double integrator.
     goal : Goal
         Where its mean must be at the horizon.
     radius : float
         Hull radius [m], > 0.
     control_limit : (m,) array
-        Largest |u| per axis, > 0.
+        Largest |u| per axis, > 0; for a double integrator [m/s²].
     initial_covariance : (n, n) array
-        Covariance of the state at k = 0.
+        Covariance of the state at k = 0 [m², m²/s²], positive semi-definite.
     disturbance_covariance : (n, n) array
-        Covariance of the disturbance of every step.
+        Covariance W of the disturbance of every step [m², m²/s²], positive semi-definite.
     speed_limit : (d,) array or None
         Largest mean speed per axis [m/s], > 0; None is no limit.
     gain : (m, n) array or None
         Feedback K of ``u = ū + K (x − x̄)``; None is open loop.
     control_sigmas : float
-        Standard deviations of the feedback that the control limit holds in reserve.
+        Standard deviations of the feedback that the control limit holds in reserve, >= 0.
     cost_weight : float
         Factor of this vehicle's effort in the cost, >= 0.
     """
@@ -106,12 +155,12 @@ class Vehicle(Frozen):
         """Freeze the arrays and reject what cannot be flown."""
         n, m, d = self.system.num_states, self.system.num_controls, self.system.dimension
         put = object.__setattr__
-        put(self, "start", as_vector(self.start, n, ("start",)))
-        put(self, "control_limit", as_vector(self.control_limit, m, ("control_limit",)))
+        put(self, "start", as_state(self.start, self.system))
+        put(self, "control_limit", as_axes(self.control_limit, m, ("control_limit",)))
         for name in ("initial_covariance", "disturbance_covariance"):
             put(self, name, as_covariance(getattr(self, name), n, (name,)))
         if self.speed_limit is not None:
-            put(self, "speed_limit", as_vector(self.speed_limit, d, ("speed_limit",)))
+            put(self, "speed_limit", as_axes(self.speed_limit, d, ("speed_limit",)))
             _check_positive(self.speed_limit, "speed_limit", "m/s")
         if self.gain is not None:
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
@@ -139,7 +188,18 @@ class Vehicle(Frozen):
         return self.start[list(self.system.position)]
 
     def covariances(self, horizon: int) -> Tensor:
-        """Return the state covariances at k = 0..horizon, (T+1, n, n)."""
+        """Return the state covariances that follow from start, noise and feedback.
+
+        Parameters
+        ----------
+        horizon : int
+            Number of steps T.
+
+        Returns
+        -------
+        (T+1, n, n) array
+            Covariances at k = 0..T.
+        """
         return covariances(
             self.system,
             self.initial_covariance,
@@ -149,10 +209,18 @@ class Vehicle(Frozen):
         )
 
     def control_bounds(self, covariances: Tensor) -> Matrix:
-        """Return the largest nominal |ū| at each step, (T, m).
+        """Return the largest nominal |ū| at each step.
 
-        The limit less ``control_sigmas`` standard deviations of the feedback ``K (x − x̄)``;
-        negative where the reserve eats the limit.
+        Parameters
+        ----------
+        covariances : (T+1, n, n) array
+            State covariances at k = 0..T.
+
+        Returns
+        -------
+        (T, m) array
+            The limit less ``control_sigmas`` standard deviations of the feedback ``K (x − x̄)``;
+            negative where the reserve eats the limit.
         """
         horizon = len(covariances) - 1
         if self.gain is None:
@@ -161,6 +229,39 @@ class Vehicle(Frozen):
         return np.asarray(
             self.control_limit - self.control_sigmas * np.sqrt(np.maximum(variances, 0.0))
         )
+
+
+def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
+    """Return a full state from one, or from a position, at rest elsewhere.
+
+    Raises
+    ------
+    ScenarioError
+        If it is neither.
+    """
+    given = as_vector(value, path=("start",))
+    d, n = system.dimension, system.num_states
+    if given.size == n:
+        return given
+    if given.size != d:
+        allowed = f"{d} numbers (a position)" + (f" or {n} (a full state)" if n != d else "")
+        raise ScenarioError(f"must have {allowed}, got {given.size}", ("start",))
+    state = np.zeros(n)
+    state[list(system.position)] = given
+    return frozen(state)
+
+
+def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vector:
+    """Return a vector from one, or from a number for all axes.
+
+    Raises
+    ------
+    ScenarioError
+        If it has another size.
+    """
+    if np.ndim(value) == 0:
+        return frozen(np.full(size, as_array(value, (), path)))
+    return as_vector(value, size, path)
 
 
 def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:

@@ -7,6 +7,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
 
@@ -62,6 +63,8 @@ def settle_axes(ax: Axes, extent: Matrix) -> None:
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     if isinstance(ax, Axes3D):
         ax.set_zlim(*extent[:, 2])
+        sides = extent[1] - extent[0]
+        ax.zaxis.set_major_locator(MaxNLocator(int(np.clip(9.0 * sides[2] / sides.max(), 2, 9))))
         ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-8.0)
         ax.tick_params(pad=-2.0)
         ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=_ZOOM)

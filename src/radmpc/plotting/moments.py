@@ -27,9 +27,9 @@ class Way:
     roots : (f, d, d) array
         Square root of the position covariance at each frame, principal axes as columns [m].
     boxes : tuple of ((c, d) array, ...)
-        Corners of the temporal obstacle of each step 0..T-1 [m] (paper, section Temporal
+        Corners of the temporal obstacle of each step 0..T [m] (paper, section Temporal
         Obstacles): the hull of the squares around the means at k and k+1, with three standard
-        deviations along the longest axis plus the radius as half-side.
+        deviations along the longest axis plus the radius as half-side; at T the square alone.
     """
 
     places: Matrix
@@ -73,7 +73,7 @@ def way_of(vehicle: Vehicle, trajectory: Trajectory, dt: float, per_step: int) -
     halves = 3.0 * largest + vehicle.radius
     cube = np.array(np.meshgrid(*[[-1.0, 1.0]] * len(axes))).reshape(len(axes), -1).T
     squares = at_steps[:, None, :] + halves[:, None, None] * cube
-    boxes = tuple(hull(np.vstack(squares[k : k + 2])).vertices for k in range(steps))
+    boxes = tuple(hull(np.vstack(squares[k : k + 2])).vertices for k in range(steps + 1))
     return Way(places, np.asarray(roots), boxes)
 
 

@@ -23,8 +23,10 @@ from radmpc.plotting.style import (
 __all__ = ["along_lines", "draw_obstacle"]
 
 
-def draw_obstacle(ax: Axes, obstacle: Obstacle, board: LabelBoard) -> None:
-    """Draw an obstacle and its name.
+def draw_obstacle(
+    ax: Axes, obstacle: Obstacle, board: LabelBoard, *, is_named: bool = True
+) -> None:
+    """Draw an obstacle and, unless there are too many to read, its name.
 
     A moving one fades in from its first step to its last, with an arrow along its way, the
     numbers of some steps, and its name where it is first.
@@ -48,7 +50,8 @@ def draw_obstacle(ax: Axes, obstacle: Obstacle, board: LabelBoard) -> None:
             )
         )
         board.avoid(along_lines(_ring(outline)))
-    _name_obstacle(obstacle, board)
+    if is_named:
+        _name_obstacle(obstacle, board)
     if last > 0:
         _draw_way(ax, obstacle.name, np.array([_center(outline) for outline in outlines]), board)
 

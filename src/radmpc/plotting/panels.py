@@ -81,6 +81,10 @@ def plot_panels(panels: Sequence[Panel]) -> Figure:
         if is_flat:
             axes.set_xlim(*extent[:, 0])
             axes.set_ylim(*extent[:, 1])
+    for axes, panel in zip(all_axes, panels, strict=True):
+        # Headlines of a row stand at one height, however many lines stand below them.
+        missing = lines - num_title_lines(panel.plan)
+        axes.set_title(axes.get_title(loc="left") + "\n" * missing, loc="left", pad=3.0)
     return figure
 
 

@@ -37,6 +37,11 @@ FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 def check_figure_path(path: Path) -> None:
     """Refuse a figure file of an unknown kind.
 
+    Parameters
+    ----------
+    path : Path
+        Where the figure is to go.
+
     Raises
     ------
     FileFormatError

@@ -60,12 +60,13 @@ def draw_surroundings(
     moving: bool = True,
 ) -> None:
     """Draw everything but trajectories and the names of vehicles; moving obstacles on request."""
+    is_named = max(len(scenario.obstacles), scenario.num_vehicles) <= MAX_LABELS
     obstacles = [o for o in scenario.obstacles if moving or not o.is_moving]
     if isinstance(ax, Axes3D):
         if scenario.workspace is not None:
             draw_workspace_3d(ax, scenario.workspace)
         for obstacle in obstacles:
-            draw_obstacle_3d(ax, obstacle)
+            draw_obstacle_3d(ax, obstacle, is_named=is_named)
         for vehicle in scenario.vehicles:
             draw_ends_3d(ax, vehicle, colors[vehicle.name])
         return
@@ -76,7 +77,7 @@ def draw_surroundings(
         start = vehicle.start_position
         board.avoid(_ring(start, vehicle.radius), _ring(vehicle.goal.center, 0.5 * vehicle.radius))
     for obstacle in obstacles:
-        draw_obstacle(ax, obstacle, board)
+        draw_obstacle(ax, obstacle, board, is_named=is_named)
 
 
 def name_vehicles(

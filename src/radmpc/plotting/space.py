@@ -55,8 +55,8 @@ def draw_workspace_3d(ax: Axes3D, workspace: Workspace) -> None:
     )
 
 
-def draw_obstacle_3d(ax: Axes3D, obstacle: Obstacle) -> None:
-    """Draw an obstacle and its name; a moving one fades in from its first step to its last."""
+def draw_obstacle_3d(ax: Axes3D, obstacle: Obstacle, *, is_named: bool = True) -> None:
+    """Draw an obstacle and, if wanted, its name; a moving one fades in from first to last step."""
     last = len(obstacle.steps) - 1
     for step, pieces in enumerate(obstacle.steps):
         alpha = 0.45 if last == 0 else 0.03 + 0.3 * (step / last) ** 2
@@ -81,6 +81,8 @@ def draw_obstacle_3d(ax: Axes3D, obstacle: Obstacle) -> None:
                     alpha=min(1.0, 2.0 * alpha),
                 )
             )
+    if not is_named:
+        return
     top = np.vstack([piece.vertices for piece in obstacle.steps[-1]])
     place = (*top.mean(axis=0)[:2], float(top[:, 2].max()))
     draw_name_3d(ax, obstacle.name, np.asarray(place), MUTED)

@@ -30,7 +30,10 @@ def subtitle(plan: Plan, *, details: bool = True) -> str:
         facts.append(f"cost {plan.cost:.4g}")
     if plan.risk.certified is not None:
         sign = "≤" if plan.risk.certified <= plan.risk.bound else ">"
-        facts.append(f"risk {min(plan.risk.certified, 1.0):.3g} {sign} {plan.risk.bound:g}")
+        certified = min(plan.risk.certified, 1.0)
+        # Below this a bound says "none": its digits would only look like something.
+        risk = "< 1e-12" if certified < 1e-12 else f"{certified:.3g}"
+        facts.append(f"risk {risk} {sign} {plan.risk.bound:g}")
     if not details:
         return " · ".join(facts)
     if "total" in plan.seconds:

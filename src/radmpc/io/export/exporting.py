@@ -24,7 +24,15 @@ from radmpc.io.export.waypoints import write_waypoints
 from radmpc.io.text import shown
 from radmpc.model.plan import Plan
 
-__all__ = ["FORMATS", "ExportOptions", "Exported", "Origin", "export_plan", "save_exported"]
+__all__ = [
+    "FORMATS",
+    "ExportOptions",
+    "Exported",
+    "Origin",
+    "export_plan",
+    "save_export",
+    "save_exported",
+]
 
 _FLEET: Mapping[str, Callable[[Job], bytes]] = {
     "geojson": write_geojson,
@@ -127,8 +135,55 @@ def export_plan(
     return Exported(files, vehicles, (timing_sentence(plan),))
 
 
+def save_export(
+    plan: Plan,
+    to: str,
+    path: str | os.PathLike[str],
+    options: ExportOptions | None = None,
+) -> Exported:
+    """Write a plan in another format; see `export_plan`.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    to : str
+        One of `FORMATS`.
+    path : path
+        The file. With several vehicles and a format of one vehicle each, their names are put
+        before the ending.
+    options : ExportOptions or None
+        What the plan does not say.
+
+    Returns
+    -------
+    Exported
+        The files written, and what the format loses.
+
+    Raises
+    ------
+    NoPlanError
+        If the plan has no trajectories.
+    ScenarioError
+        If the format is unknown, its arrays do not fit its scenario, an option does not fit, or
+        the place on earth is missing.
+    FileFormatError
+        If the format's library is missing.
+    OSError
+        If a file cannot be written.
+    """
+    exported = export_plan(plan, to, path, options)
+    save_exported(exported)
+    return exported
+
+
 def save_exported(exported: Exported) -> None:
     """Write every file, each whole or not at all.
+
+    Parameters
+    ----------
+    exported : Exported
+        As of `export_plan`.
 
     Raises
     ------
