@@ -8,7 +8,7 @@ INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check format lint types floors test clean
+.PHONY: help demo check format lint types floors docs test clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -17,7 +17,7 @@ demo: $(INSTALLED) ## plan the shipped scenario; plan and picture go to out/
 	@$(BIN)/radmpc demo --out out
 	@echo "(here radmpc is $(BIN)/radmpc)"
 
-check: format lint types floors test ## everything that must hold before a commit
+check: format lint types floors docs test ## everything that must hold before a commit
 	@echo 'make check: everything holds'
 
 format: $(INSTALLED_DEV) ## is the code formatted
@@ -32,11 +32,15 @@ types: $(INSTALLED_DEV) ## mypy --strict on src
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports
 
+docs: $(INSTALLED_DEV) ## the site, into site/
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "the site is in site/index.html"
+
 test: $(INSTALLED_DEV) ## all tests, with branch coverage
 	$(BIN)/pytest -n $(WORKERS) --cov --cov-fail-under=90
 
 clean: ## remove the environment and everything made
-	rm -rf $(VENV) out build dist .coverage .coverage.* .mypy_cache .ruff_cache \
+	rm -rf $(VENV) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
 	    .pytest_cache .hypothesis .import_linter_cache
 
 # The stamps make a second run quick; they go stale when a requirement changes.

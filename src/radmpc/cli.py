@@ -179,16 +179,10 @@ def import_file(
     output: given.ScenarioOutput,
     dt: Annotated[float | None, typer.Option("--dt", help="Step [s].")] = None,
     horizon: Annotated[int | None, typer.Option("--horizon", help="Number of steps.")] = None,
-    noise: Annotated[
-        float | None, typer.Option("--noise", help="Position noise per step, std. dev. [m].")
-    ] = None,
-    risk_bound: Annotated[
-        float | None, typer.Option("--risk-bound", help="Joint risk of the fleet.")
-    ] = None,
+    noise: given.Noise = None,
+    risk_bound: given.RiskBound = None,
     radius: Annotated[float | None, typer.Option("--radius", help="Of every vehicle [m].")] = None,
-    avoidance: Annotated[
-        str | None, typer.Option("--avoidance", help="'intervals' or 'steps'.")
-    ] = None,
+    avoidance: given.AvoidanceName = None,
 ) -> int:
     """Import another format; print what had to be chosen."""
     from radmpc.console.files import check_output, writing
@@ -229,14 +223,8 @@ def export(
     plan_file: given.PlanFile,
     to: given.ExportFormat,
     output: Annotated[Path, typer.Option("-o", "--output", help="Write it here.")],
-    origin: Annotated[
-        str | None,
-        typer.Option("--origin", help="LAT,LON[,HEIGHT] of the plan's origin [degrees, m]."),
-    ] = None,
-    altitude: Annotated[
-        float | None,
-        typer.Option("--altitude", help="Of a 2-D plan above the origin [m] (0)."),
-    ] = None,
+    origin: given.PlaceOnEarth = None,
+    altitude: given.Altitude = None,
 ) -> int:
     """Write a plan for the vehicles' own tools."""
     from radmpc.console.exporting import ExportRequest, run_export

@@ -169,7 +169,7 @@ def test_every_failure_has_its_code(
     def fail(path: Path) -> None:
         raise error
 
-    monkeypatch.setattr("radmpc.cli.load_scenario", fail)
+    monkeypatch.setattr("radmpc.io.scenario_file.load_scenario", fail)
     result = run("check", crossing)
     assert result.exit_code == code
     assert words in assert_one_line(result.stderr)

@@ -172,3 +172,14 @@ def test_what_is_no_plan_is_one_line(run: Run, crossing: Path) -> None:
     result = run("export", crossing, "--to", "csv", "-o", "out.csv")
     assert result.exit_code == 2
     assert "crossing.yaml" in assert_one_line(result.stderr)
+
+
+def test_a_plan_that_leaves_the_earth_is_refused_with_its_file(run: Run, crossing: Path) -> None:
+    assert run("plan", crossing, "-o", "a.json").exit_code == 0
+    content = json.loads(Path("a.json").read_text(encoding="utf-8"))
+    content["vehicles"][0]["means"][3][0] = 1e300
+    Path("a.json").write_text(json.dumps(content), encoding="utf-8")
+    result = run("export", "a.json", "--to", "qgc", "--origin", "54,12", "-o", "out.plan")
+    assert result.exit_code == 2
+    line = assert_one_line(result.stderr)
+    assert line.startswith("radmpc: a.json: the plan reaches 1e+300 m from its origin")

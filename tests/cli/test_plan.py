@@ -80,11 +80,20 @@ def test_a_certificate_above_the_bound_is_said_plainly(run: Run, crossing: Path)
     assert len(content["vehicles"]) == 2
 
 
+def test_without_a_report_the_reason_stands_on_stderr(run: Run, hopeless: Path) -> None:
+    result = run("plan", hopeless, "--json")
+    assert result.exit_code == 1
+    assert "cannot reach its goal" in json.loads(result.stdout)["explanation"]
+    assert "cannot reach its goal" in assert_one_line(result.stderr)
+
+
 def test_without_a_plan_the_reason_is_given(run: Run, hopeless: Path) -> None:
     result = run("plan", hopeless, "-o", "a.json", "--figure", "a.png")
     assert result.exit_code == 1
     assert "east" in result.stdout
-    assert "cannot reach its goal" in assert_one_line(result.stderr)
+    assert "cannot reach its goal" in result.stdout
+    line = assert_one_line(result.stderr)
+    assert line == "radmpc: no plan (infeasible): the report says why"
     content = json.loads(Path("a.json").read_text(encoding="utf-8"))
     assert content["vehicles"] == []
     assert content["cost"] is None

@@ -18,7 +18,9 @@ from radmpc.console.completing import (
 )
 
 __all__ = [
+    "Altitude",
     "AsJson",
+    "AvoidanceName",
     "DaskAddress",
     "DrawnFile",
     "DrawnOutput",
@@ -28,7 +30,9 @@ __all__ = [
     "Jobs",
     "LedgerFigure",
     "Methods",
+    "Noise",
     "PanelFigure",
+    "PlaceOnEarth",
     "PlanFigure",
     "PlanFile",
     "PlanOutput",
@@ -36,6 +40,7 @@ __all__ = [
     "PlannerNames",
     "PlannerSeconds",
     "PlanningSeconds",
+    "RiskBound",
     "Samples",
     "ScenarioFile",
     "ScenarioOutput",
@@ -144,4 +149,17 @@ StudySeeds = Annotated[
 ]
 Methods = Annotated[
     list[str] | None, typer.Option("--method", help="Run this method only; may be repeated.")
+]
+Noise = Annotated[
+    float | None, typer.Option("--noise", help="Position noise per step, std. dev. [m].")
+]
+RiskBound = Annotated[float | None, typer.Option("--risk-bound", help="Joint risk of the fleet.")]
+AvoidanceName = Annotated[str | None, typer.Option("--avoidance", help="'intervals' or 'steps'.")]
+PlaceOnEarth = Annotated[
+    str | None,
+    typer.Option("--origin", help="LAT,LON[,HEIGHT] of the plan's origin [degrees, m]."),
+]
+Altitude = Annotated[
+    float | None,
+    typer.Option("--altitude", help="Of a 2-D plan above the origin [m] (0)."),
 ]

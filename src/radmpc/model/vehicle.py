@@ -110,6 +110,9 @@ class Goal(Frozen):
 class Vehicle(Frozen):
     """A disc (a ball in space) that must be carried from a start to a goal.
 
+    A position alone is taken as a start at rest, one number as a limit of every axis, one number
+    or a diagonal as a covariance.
+
     Attributes
     ----------
     name : str

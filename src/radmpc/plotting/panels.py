@@ -17,7 +17,7 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.extent import plan_extent
 from radmpc.plotting.figure import DPI
 from radmpc.plotting.plan import plot_plan
-from radmpc.plotting.style import vehicle_colors
+from radmpc.plotting.style import TITLE_SIZE, vehicle_colors
 from radmpc.plotting.title import num_title_lines
 
 __all__ = ["Panel", "plot_panels"]
@@ -84,7 +84,8 @@ def plot_panels(panels: Sequence[Panel]) -> Figure:
     for axes, panel in zip(all_axes, panels, strict=True):
         # Headlines of a row stand at one height, however many lines stand below them.
         missing = lines - num_title_lines(panel.plan)
-        axes.set_title(axes.get_title(loc="left") + "\n" * missing, loc="left", pad=3.0)
+        text = axes.get_title(loc="left") + "\n" * missing
+        axes.set_title(text, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     return figure
 
 

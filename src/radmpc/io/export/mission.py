@@ -120,6 +120,7 @@ def mission_items(track: Track, placement: Placement) -> tuple[Item, ...]:
     tuple of Item
         Waypoints with altitudes above home, which stands at the origin's height.
     """
+    placement.geodetic(track.positions)  # refuses what lies too far away to measure its ways
     chosen = stops(track.times, track.positions)
     points = track.positions[[stop.step for stop in chosen]]
     items: list[Item] = []

@@ -1,0 +1,131 @@
+"""The gallery: every example with its picture, its text and its code.
+
+An example is ``examples/NN_name.py``: the first line of its docstring is the title, the rest a
+paragraph; ``main(out)`` writes ``out/NN_name.png`` (or .gif) and returns the number to be checked.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import importlib.util
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File
+
+from making import ROOT, code_digest, made
+
+MARK = "<!-- gallery -->"
+SUFFIXES = (".png", ".gif")
+
+
+@dataclass(frozen=True)
+class Example:
+    """A script and what it says about itself.
+
+    Attributes
+    ----------
+    path : Path
+        The script.
+    title : str
+        First line of its docstring.
+    text : str
+        The rest of it.
+    code : str
+        The script without its docstring.
+    """
+
+    path: Path
+    title: str
+    text: str
+    code: str
+
+
+def examples(folder: Path = ROOT / "examples") -> list[Example]:
+    """Return the examples of a folder in their order; none if there is no such folder."""
+    return [read_example(path) for path in sorted(folder.glob("[0-9][0-9]_*.py"))]
+
+
+def read_example(path: Path) -> Example:
+    """Return an example.
+
+    Parameters
+    ----------
+    path : Path
+        The script.
+
+    Returns
+    -------
+    Example
+        Title, text and code.
+
+    Raises
+    ------
+    PluginError
+        If it has no docstring of a title and a paragraph.
+    """
+    source = path.read_text(encoding="utf-8")
+    tree = ast.parse(source)
+    title, _, text = (ast.get_docstring(tree) or "").partition("\n")
+    if not title or not text.strip():
+        raise PluginError(f"{path.name}: needs a docstring of a title and a paragraph")
+    after = tree.body[0].end_lineno or 0
+    code = "\n".join(source.splitlines()[after:]).strip("\n")
+    return Example(path, title.rstrip("."), text.strip(), code)
+
+
+def section(example: Example, picture: str) -> str:
+    """Return an example's part of the page: title, picture, text, and the code folded away."""
+    code = "\n".join(f"    {line}".rstrip() for line in example.code.splitlines())
+    return (
+        f"## {example.title}\n\n![{example.title}]({picture})\n\n{example.text}\n\n"
+        f'??? example "examples/{example.path.name}"\n\n    ```python\n{code}\n    ```\n'
+    )
+
+
+def picture(example: Example) -> Path:
+    """Return an example's picture, made if it is not there."""
+    name = example.path.stem
+    folder = made(name, code_digest(example.path), lambda out: _run(example.path, out))
+    found = [folder / f"{name}{suffix}" for suffix in SUFFIXES]
+    there = [path for path in found if path.is_file()]
+    if not there:
+        raise PluginError(f"{example.path.name}: writes no {name}.png or .gif")
+    return there[0]
+
+
+def _run(path: Path, out: Path) -> None:
+    """Call an example's main function."""
+    import matplotlib as mpl  # noqa: PLC0415 - slow, and only needed where a picture is missing
+    from matplotlib import pyplot  # noqa: PLC0415
+
+    mpl.use("Agg")
+    spec = importlib.util.spec_from_file_location(f"example_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise PluginError(f"{path.name}: cannot be imported")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    with contextlib.redirect_stdout(io.StringIO()):
+        module.main(out)
+    pyplot.close("all")
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the pictures."""
+    for example in examples():
+        path = picture(example)
+        uri = f"images/gallery/{path.name}"
+        files.append(File.generated(config, uri, abs_src_path=str(path)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Fill the gallery's page."""
+    if MARK not in markdown:
+        return markdown
+    parts = [section(e, f"images/gallery/{picture(e).name}") for e in examples()]
+    return markdown.replace(MARK, "\n".join(parts))

@@ -1,0 +1,153 @@
+"""Ctrl-C, SIGTERM and readers who go, at any time: a line at most, and no half-written file."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from radmpc.experiments.study import read_rows
+from radmpc.io.plan_file import load_plan
+
+from .conftest import CROSSING, Run
+
+FOREIGN = Path(__file__).parents[2] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
+MOMENTS = (0.05, 0.3, 0.6, 1.0, 1.5, 2.2)  # [s] after the interpreter's own start
+
+# Only from here on is it the program that answers.
+BEGUN = "import radmpc.__main__ as m; print('begun', flush=True); m.main()"
+
+COMMANDS = {
+    "plan": ("plan", "a.yaml", "-o", "out.json", "--figure", "out.png"),
+    "verify": ("verify", "a.json", "--samples", "2000000"),
+    "import": ("import", str(FOREIGN), "-o", "out.yaml"),
+    "export": ("export", "a.json", "--to", "csv", "-o", "out.csv"),
+    "compare": ("compare", "a.yaml", "--samples", "1000000", "--figure", "out.svg"),
+    "reproduce": ("reproduce", "--quick", "--out", "study", "--method", "certified"),
+}
+
+
+@pytest.fixture
+def folder(run: Run, tmp_path: Path) -> Path:
+    """A scenario and its plan."""
+    (tmp_path / "a.yaml").write_text(CROSSING, encoding="utf-8")
+    assert run("plan", "a.yaml", "-o", "a.json").exit_code == 0
+    return tmp_path
+
+
+def begin(*words: str) -> subprocess.Popen[str]:
+    """Start a command and wait until it is the program that runs."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", BEGUN, *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    return process
+
+
+def assert_clean(folder: Path, process: subprocess.Popen[str], most_lines: int) -> None:
+    """Check how a command ended, and what it left behind."""
+    _, err = process.communicate(timeout=60)
+    assert process.returncode in {0, 1}, err
+    lines = err.splitlines()
+    assert len(lines) <= most_lines, err
+    assert all(line.startswith("radmpc: ") for line in lines), err
+    assert process.returncode == 0 or lines
+    hidden = [path.name for path in folder.rglob("*") if path.name.startswith(".")]
+    assert hidden == []
+
+
+def assert_whole(folder: Path) -> None:
+    """Check that every file written is a whole one."""
+    ends = {"out.png": b"IEND\xaeB`\x82", "out.svg": b"</svg>\n", "out.csv": b"\n"}
+    for name, end in ends.items():
+        if (folder / name).exists():
+            assert (folder / name).read_bytes().endswith(end), name
+    if (folder / "out.json").exists():
+        load_plan(folder / "out.json")
+    read_rows(folder / "study" / "rows.jsonl")
+
+
+@pytest.mark.parametrize("words", COMMANDS.values(), ids=list(COMMANDS))
+def test_ctrl_c_at_any_time_leaves_lines_and_whole_files(
+    folder: Path, words: tuple[str, ...]
+) -> None:
+    # Planning says first that it finishes, and in the end what came of that.
+    most_lines = 2 if words[0] in {"plan", "compare", "reproduce"} else 1
+    for moment in MOMENTS:
+        process = begin(*words)
+        time.sleep(moment)
+        is_over = process.poll() is not None
+        process.send_signal(signal.SIGINT)
+        if words[0] == "reproduce":
+            # After the first it writes its report, with many pictures.
+            time.sleep(0.5)
+            process.send_signal(signal.SIGINT)
+        assert_clean(folder, process, most_lines)
+        assert_whole(folder)
+        if is_over:
+            break
+
+
+@pytest.mark.parametrize("moment", [0.8, 1.6])
+def test_termination_is_an_interrupt_and_takes_the_workers_along(
+    folder: Path, moment: float
+) -> None:
+    process = begin(*COMMANDS["reproduce"], "--jobs", "2")
+    time.sleep(moment)
+    workers = children(process.pid)
+    process.send_signal(signal.SIGTERM)
+    assert_clean(folder, process, 1)
+    assert process.returncode == 1
+    deadline = time.monotonic() + 20.0
+    while any(Path(f"/proc/{worker}").exists() for worker in workers):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def children(pid: int) -> list[int]:
+    """The processes that a process has started."""
+    path = Path(f"/proc/{pid}/task/{pid}/children")
+    if not path.exists():
+        pytest.skip("the system does not tell")
+    return [int(word) for word in path.read_text(encoding="ascii").split()]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("planners",), ("verify", "a.json", "--json"), COMMANDS["import"], COMMANDS["export"]],
+    ids=lambda words: words[0],
+)
+def test_a_reader_who_has_gone_changes_nothing(folder: Path, words: tuple[str, ...]) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        result = subprocess.run(
+            [sys.executable, "-m", "radmpc", *words],
+            stdout=writer,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    finally:
+        os.close(writer)
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_json_to_a_reader_of_one_line_is_no_error(folder: Path) -> None:
+    command = f"{sys.executable} -m radmpc plan a.yaml --json | head -n 1"
+    result = subprocess.run(
+        command, shell=True, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (result.stdout, result.stderr) == ("{\n", "")
+    assert json.loads(result.stdout + "}") == {}

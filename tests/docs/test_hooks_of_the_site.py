@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import pytest
+from mkdocs.exceptions import PluginError
+from pages import PAGES, ROOT
+
+EXAMPLE = '''\
+"""A title.
+
+What it shows.
+"""
+
+from pathlib import Path
+
+EXPECTED = 1.0
+
+
+def main(out: Path) -> float:
+    print("words that the build does not want")
+    (out / "01_first.png").write_bytes(b"a picture")
+    return EXPECTED
+'''
+
+
+@pytest.fixture
+def hook(hooks: None):
+    return importlib.import_module
+
+
+@pytest.fixture
+def cache(hook, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Keep pictures made here apart from those of the site."""
+    monkeypatch.setattr(hook("making"), "CACHE", tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def example(tmp_path: Path) -> Path:
+    path = tmp_path / "01_first.py"
+    path.write_text(EXAMPLE, encoding="utf-8")
+    return path
+
+
+def test_links_are_turned_from_the_repository_to_the_site(hook) -> None:
+    turned = hook("outside").turned
+    assert turned("[a](docs/floors.md#why)", "CONTRIBUTING.md") == "[a](floors.md#why)"
+    assert turned("[a](../CONTRIBUTING.md)", "docs/index.md") == "[a](contributing.md)"
+    assert turned("[a](../../README.md)", "docs/reference/index.md") == "[a](../index.md)"
+    assert turned("[a](../examples)", "docs/gallery.md") == "[a](gallery.md)"
+    assert turned("[a](../b/c.gz)", "docs/paper.md") == "[a](files/b/c.gz)"
+
+
+def test_links_within_docs_and_to_elsewhere_stay(hook) -> None:
+    for link in ("problem.md#cost", "#cost", "https://example.org/a.md", "images/harbor.png"):
+        assert hook("outside").turned(f"[a]({link})", "docs/index.md") == f"[a]({link})"
+
+
+def test_files_that_pages_link_to_become_part_of_the_site(hook) -> None:
+    page = "[rows](../benchmarks/data/rows.gz) [a](problem.md) [b](../README.md)"
+    assert hook("outside").targets(page, "docs/paper.md") == {"benchmarks/data/rows.gz"}
+
+
+def test_without_examples_the_gallery_is_empty(hook, tmp_path: Path) -> None:
+    assert hook("gallery").examples(tmp_path / "nowhere") == []
+
+
+def test_an_example_is_its_title_text_and_code(hook, example: Path) -> None:
+    (found,) = hook("gallery").examples(example.parent)
+    assert (found.title, found.text) == ("A title", "What it shows.")
+    assert found.code.startswith("from pathlib")
+    text = hook("gallery").section(found, "a.png")
+    assert text.startswith("## A title\n\n![A title](a.png)\n\nWhat it shows.")
+    assert "\n    def main(out: Path) -> float:\n" in text
+
+
+def test_an_example_without_a_text_is_refused(hook, example: Path) -> None:
+    example.write_text('"""Only a title."""\n', encoding="utf-8")
+    with pytest.raises(PluginError, match=r"01_first\.py: needs a docstring"):
+        hook("gallery").examples(example.parent)
+
+
+def test_an_example_is_run_once_and_in_silence(
+    hook, cache: Path, example: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (found,) = hook("gallery").examples(example.parent)
+    picture = hook("gallery").picture(found)
+    assert picture.read_bytes() == b"a picture"
+    picture.write_bytes(b"kept")
+    assert hook("gallery").picture(found).read_bytes() == b"kept"
+    assert capsys.readouterr().out == ""
+
+
+def test_an_example_that_draws_nothing_is_refused(hook, cache: Path, example: Path) -> None:
+    example.write_text(EXAMPLE.replace("01_first", "other"), encoding="utf-8")
+    (found,) = hook("gallery").examples(example.parent)
+    with pytest.raises(PluginError, match="writes no 01_first"):
+        hook("gallery").picture(found)
+
+
+def test_a_picture_is_made_anew_when_its_code_changes(hook, cache: Path) -> None:
+    made, calls = hook("making").made, []
+    for digest in ("old", "old", "new"):
+        assert made("name", digest, calls.append) == cache / "name" / digest
+    assert len(calls) == 2
+    assert [path.name for path in (cache / "name").iterdir()] == ["new"]
+
+
+def test_a_picture_that_failed_is_not_kept(hook, cache: Path) -> None:
+    def fail(folder: Path) -> None:
+        (folder / "half.png").touch()
+        raise OSError("disk full")
+
+    with pytest.raises(OSError, match="disk full"):
+        hook("making").made("name", "digest", fail)
+    assert not (cache / "name" / "digest").exists()
+
+
+def test_every_figure_of_a_page_is_one_that_the_build_makes(hook) -> None:
+    figures = hook("figures")
+    known = {*figures.FIGURES, *(example.path.stem for example in hook("gallery").examples())}
+    for page in PAGES:
+        asked = {m["name"] for m in figures.MARK.finditer(page.read_text(encoding="utf-8"))}
+        assert asked <= known, page.name
+
+
+def test_formulas_become_mathml(hook) -> None:
+    page = '<p><span class="arithmatex">\\(\\bar p \\sim \\mathcal N(0, 1)\\)</span></p>'
+    drawn = hook("mathematics").on_page_content(page)
+    assert drawn.startswith("<p><math ")
+    assert "\N{COMBINING MACRON}</mi>" in drawn
+    assert "<mo>&#x0223C;</mo>" in drawn
+    assert "\N{MATHEMATICAL SCRIPT CAPITAL N}" in drawn
+    assert 'display="block"' in hook("mathematics").formula("a &lt; b", "block")
+
+
+def test_formulas_of_docstrings_become_those_of_pages(hook) -> None:
+    text = "Of :math:`x`:\n\n    .. math:: a\n        + b\n\n    End."
+    assert hook("docstrings").as_markdown(text) == "Of $x$:\n\n    $$a + b$$\n\n    End."
+
+
+def test_whatever_a_page_loads_from_elsewhere_is_found(hook) -> None:
+    loaded = hook("offline").loaded
+    assert loaded('<script src="https://cdn.test/a.js">') == ["https://cdn.test/a.js"]
+    assert loaded("@import url('//fonts.test/a.css')") == ["//fonts.test/a.css"]
+    assert loaded('<a href="https://example.org">read on</a><img src="a.png">') == []
+
+
+def test_the_site_is_built_strictly_by_make_check() -> None:
+    settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert "\nstrict: true\n" in settings
+    assert settings.count(": warn\n") == 4
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    (line,) = [line for line in makefile.splitlines() if line.startswith("check:")]
+    assert " docs " in line

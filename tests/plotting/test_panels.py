@@ -1,0 +1,16 @@
+from __future__ import annotations
+
+import radmpc
+from radmpc.experiments.families import paper
+from radmpc.plotting import Panel, plot_panels
+from radmpc.plotting.style import TITLE_SIZE
+
+
+def test_headlines_of_panels_are_as_large_and_bold_as_those_of_plans() -> None:
+    plan = radmpc.plan(paper(2, seed=1), rng=0).require()
+    figure = plot_panels([Panel("one", plan), Panel("two", plan)])
+    for axes, headline in zip(figure.axes, ("one", "two"), strict=True):
+        title = axes._left_title
+        assert title.get_text().startswith(headline)
+        assert title.get_fontsize() == TITLE_SIZE
+        assert title.get_fontweight() == "bold"
