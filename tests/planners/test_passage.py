@@ -9,10 +9,16 @@ import pytest
 from scipy.special import ndtr
 
 from radmpc.experiments.families import clutter, paper
+from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified.passage import Passage
 from radmpc.planners.certified.problem import SetProblem
+from radmpc.planners.certified.walk import Walk
 from radmpc.program.build import whole_subjects
 from radmpc.solvers.risk_around import search_around
+from radmpc.solvers.risk_neighborhood import Neighborhood
 from radmpc.solvers.risk_tree import RiskTree
 from radmpc.solvers.solution import Limits
 
@@ -121,3 +127,62 @@ def test_a_search_around_a_plan_never_makes_it_worse():
 def test_a_way_past_steps_is_found_too():
     problem = problem_of(paper(4, 1))
     assert problem.passage.walk.way(1.0).shape == (11, 2)
+
+
+def lane(*, gap=(-1.2, 1.2), horizon=24):
+    """Two rooms, a lane between them, and a vehicle in each that must go to the other."""
+    dt, noise = 2.0, np.diag([1e-3, 1e-3, 1e-4, 1e-4])
+    gain = np.kron([[-0.3 / dt**2, -0.9 / dt]], np.eye(2))
+
+    def vehicle(name, start, goal):
+        return Vehicle(
+            name, double_integrator(dt, 2), start, Goal.at(goal, 0.3, 0.1), 0.5, 1.0,
+            noise, noise, speed_limit=1.5, gain=gain,
+        )  # fmt: skip
+
+    walls = (
+        Obstacle.box("north", [8.0, gap[1]], [22.0, 6.0]),
+        Obstacle.box("south", [8.0, -6.0], [22.0, gap[0]]),
+    )
+    vehicles = (vehicle("east", [3.0, 0.0], [27.0, 0.0]), vehicle("west", [27.0, 0.0], [3.0, 0.0]))
+    bounds = Workspace(np.array([0.0, -6.0]), np.array([30.0, 6.0]))
+    return Scenario("lane", dt, horizon, 0.05, vehicles, walls, workspace=bounds)
+
+
+@pytest.mark.parametrize("middle", [0.31, 0.62, 1.27])
+def test_a_way_is_found_through_a_gap_between_the_lattices_lines(middle):
+    problem = problem_of(lane(gap=(middle - 0.75, middle + 0.75)))
+    way = problem.passage.walk.way(10.0)
+    assert way is not None
+    inside = (way[:, 0] > 8.0) & (way[:, 0] < 22.0)
+    assert np.abs(way[inside, 1] - middle).max() <= 0.25
+
+
+def test_a_vehicle_in_haste_leaves_the_lane_early_and_one_at_its_own_pace_does_not():
+    problem = problem_of(lane())
+    limits = Limits(float("inf"), lambda: False)
+    hurried = problem.means(problem.passage.hurried(limits).z)[0]
+    own = problem.means(problem.passage.found(1.0, 1.0, limits, None).z)[0]
+    last_in_lane = [np.flatnonzero(way[:, 0] < 22.5).max() for way in (hurried, own)]
+    assert last_in_lane[0] <= 10  # at full speed it is 7
+    assert last_in_lane[1] >= last_in_lane[0] + 5
+
+
+def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
+    scenario = lane()
+    subjects = whole_subjects(scenario)
+    problem = SetProblem.of(scenario, (0, 1), subjects, UNIT)
+    limits = Limits(float("inf"), lambda: False)
+
+    def seek(rater, block, is_hurried):
+        assert is_hurried
+        first = block * subjects[block].drift_position.size
+        walk = Walk(rater.program, subjects[block], UNIT, first, is_quick=True)
+        return Passage(walk, rater).hurried(limits)
+
+    around = Neighborhood(problem.program, UNIT, 1.0, 1.0, limits, 3.0, [0.0, 0.0], seek)
+    z = around.place_in_haste(np.zeros(problem.program.num_columns), [0, 1])
+    east, west = problem.means(z)
+    in_lane = [np.flatnonzero((way[:, 0] > 7.5) & (way[:, 0] < 22.5)) for way in (east, west)]
+    assert max(in_lane[0]) < min(in_lane[1]) or max(in_lane[1]) < min(in_lane[0])
+    assert problem.rater.rate(z).risk < 0.05

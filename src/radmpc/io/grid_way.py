@@ -14,7 +14,7 @@ from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.io.foreign import ForeignProblem, ForeignVehicle
 
 __all__ = ["Lattice", "Way", "lattice_of"]
@@ -39,10 +39,13 @@ class Way:
         What it is longer than the straight way, in the norm of the longest axis [m].
     room : float
         Least distance of the hull from obstacles along it, at most the wanted one [m].
+    waiting : float
+        How long it waits for vehicles that come towards it where none can pass [s].
     """
 
     detour: float
     room: float
+    waiting: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,8 +120,29 @@ class Lattice:
         start = marks[self._nearest(vehicle.start)]
         return bool(start and np.any(marks[self._goal_box(vehicle)] == start))
 
+    def path(self, vehicle: ForeignVehicle, room: float) -> Indices:
+        """Return the points of a shortest way with this room, (k, 2) indices, from start to goal.
+
+        Empty where there is none.
+        """
+        moves, before = self._moves(vehicle, room)
+        box = self._goal_box(vehicle)
+        ends = np.arange(moves.size).reshape(moves.shape)[box].ravel()
+        last = int(ends[moves[box].argmin()])
+        if not np.isfinite(moves.ravel()[last]):
+            return np.zeros((0, 2), dtype=np.int64)
+        found = [last]
+        while before[found[-1]] >= 0:
+            found.append(int(before[found[-1]]))
+        return np.column_stack(np.unravel_index(found[::-1], moves.shape)).astype(np.int64)
+
     def _num_steps(self, vehicle: ForeignVehicle, room: float) -> int:
         """Return the least number of moves to a neighbor from start to goal."""
+        moves, _ = self._moves(vehicle, room)
+        return int(moves[self._goal_box(vehicle)].min())
+
+    def _moves(self, vehicle: ForeignVehicle, room: float) -> tuple[Matrix, Indices]:
+        """Return how many moves from the start each point is away, and the point before it."""
         free = self._free(vehicle, room)
         index = np.arange(free.size).reshape(free.shape)
         ends: list[tuple[np.ndarray, np.ndarray]] = []
@@ -130,10 +154,13 @@ class Lattice:
         rows = np.concatenate([first for first, _ in ends])
         columns = np.concatenate([second for _, second in ends])
         graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(free.size, free.size))
-        moves = dijkstra(
-            graph.tocsr(), directed=False, indices=index[self._nearest(vehicle.start)]
-        ).reshape(free.shape)
-        return int(moves[self._goal_box(vehicle)].min())
+        moves, before = dijkstra(
+            graph.tocsr(),
+            directed=False,
+            indices=index[self._nearest(vehicle.start)],
+            return_predecessors=True,
+        )
+        return np.asarray(moves).reshape(free.shape), np.asarray(before, dtype=np.int64)
 
     def _nearest(self, point: Vector) -> tuple[int, int]:
         """Return the index of the lattice's point nearest to a point."""

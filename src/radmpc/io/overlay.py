@@ -10,11 +10,12 @@ import numpy as np
 
 from radmpc.errors import ScenarioError
 from radmpc.io.foreign import ForeignProblem, ForeignVehicle
-from radmpc.io.grid_way import Way, lattice_of
+from radmpc.io.grid_way import Lattice, Way, lattice_of
 from radmpc.io.import_noise import Noise, choose_noise, rounded_up, told_feedback, told_noise
 from radmpc.io.import_options import ImportOptions
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
 from radmpc.io.rounding import rounded
+from radmpc.io.turns import waiting_times
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
@@ -23,6 +24,7 @@ __all__ = ["ImportedScenario", "overlay"]
 
 _TIME_FACTOR = 1.5  # of the least time with nothing in the way: room for detours and waiting
 _WAY_FACTOR = 1.3  # of the least time around obstacles: room for waiting
+_TIGHT_FACTOR = 1.5  # the same where ways are narrow or vehicles take turns
 _FEWEST_STEPS, _MOST_STEPS = 10, 30
 _STRIDE = 4.0  # radii per step at full speed: finer steps multiply the choices, not the room
 _RISK_BOUND = 0.05
@@ -77,7 +79,10 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     choices = dict(problem.reasons)
     warnings = list(problem.warnings)
     problem = _chosen(problem, options, choices)
-    ways = _ways(problem, warnings)
+    lattice = lattice_of(problem)
+    if lattice is not None and options.radius is None:
+        problem = _fitting(problem, lattice, choices, warnings)
+    ways = _ways(problem, lattice, warnings)
     dt, horizon = _steps(problem.vehicles, ways, options, choices, warnings)
     noises = _noises(problem, ways, dt, horizon, options, choices)
     workspace = _workspace(problem, noises, choices, warnings)
@@ -130,9 +135,30 @@ def _chosen(
     return replace(problem, vehicles=vehicles)
 
 
-def _ways(problem: ForeignProblem, warnings: list[str]) -> list[Way]:
+def _fitting(
+    problem: ForeignProblem, lattice: Lattice, choices: dict[str, str], warnings: list[str]
+) -> ForeignProblem:
+    """Return the problem with hulls that leave room for noise where the published ones do not."""
+    share = 1.0
+    for v in problem.vehicles:
+        way = lattice.way(v, _WANTED_ROOM * v.radius)
+        if way is None or way.room < _LEAST_ROOM * v.radius:
+            share = min(share, _FITTING * lattice.widest(v) / v.radius)
+    if share <= 0.0 or share >= 1.0:
+        return problem
+    radii = {v.radius: float(f"{share * v.radius:.2g}") for v in problem.vehicles}
+    told = ", ".join(f"{old:g} m to {new:g} m" for old, new in radii.items())
+    warnings.append(
+        f"hulls were reduced from {told}: some way is so narrow that the published ones leave no "
+        "room for noise (--radius keeps what it is given)"
+    )
+    choices["radius"] = f"reduced from {told}, so that noise has room beside the narrowest way"
+    vehicles = tuple(replace(v, radius=radii[v.radius]) for v in problem.vehicles)
+    return replace(problem, vehicles=vehicles)
+
+
+def _ways(problem: ForeignProblem, lattice: Lattice | None, warnings: list[str]) -> list[Way]:
     """Return the vehicles' ways around obstacles; straight ones where there is none to be found."""
-    lattice = lattice_of(problem)
     ways = []
     for v in problem.vehicles:
         straight = Way(0.0, wanted := _WANTED_ROOM * v.radius)
@@ -146,6 +172,9 @@ def _ways(problem: ForeignProblem, warnings: list[str]) -> list[Way]:
             )
             way = Way(0.0 if way is None else way.detour, wanted)
         ways.append(straight if way is None else way)
+    if lattice is not None:
+        waits = waiting_times(lattice, problem.vehicles, [way.room for way in ways])
+        ways = [replace(way, waiting=wait) for way, wait in zip(ways, waits, strict=True)]
     return ways
 
 
@@ -156,13 +185,23 @@ def _steps(
     choices: dict[str, str],
     warnings: list[str],
 ) -> tuple[float, int]:
-    """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow."""
-    stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles)
+    """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow.
+
+    Steps are half as long where ways are narrow or vehicles take turns: corners, and places to
+    wait, must fall on some.
+    """
+    is_tight = any(
+        way.waiting > 0.0 or way.room < 0.99 * _WANTED_ROOM * v.radius
+        for v, way in zip(vehicles, ways, strict=True)
+    )
+    stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles) * (0.5 if is_tight else 1.0)
     straight = max(v.minimum_time() for v in vehicles)
     least = max(
-        v.minimum_time() + way.detour / v.speed_limit for v, way in zip(vehicles, ways, strict=True)
+        v.minimum_time() + way.detour / v.speed_limit + way.waiting
+        for v, way in zip(vehicles, ways, strict=True)
     )
-    wanted = max(_TIME_FACTOR * straight, _WAY_FACTOR * least) or _FEWEST_STEPS * stride
+    factor = _TIGHT_FACTOR if is_tight else _WAY_FACTOR
+    wanted = max(_TIME_FACTOR * straight, factor * least) or _FEWEST_STEPS * stride
     if options.horizon is not None:
         horizon = int(options.horizon)
     elif options.dt is not None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import ChanceRows, DisjunctiveProgram
 
-__all__ = ["Restriction", "avoidance_blocks", "restrict", "restrict_around"]
+__all__ = ["Restriction", "along", "avoidance_blocks", "restrict", "restrict_around"]
 
 _SETTLED = 7.0
 """Standard deviations beyond which an avoidance counts as kept (1e-12)."""
@@ -130,6 +130,36 @@ def restrict_around(
     )
     settled = np.logical_or.reduceat(is_safe, program.avoidance_starts[:-1])
     return _with_avoidances(whole, part, avoidances[~settled])
+
+
+def along(
+    program: DisjunctiveProgram, outputs: slice, way: Vector, room: Vector
+) -> DisjunctiveProgram:
+    """Return a programme whose solutions keep near a way.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The whole; its solutions near the way are those of the answer.
+    outputs : slice
+        Which of its outputs the way is of.
+    way : (p,) array
+        Values of these outputs.
+    room : (p,) array
+        How far they may be off.
+
+    Returns
+    -------
+    DisjunctiveProgram
+        With one more hard row per output.
+    """
+    rows, constant = program.outputs[outputs], program.constant[outputs]
+    return replace(
+        program,
+        hard=csr_array(vstack([program.hard, rows])),
+        hard_lower=np.concatenate([program.hard_lower, way - room - constant]),
+        hard_upper=np.concatenate([program.hard_upper, way + room - constant]),
+    )
 
 
 def _avoidances(touched: csr_array, inside: Indices, outside: Indices) -> Indices:

@@ -32,6 +32,7 @@ def search_around(
     scale: float,
     limits: Limits,
     max_nodes: int,
+    is_rigid: bool = False,
 ) -> Incumbent | None:
     """Return the best plan near a way; a heuristic.
 
@@ -53,21 +54,23 @@ def search_around(
         When to stop early.
     max_nodes : int
         Nodes to spend.
+    is_rigid : bool
+        Whether all sides are held, also those in doubt.
 
     Returns
     -------
     Incumbent or None
         No worse than the plan given.
     """
-    held = _held(rater, slacks, move)
+    held = _held(rater, slacks, move, is_rigid=is_rigid)
     tree = RiskTree(rater.program, unit, price, gap=_GAP, scale=scale, limits=limits, rater=rater)
     tree.resume(((-np.inf, held),), price, best)
     tree.run(max_nodes)
     return tree.best
 
 
-def _held(rater: Rater, slacks: Vector, move: float) -> tuple[int, ...]:
-    """Return the sides with the most room, where all others have much less."""
+def _held(rater: Rater, slacks: Vector, move: float, *, is_rigid: bool) -> tuple[int, ...]:
+    """Return the sides with the most room, unless in doubt those only where others have less."""
     program = rater.program
     if program.num_avoidances == 0:
         return ()
@@ -79,5 +82,7 @@ def _held(rater: Rater, slacks: Vector, move: float) -> tuple[int, ...]:
     rooms[every, places] = -np.inf
     second = rooms.max(axis=1)
     is_held = (first < _FAR * move) & (second <= first - _OPEN * move)
+    if is_rigid:
+        is_held = first < _FAR * move
     sides = rater.table[every, places]
     return tuple(int(side) for side in sides[is_held])

@@ -7,7 +7,7 @@ is a solution of the whole at its true risk.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,16 +15,25 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.restrict import avoidance_blocks, restrict_around
+from radmpc.program.restrict import Restriction, avoidance_blocks, restrict_around
 from radmpc.solvers.risk_around import search_around
+from radmpc.solvers.risk_nodes import Incumbent
 from radmpc.solvers.risk_rating import Rater
 from radmpc.solvers.risk_tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Neighborhood"]
+__all__ = ["Neighborhood", "Seek"]
+
+Seek = Callable[[Rater, int, bool], Incumbent | None]
+"""Looks for a plan of one block, its programme laid out for rating, around placed others; in haste
+or at its own pace."""
 
 _ROUGH_GAP = 5e-3
 _NODES_AROUND = 60
+_TRIES = 3
+_TRIES_IN_HASTE = 5
+"""Orders in which blocks are placed."""
+
 _NODES = 200
 """Nodes per free block: it is a heuristic, not a proof."""
 
@@ -47,6 +56,8 @@ class Neighborhood:
         The longest move from step to step [m].
     least : sequence of float
         Every block's value in the best of cases, alone: one that has it is not planned anew.
+    seek : callable or None
+        Where the search for a block that is to be placed finds no way.
     """
 
     program: DisjunctiveProgram
@@ -56,6 +67,7 @@ class Neighborhood:
     limits: Limits
     move: float
     least: Sequence[float]
+    seek: Seek | None = None
 
     def __post_init__(self) -> None:
         """Find out which avoidances touch which blocks."""
@@ -78,8 +90,8 @@ class Neighborhood:
             A solution of the whole. A block that finds no way is put first and all begins again,
             a few times; then None.
         """
-        order = list(order)
-        for _ in range(len(order) + 2):
+        order, tried = list(order), list[list[int]]()
+        for _ in range(_TRIES):
             z = alone.copy()
             failed = None
             for place, block in enumerate(order):
@@ -90,10 +102,49 @@ class Neighborhood:
                 z = moved
             if failed is None:
                 return z
-            if self.limits.reached or failed == order[0]:
-                return None
+            tried.append(order[: order.index(failed) + 1])
             order = [failed, *(b for b in order if b != failed)]
+            if self.limits.reached or any(order[: len(t)] == t for t in tried):
+                return None
         return None
+
+    def place_in_haste(self, alone: Vector, order: Sequence[int]) -> Vector | None:
+        """Place blocks one after the other, each as soon as those before it leave it the way.
+
+        Parameters
+        ----------
+        alone, order
+            As of `place`.
+
+        Returns
+        -------
+        (n,) array or None
+            As of `place`.
+        """
+        for sequence in (list(order), list(order)[::-1]):
+            tried, following = list[list[int]](), sequence
+            for _ in range(_TRIES_IN_HASTE):
+                z, failed = self._hastened(alone, following)
+                if failed is None:
+                    return self.improve(z, [[block] for block in following])
+                tried.append(following[: following.index(failed) + 1])
+                following = [failed, *(b for b in following if b != failed)]
+                if self.limits.reached or any(following[: len(t)] == t for t in tried):
+                    break
+        return None
+
+    def _hastened(self, alone: Vector, order: list[int]) -> tuple[Vector, int | None]:
+        """Return a point with blocks placed in an order, and the first that found no way."""
+        z = alone.copy()
+        for place, block in enumerate(order):
+            part = self._around(z, [block], order[:place])
+            found = None
+            if self.seek is not None and not self.limits.reached:
+                found = self.seek(Rater(part.program, self.unit), block, True)
+            if found is None:
+                return z, block
+            z[part.columns] = found.z
+        return z, None
 
     def improve(self, z: Vector, groups: Sequence[Sequence[int]]) -> Vector:
         """Free groups of blocks in turn and plan each anew around all others.
@@ -122,9 +173,7 @@ class Neighborhood:
         self, z: Vector, free: list[int], placed: Sequence[int], *, is_new: bool
     ) -> Vector | None:
         """Return the point with some blocks planned anew; None if no way was found."""
-        part = restrict_around(
-            self.program, np.array(free), np.array(placed, dtype=np.int64), z, self.touched
-        )
+        part = self._around(z, free, placed)
         tree = RiskTree(
             part.program,
             self.unit,
@@ -153,8 +202,18 @@ class Neighborhood:
             if near is not None:
                 tree.consider(near.z)
         tree.run(_NODES * len(free))
+        if tree.best is None and is_new and self.seek is not None and not self.limits.reached:
+            found = self.seek(tree.rater, free[0], False)
+            if found is not None:
+                tree.consider(found.z)
         if tree.best is None:
             return None
         moved = z.copy()
         moved[part.columns] = tree.best.z
         return moved
+
+    def _around(self, z: Vector, free: Sequence[int], placed: Sequence[int]) -> Restriction:
+        """Return the programme of some blocks around placed others."""
+        return restrict_around(
+            self.program, np.array(free), np.array(placed, dtype=np.int64), z, self.touched
+        )

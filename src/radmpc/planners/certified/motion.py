@@ -75,6 +75,11 @@ class Motion:
             and bool(np.all(np.isfinite(self.longest) & (self.longest > 1e-6)))
         )
 
+    @property
+    def start_cost(self) -> float:
+        """Effort that takes a vehicle at rest to its longest displacement, along all axes."""
+        return self.weight * float((self.longest / self.gain).sum())
+
     def first_costs(self, middle: Vector, stride: Vector, count: int) -> Float32:
         """Return the effort of every first displacement, a square around a middle one."""
         around = np.arange(-count, count + 1)

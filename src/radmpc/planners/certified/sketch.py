@@ -10,8 +10,11 @@ from scipy.sparse.csgraph import connected_components
 
 from radmpc.planners.certified.crossing import by_sets
 from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.solvers.risk_neighborhood import Neighborhood
+from radmpc.planners.certified.passage import Passage
+from radmpc.planners.certified.walk import Walk
+from radmpc.solvers.risk_neighborhood import Neighborhood, Seek
 from radmpc.solvers.risk_nodes import Incumbent
+from radmpc.solvers.risk_rating import Rater
 
 __all__ = ["sketch"]
 
@@ -105,9 +108,15 @@ def _place(
     problem = fleet.problem(members)
     values = [fleet.best((i,)).cost + price * fleet.best((i,)).risk / fleet.unit for i in members]
     move = max(float(np.abs(np.diff(s.reach_upper, axis=0)).max()) for s in problem.subjects)
-    around = Neighborhood(problem.program, fleet.unit, price, price, fleet.limits, move, values)
+    seek = _seek(fleet, members, price)
+    around = Neighborhood(
+        problem.program, fleet.unit, price, price, fleet.limits, move, values, seek
+    )
     order = sorted(range(len(members)), key=lambda block: -weights[members[block]])
-    found = [around.place(fleet.joined(members, alone), order)]
+    start = fleet.joined(members, alone)
+    found = [around.place(start, order)]
+    if found[0] is None and not fleet.limits.reached:
+        found.append(around.place_in_haste(start, order))
     known = fleet.hint(members)
     if known is not None:
         found.append(around.improve(known, [[block] for block in order]))
@@ -118,3 +127,21 @@ def _place(
             cost = float(problem.program.cost @ z)
             plans.append(Incumbent(z, rating.selection, cost, rating.risk))
     return min(plans, key=lambda i: i.cost + price * i.risk / fleet.unit, default=None)
+
+
+def _seek(fleet: Fleet, members: Members, price: float) -> Seek:
+    """Return the search for a way among vehicles that are placed, on a lattice of its own."""
+    problem = fleet.problem(members)
+
+    def seek(rater: Rater, block: int, is_hurried: bool) -> Incumbent | None:
+        subject = problem.subjects[block]
+        first = block * subject.drift_position.size
+        walk = Walk(rater.program, subject, fleet.unit, first, is_quick=True)
+        if not walk.is_possible:
+            return None
+        passage = Passage(walk, rater)
+        if is_hurried:
+            return passage.hurried(fleet.limits)
+        return passage.found(price, price, fleet.limits, None)
+
+    return seek
