@@ -14,7 +14,7 @@ from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 
-texts = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=8)
+texts = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=8)
 finite = st.floats(-1e9, 1e9)
 positive = st.floats(1e-9, 1e6)
 probabilities = st.floats(0.0, 1.0)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from radmpc.errors import FileFormatError
+from radmpc.experiments.families import circle
+from radmpc.io.mapping import to_dict
 from radmpc.io.scenario_file import load_scenario
 
 FOLDER = Path(__file__).parent.parent / "data" / "broken"
@@ -27,3 +30,13 @@ def test_every_broken_file_has_an_expected_line() -> None:
         path.name for path in FOLDER.iterdir() if path.name != "expected.txt"
     )
     assert len(listed) == len(set(listed))
+
+
+@pytest.mark.parametrize("letter", ["\x1b", "\n", "\x00", "\x9b"])
+def test_names_that_would_command_a_terminal_are_refused(tmp_path: Path, letter: str) -> None:
+    path = tmp_path / "odd.json"
+    data = to_dict(circle(3))
+    data["vehicles"][0]["name"] = f"tug{letter}[2J"  # type: ignore[index]
+    path.write_text(json.dumps(data))
+    with pytest.raises(FileFormatError, match=r"vehicles\[0\].name: must not hold control ch"):
+        load_scenario(path)

@@ -183,7 +183,7 @@ def test_a_moving_obstacle_is_shown_for_a_step_at_a_time() -> None:
 
 
 def test_names_that_xml_cannot_hold_are_written_all_the_same() -> None:
-    plan = renamed(plan_of(HARBOR), "tug", "<tug & \x00 co>")
+    plan = renamed(plan_of(HARBOR), "tug", "<tug & \ufffe co>")
     root = ElementTree.fromstring(contents(plan, "kml")["fleet.kml"])
     names = [name.text for name in root.iterfind(f".//{KML}Folder/{KML}name")]
     assert names[0] == "<tug & \N{REPLACEMENT CHARACTER} co>"

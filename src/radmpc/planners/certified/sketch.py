@@ -136,7 +136,9 @@ def _seek(fleet: Fleet, members: Members, price: float) -> Seek:
     def seek(rater: Rater, block: int, is_hurried: bool) -> Incumbent | None:
         subject = problem.subjects[block]
         first = block * subject.drift_position.size
-        walk = Walk(rater.program, subject, fleet.unit, first, is_quick=True)
+        alone = fleet.problem((members[block],)).passage
+        level = 0 if alone is None else alone.walk.level
+        walk = Walk(rater.program, subject, fleet.unit, first, level, is_quick=True)
         if not walk.is_possible:
             return None
         passage = Passage(walk, rater)

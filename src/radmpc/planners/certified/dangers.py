@@ -1,0 +1,105 @@
+"""What a vehicle must not touch, window by window, as half-planes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.program.program import DisjunctiveProgram
+
+__all__ = ["Danger", "dangers_of", "gap_middles", "limits_at"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Danger:
+    """One avoidance over a window: half-planes at its start and at its end, side by side.
+
+    Attributes
+    ----------
+    here, ahead : (s, 3) array
+        Normal and offset per side; a normal of 0 and an offset of inf where nothing is asked.
+    deviation : float
+        The largest standard deviation of its rows [m].
+    """
+
+    here: Matrix
+    ahead: Matrix
+    deviation: float
+
+    @property
+    def key(self) -> tuple[bytes, bytes]:
+        """What makes two windows of a danger that does not move the same."""
+        return self.here.tobytes(), self.ahead.tobytes()
+
+
+def dangers_of(program: DisjunctiveProgram, horizon: int, own: slice) -> list[list[Danger]]:
+    """Return the avoidances of each window; where others are placed is part of the offsets."""
+    rows = program.rows
+    others = program.constant[: program.num_positions].copy()
+    others[own] = 0.0
+    offsets = rows.offsets - rows.normals[:, : program.num_positions] @ others
+    places = rows.normals[:, own].tocoo()
+    normals = np.zeros((rows.count, 2))
+    normals[places.row, places.col % 2] = places.data
+    steps = np.full(rows.count, -1)
+    steps[places.row] = places.col // 2
+    is_interval = bool(np.any(np.diff(program.alternative_starts) == 2))
+    found: list[list[Danger]] = [[] for _ in range(horizon)]
+    for avoidance, label in enumerate(program.avoidances):
+        k = label.step - (0 if is_interval else 1)
+        sides = program.alternatives_of(avoidance)
+        here, ahead = (np.tile([0.0, 0.0, np.inf], (len(sides), 1)) for _ in range(2))
+        deviation = 1e-9
+        for number, side in enumerate(sides):
+            for row in program.rows_of(side):
+                plane = here if steps[row] == k else ahead
+                plane[number] = [*normals[row], offsets[row]]
+                deviation = max(deviation, float(rows.deviations[row]))
+        found[k].append(Danger(here, ahead, deviation))
+    return found
+
+
+def gap_middles(dangers: Sequence[Sequence[Danger]], axis: int, widest: float) -> list[float]:
+    """Return the middles of gaps between parallel sides along an axis, the narrowest last [m]."""
+    lower, upper = set[float](), set[float]()
+    for danger in {danger.key: danger for at in dangers for danger in at}.values():
+        for plane in danger.here:
+            limit = _limit(plane, axis)
+            if limit is not None:
+                (upper if plane[axis] > 0.0 else lower).add(round(limit, 6))
+    pairs = [(high - low, 0.5 * (high + low)) for low in lower for high in upper]
+    return [middle for width, middle in sorted(pairs, reverse=True) if 0.0 < width <= widest]
+
+
+def limits_at(dangers: Sequence[Sequence[Danger]]) -> tuple[Matrix, Matrix]:
+    """Return the box that dangers of one side only, as borders are, leave at each step.
+
+    Returns
+    -------
+    pair of (T+1, 2) array
+        Corners [m], infinite where there is no border.
+    """
+    lower = np.full((len(dangers) + 1, 2), -np.inf)
+    upper = np.full((len(dangers) + 1, 2), np.inf)
+    for k, at in enumerate(dangers):
+        for danger in at:
+            if len(danger.here) != 1:
+                continue
+            for step, plane in ((k, danger.here[0]), (k + 1, danger.ahead[0])):
+                for axis in (0, 1):
+                    limit = _limit(plane, axis)
+                    if limit is not None and plane[axis] > 0.0:
+                        upper[step, axis] = min(upper[step, axis], limit)
+                    elif limit is not None:
+                        lower[step, axis] = max(lower[step, axis], limit)
+    return lower, upper
+
+
+def _limit(plane: Vector, axis: int) -> float | None:
+    """Return where a half-plane ends along an axis, if it is parallel to the other."""
+    if abs(plane[axis]) < 1e-9 or abs(plane[1 - axis]) > 1e-9 or not np.isfinite(plane[2]):
+        return None
+    return float(plane[2] / plane[axis])
