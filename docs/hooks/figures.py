@@ -9,7 +9,7 @@ from __future__ import annotations
 import posixpath
 import re
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -44,26 +44,44 @@ def _draw_ledger(path: Path) -> None:
     save_ledger(_harbor(), path)
 
 
+def _draw_view(view: str, path: Path) -> None:
+    """Draw what the function of that name shows of the plan."""
+    from radmpc import plotting  # noqa: PLC0415 - as above
+
+    plotting.save_axes(getattr(plotting, f"plot_{view}")(_harbor()), path)
+
+
+def _film_harbor(path: Path) -> None:
+    """Film the plan."""
+    from radmpc.plotting import save_animation  # noqa: PLC0415 - as above
+
+    save_animation(_harbor(), path)
+
+
 FIGURES: dict[str, Callable[[Path], None]] = {
-    "harbor": _draw_harbor,
-    "ledger": _draw_ledger,
+    "harbor.png": _draw_harbor,
+    "ledger.png": _draw_ledger,
+    "couplings.png": partial(_draw_view, "couplings"),
+    "distances.png": partial(_draw_view, "distances"),
+    "risk.png": partial(_draw_view, "risk"),
+    "film.gif": _film_harbor,
 }
 
 
 def picture(name: str) -> Path:
     """Return the file of a figure, made if it is not there."""
     folder = made(
-        name,
+        Path(name).stem,
         code_digest(Path(__file__)),
-        lambda unfinished: FIGURES[name](unfinished / f"{name}.png"),
+        lambda unfinished: FIGURES[name](unfinished / name),
     )
-    return folder / f"{name}.png"
+    return folder / name
 
 
 def on_files(files: Any, config: Any) -> Any:
     """Put the figures where pages show them; the harbor replaces the committed picture."""
     for name in FIGURES:
-        uri = f"images/{name}.png"
+        uri = f"images/{name}"
         there = files.get_file_from_path(uri)
         if there is not None:
             files.remove(there)
@@ -77,7 +95,12 @@ def on_page_markdown(markdown: str, page: Any, files: Any, **_: Any) -> str:
 
     def shown(match: re.Match[str]) -> str:
         name = match["name"]
-        uris = [f"images/{name}.png", f"images/gallery/{name}.png", f"images/gallery/{name}.gif"]
+        uris = [
+            f"images/{name}.png",
+            f"images/{name}.gif",
+            f"images/gallery/{name}.png",
+            f"images/gallery/{name}.gif",
+        ]
         there = [uri for uri in uris if files.get_file_from_path(uri) is not None]
         if not there:
             raise PluginError(f"{page.file.src_uri}: no figure is called {name!r}")

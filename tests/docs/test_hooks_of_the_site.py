@@ -120,7 +120,8 @@ def test_a_picture_that_failed_is_not_kept(hook, cache: Path) -> None:
 
 def test_every_figure_of_a_page_is_one_that_the_build_makes(hook) -> None:
     figures = hook("figures")
-    known = {*figures.FIGURES, *(example.path.stem for example in hook("gallery").examples())}
+    known = {Path(name).stem for name in figures.FIGURES}
+    known |= {example.path.stem for example in hook("gallery").examples()}
     for page in PAGES:
         asked = {m["name"] for m in figures.MARK.finditer(page.read_text(encoding="utf-8"))}
         assert asked <= known, page.name

@@ -99,6 +99,7 @@ def test_a_gif_holds_every_frame_and_lasts_as_long_as_it_should(
         assert image.info["duration"] == 250
         assert image.info["loop"] == 0
         first = np.asarray(image.convert("RGB"), dtype=int)
+        assert first[0, 0].tolist() == [255, 255, 255]
         image.seek(HORIZON)
         assert (np.abs(np.asarray(image.convert("RGB"), dtype=int) - first) > 60).any()
     assert os.listdir(tmp_path) == ["bay.gif"]

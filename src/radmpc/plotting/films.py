@@ -86,18 +86,19 @@ def _write_gif(film: Film, name: str, milliseconds: int) -> None:
         pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
         images.append(Image.fromarray(pixels).convert("RGB"))
     # One palette for all: colors that change from frame to frame would flicker.
-    palette = _with_white(images[len(images) // 2].quantize(255))
+    palette = images[len(images) // 2].quantize(255)
     images = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    for image in images:
+        _whiten(image)
     durations = [milliseconds] * (len(images) - 1) + [1000]
     images[0].save(name, save_all=True, append_images=images[1:], duration=durations, loop=0)
 
 
-def _with_white(image: Image.Image) -> Image.Image:
-    """Make the palette's lightest color white: averaged, it would show on a white page."""
+def _whiten(image: Image.Image) -> None:
+    """Make the paper white again: as an average of its palette it would show on a white page."""
     colors = np.array(image.getpalette(), dtype=np.uint8).reshape(-1, 3)
-    colors[colors.sum(axis=1).argmax()] = 255
+    colors[image.getpixel((0, 0))] = 255
     image.putpalette(colors.tobytes())
-    return image
 
 
 def _write_mp4(film: Film, name: str, milliseconds: int) -> None:
