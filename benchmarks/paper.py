@@ -57,7 +57,7 @@ def run(num_vehicles: int, seed: int, planner: str | Planner, cap: float | None)
 
 def rows_of(runs: list[Run]) -> Table:
     """Return one row per problem."""
-    table = Table("N", "seed", "radmpc [s]", "sets [s]", "certificate [s]", "total [s]")
+    table = Table("N", "seed", r"radmpc \[s]", r"sets \[s]", r"certificate \[s]", r"total \[s]")
     for name in ("sets", "cost", "certified"):
         table.add_column(name)
     for r in runs:
@@ -73,7 +73,7 @@ def rows_of(runs: list[Run]) -> Table:
 
 def summary_of(runs: list[Run], reference: dict[tuple[int, int], Run], cap: float) -> Table:
     """Return one row per fleet size: medians, and the geometric mean of the ratios."""
-    table = Table("N", "median [s]", "max [s]", "within 0.05", "reference [s]", "speed-up")
+    table = Table("N", r"median \[s]", r"max \[s]", "within 0.05", r"reference \[s]", "speed-up")
     for n in sorted({r.num_vehicles for r in runs}):
         ours = [r for r in runs if r.num_vehicles == n]
         totals = [r.seconds["total"] for r in ours]

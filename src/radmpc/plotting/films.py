@@ -97,7 +97,7 @@ def _write_gif(film: Film, name: str, milliseconds: int) -> None:
 def _whiten(image: Image.Image) -> None:
     """Make the paper white again: as an average of its palette it would show on a white page."""
     colors = np.array(image.getpalette(), dtype=np.uint8).reshape(-1, 3)
-    colors[image.getpixel((0, 0))] = 255
+    colors[np.asarray(image)[0, 0]] = 255
     image.putpalette(colors.tobytes())
 
 
