@@ -14,7 +14,9 @@ _INTERRUPTED = 1
 def main() -> None:
     """Run the command line and exit the process with its code."""
     # While modules load, an exception would come out of any of them with a traceback.
-    usual = signal.signal(signal.SIGINT, _leave)
+    usual = signal.getsignal(signal.SIGINT)
+    if usual is not signal.SIG_IGN:  # as of a job in the background
+        signal.signal(signal.SIGINT, _leave)
     from radmpc.cli import app  # noqa: PLC0415 - see above
 
     signal.signal(signal.SIGINT, usual)

@@ -108,13 +108,13 @@ class Frozen:
     __slots__ = ()
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Return what makes an equal value: its constructor runs again."""
-        return _made_again, (type(self), *(getattr(self, name) for name in _fields(self)))
+        """Return what makes an equal value, without checking it again."""
+        return _made_again, (type(self), *(getattr(self, name) for name in _fields(type(self))))
 
 
-def _fields(value: object) -> tuple[str, ...]:
-    """Return the names of a dataclass's fields, in the order of its constructor."""
-    return tuple(field.name for field in fields(value))  # type: ignore[arg-type] # its subclasses
+def _fields(kind: type[Frozen]) -> tuple[str, ...]:
+    """Return the names of a dataclass's fields."""
+    return tuple(field.name for field in fields(kind))  # type: ignore[arg-type] # its subclasses
 
 
 def _made_again(kind: type[Frozen], *values: object) -> Frozen:
@@ -123,4 +123,7 @@ def _made_again(kind: type[Frozen], *values: object) -> Frozen:
         for entry in value if isinstance(value, tuple) else (value,):
             if isinstance(entry, np.ndarray):
                 frozen(entry)
-    return kind(*values)
+    made = object.__new__(kind)
+    for name, value in zip(_fields(kind), values, strict=True):
+        object.__setattr__(made, name, value)
+    return made

@@ -77,8 +77,9 @@ def plan(
 
     planner = DEFAULT if planner is None else planner
     request = Request(
-        planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask, verbose, animation
-    )
+        planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask, verbose, animation,
+        scenario,
+    )  # fmt: skip
     check_request(request)
     return run_plan(load_scenario(scenario), request)
 
@@ -185,12 +186,13 @@ def import_file(
     avoidance: given.AvoidanceName = None,
 ) -> int:
     """Import another format; print what had to be chosen."""
-    from radmpc.console.files import check_output, writing
+    from radmpc.console.files import check_output, check_separate, writing
     from radmpc.console.report import facts, scenario_line
     from radmpc.io.importing import ImportOptions, import_scenario
     from radmpc.io.scenario_file import save_scenario
 
     check_output(output)
+    check_separate(source, output)
     options = ImportOptions(
         dt=dt,
         horizon=horizon,

@@ -15,6 +15,8 @@ from typing import IO
 
 import pytest
 
+from radmpc.console.files import demo_text
+
 from .conftest import CROSSING, Run, assert_one_line
 
 FOREIGN = Path(__file__).parents[2] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
@@ -162,3 +164,32 @@ def test_a_full_device_is_one_line(ready: Run, name: str) -> None:
     assert result.exit_code == 2
     line = assert_one_line(result.stderr)
     assert line == "radmpc: cannot write /dev/full: No space left on device"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("plan", "mine.yaml", "-o", "mine.yaml"),
+        ("plan", "mine.yaml", "--figure", "same.png", "--ledger", "same.png"),
+        ("import", "mine.yaml", "-o", "./mine.yaml"),
+    ],
+)
+def test_what_is_read_is_not_replaced_nor_one_output_by_another(
+    run: Run, words: tuple[str, ...]
+) -> None:
+    Path("mine.yaml").write_text(demo_text())
+    result = run(*words)
+    assert result.exit_code == 2
+    assert "cannot write" in assert_one_line(result.stderr)
+    assert Path("mine.yaml").read_text() == demo_text()
+    assert not Path("same.png").exists()
+
+
+def test_the_demo_does_not_replace_a_scenario_that_was_changed(run: Run) -> None:
+    changed = demo_text().replace("risk_bound: 0.05", "risk_bound: 0.01")
+    Path("out").mkdir()
+    Path("out/harbor.yaml").write_text(changed)
+    result = run("demo", "--out", "out")
+    assert result.exit_code == 2
+    assert "differs from the shipped scenario" in assert_one_line(result.stderr)
+    assert Path("out/harbor.yaml").read_text() == changed

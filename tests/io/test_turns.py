@@ -67,3 +67,13 @@ def test_several_that_come_towards_one_pass_one_behind_the_other() -> None:
     second = vehicle("second", [38.5, 0.0], [5.0, 0.0])
     one, *others = waits(lane(1.0, EAST, WEST, second))
     assert one == pytest.approx(others[0] + 2.0)
+
+
+def test_between_two_short_gates_there_is_room_to_wait() -> None:
+    gates = tuple(
+        Obstacle.box(f"{side}{x}", [x, low], [x + 1.5, high])
+        for x in (4.0, 34.0)
+        for side, low, high in (("north", 0.7, 6.0), ("south", -6.0, -0.7))
+    )
+    problem = replace(lane(1.0, EAST, WEST), obstacles=gates)
+    assert max(waits(problem)) <= 4.0

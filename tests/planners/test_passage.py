@@ -13,6 +13,7 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified.dangers import dangers_of, gap_middles
 from radmpc.planners.certified.passage import Passage
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.walk import Walk
@@ -186,3 +187,21 @@ def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
     in_lane = [np.flatnonzero((way[:, 0] > 7.5) & (way[:, 0] < 22.5)) for way in (east, west)]
     assert max(in_lane[0]) < min(in_lane[1]) or max(in_lane[1]) < min(in_lane[0])
     assert problem.rater.rate(z).risk < 0.05
+
+
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+def test_gaps_are_seen_at_steps_and_along_intervals(avoidance):
+    scenario = replace(lane(gap=(-0.7, 0.8)), avoidance=avoidance)
+    problem = problem_of(scenario)
+    dangers = dangers_of(problem.program, scenario.horizon, problem.passage.walk.places)
+    assert gap_middles(dangers, 1, 3.0) == [pytest.approx(0.05)]
+
+
+def test_where_effort_is_free_a_passage_seeks_the_least_risk():
+    problem = problem_of(clutter(10, 100, 0), 6)
+    limits = Limits(float("inf"), lambda: False)
+    free = problem.without_cost()
+    found = free.passage.found(1.0, 1.0, limits, None)
+    assert found.cost == 0.0
+    assert found.risk <= problem.passage.found(1.0, 1.0, limits, None).risk
+    assert found.risk <= 0.02

@@ -14,8 +14,11 @@ from scipy.optimize import minimize
 
 from radmpc.geometry import box
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk
+from radmpc.model.scenario import Scenario
 from radmpc.plotting import plot_couplings, plot_distances, plot_risk
 from radmpc.plotting.clearances import _nearest_of, closest_clearances
+
+from .conftest import HORIZON, make_plan, make_vehicle
 
 
 def artists(ax: Axes, gid: str) -> list[object]:
@@ -152,3 +155,32 @@ def test_charts_are_drawn_on_given_axes_and_leave_no_figure_behind(coupled: Plan
         ax = Figure().add_subplot()
         assert function(coupled, ax) is ax
     assert pyplot.get_fignums() == []
+
+
+@pytest.mark.parametrize("others", [0, 9])
+def test_two_that_rush_past_each_other_between_steps_are_seen_in_any_fleet(others: int) -> None:
+    rushing = [
+        replace(make_vehicle("a", [-6.0, 0.0], [18.0, 0.0]), initial_covariance=1e-9),
+        replace(make_vehicle("b", [6.0, 0.39], [-18.0, 0.4]), initial_covariance=1e-9),
+    ]
+    far = [
+        make_vehicle(f"far{i}", [50.0 + 9.0 * i, 50.0], [50.0 + 9.0 * i, 55.0])
+        for i in range(others)
+    ]
+    vehicles = tuple(replace(v, disturbance_covariance=0.0) for v in (*rushing, *far))
+    scenario = Scenario("rush", 1.0, HORIZON, 0.05, vehicles)
+    closest = closest_clearances(make_plan(scenario), 1)[0]
+    assert closest.name == "a – b"
+    assert closest.distance.min() < -0.3
+
+
+def test_a_moving_obstacle_that_passes_over_between_steps_is_seen(flat_plan: Plan) -> None:
+    found = {c.name: c for c in closest_clearances(flat_plan, 100)}
+    ferry = found["c, ferry"]
+    assert len(ferry.times) == 20 * HORIZON + 1
+    still = flat_plan.trajectories[2].means[:, :2]
+    away = [
+        shapely.box(7.0 + k, 7.0, 8.0 + k, 8.0).distance(shapely.Point(p)) - 0.5
+        for k, p in enumerate(still)
+    ]
+    np.testing.assert_allclose(np.maximum(ferry.at_steps(ferry.distance), -0.5), away, atol=1e-9)

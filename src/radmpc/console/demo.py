@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from radmpc.console.files import DEMO_NAME, check_output, demo_text, writing
+from radmpc.console.files import DEMO_NAME, OutputError, check_output, demo_text, writing
 from radmpc.console.output import show
 from radmpc.console.planning import Request, check_request, run_plan
 from radmpc.io.atomic import write_text
@@ -35,8 +35,7 @@ def run_demo(folder: Path) -> int:
     request = Request(DEFAULT, seed=0, output=plan_path, figure=figure_path)
     check_request(request)
     check_output(scenario_path)
-    with writing(scenario_path):
-        write_text(scenario_path, demo_text())
+    _write_scenario(scenario_path)
     code = run_plan(load_scenario(scenario_path), request)
     show(
         "",
@@ -46,3 +45,19 @@ def run_demo(folder: Path) -> int:
         "  radmpc planners",
     )
     return code
+
+
+def _write_scenario(path: Path) -> None:
+    """Write the shipped scenario, but not over one that somebody has changed.
+
+    Raises
+    ------
+    OutputError
+        If another scenario stands there.
+    """
+    with writing(path):
+        if path.exists() and path.read_bytes() not in {b"", demo_text().encode()}:
+            raise OutputError(
+                f"cannot write {path}: it differs from the shipped scenario; choose another --out"
+            )
+        write_text(path, demo_text())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from radmpc.console.completing import VIEWS
-from radmpc.console.files import check_output, writing
+from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.guard import Code
 from radmpc.console.output import show
 from radmpc.errors import FileFormatError, ScenarioError
@@ -56,6 +56,7 @@ def run_draw(source: Path, view: str | None, output: Path) -> int:
         check_film(output)
     else:
         _check_picture(output)
+    check_separate(source, output)
     value = _load(source)
     if isinstance(value, Scenario) and (is_film or view is not None):
         raise FileFormatError(f"{source}: is a scenario, and only a plan has films and views")

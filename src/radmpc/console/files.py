@@ -11,7 +11,7 @@ from pathlib import Path
 
 from radmpc.errors import RadmpcError
 
-__all__ = ["DEMO_NAME", "OutputError", "check_output", "demo_text", "writing"]
+__all__ = ["DEMO_NAME", "OutputError", "check_output", "check_separate", "demo_text", "writing"]
 
 DEMO_NAME = "harbor"
 
@@ -37,6 +37,23 @@ def check_output(path: Path | None) -> None:
             raise _failure(errno.ENOTDIR if path.parent.exists() else errno.ENOENT, path.parent)
         if not os.access(path.parent, os.W_OK):
             raise _failure(errno.EACCES, path.parent)
+
+
+def check_separate(source: Path | None, *outputs: Path | None) -> None:
+    """Refuse outputs that would replace what is read, or one another.
+
+    Raises
+    ------
+    OutputError
+        If two of them are one file.
+    """
+    taken = {} if source is None else {source.resolve(): "it is what is read"}
+    for path in outputs:
+        if path is None or path.is_char_device():
+            continue
+        if path.resolve() in taken:
+            raise OutputError(f"cannot write {path}: {taken[path.resolve()]}")
+        taken[path.resolve()] = "something else is written there"
 
 
 @contextmanager

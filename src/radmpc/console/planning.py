@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.console.drawing import check_film, write_film
-from radmpc.console.files import check_output, writing
+from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.guard import Code
 from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show, show_json
@@ -43,6 +43,8 @@ class Request:
         Number of processes.
     dask : str or None
         Address of a Dask scheduler.
+    source : Path or None
+        The scenario's file, which no output may replace.
     is_verbose : bool
         Whether stages are told on stderr.
     output, figure, ledger, animation : Path or None
@@ -62,6 +64,7 @@ class Request:
     dask: str | None = None
     is_verbose: bool = False
     animation: Path | None = None
+    source: Path | None = None
 
 
 def check_request(request: Request) -> None:
@@ -83,6 +86,8 @@ def check_request(request: Request) -> None:
     check_picture(request.figure)
     check_picture(request.ledger)
     check_film(request.animation)
+    outputs = (request.output, request.figure, request.ledger, request.animation)
+    check_separate(request.source, *outputs)
 
 
 def run_plan(scenario: Scenario, request: Request) -> int:

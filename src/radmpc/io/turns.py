@@ -78,5 +78,7 @@ def _shared_length(lattice: Lattice, one: Indices, two: Indices, radii: float) -
     shared = np.flatnonzero((distances < radii) & is_narrow)
     if shared.size < 2 or nearest[shared[-1]] >= nearest[shared[0]]:
         return 0.0
-    length = float(shared[-1] - shared[0]) * lattice.spacing
+    # What lies between two narrow places is wide enough to wait in.
+    runs = np.split(shared, np.flatnonzero(np.diff(shared) > cells) + 1)
+    length = max(float(run[-1] - run[0]) for run in runs) * lattice.spacing
     return length if length >= _LEAST_LENGTH * radii else 0.0

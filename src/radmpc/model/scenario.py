@@ -139,12 +139,13 @@ class Scenario:
             checked.add(id(system))
             wanted = double_integrator(self.dt, system.dimension)
             if (
-                not np.array_equal(system.A, wanted.A)
-                or not np.array_equal(system.B, wanted.B)
+                not np.allclose(system.A, wanted.A, rtol=1e-12, atol=1e-15)
+                or not np.allclose(system.B, wanted.B, rtol=1e-12, atol=1e-15)
                 or (system.position, system.velocity) != (wanted.position, wanted.velocity)
             ):
                 raise ScenarioError(
-                    f"a double integrator must be that of dt = {self.dt:g} s",
+                    f"a double integrator must be that of dt = {self.dt:g} s, its state positions "
+                    "and then velocities",
                     ("vehicles", i, "dynamics"),
                 )
 

@@ -149,7 +149,7 @@ def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
         return _start_in_conflict(worst)
     parts = [f"{danger(exposure)} (risk {risk:.3g})" for exposure, risk in ranked[:3]]
     return (
-        f"The starts alone carry a collision risk of {at_start:.3g}, above the "
+        f"The starts alone carry a collision risk of {at_start:.3g} by simple bounds, above the "
         f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
         "initial_covariance."
     )

@@ -26,6 +26,7 @@ __all__ = ["FRAMES_PER_STEP", "SECONDS_PER_STEP", "Film", "animate_plan", "make_
 
 FRAMES_PER_STEP = 5
 SECONDS_PER_STEP = 0.5  # of the film
+_MOST_FRAMES = 50
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +62,7 @@ def animate_plan(
     ax : Axes or None
         Where; three-dimensional for a scenario in space. None makes a figure of one column.
     frames_per_step : int
-        Frames from one step to the next, ≥ 1.
+        Frames from one step to the next, 1 to 50.
 
     Returns
     -------
@@ -78,6 +79,8 @@ def animate_plan(
 
 def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
     """Return a plan as a figure that can be set to any frame; see `animate_plan`."""
+    if not 1 <= frames_per_step <= _MOST_FRAMES:
+        raise ValueError(f"frames_per_step must be 1 to {_MOST_FRAMES}, got {frames_per_step}")
     extent = plan_extent(plan)
     lines = num_title_lines(plan, details=False) + 1
     axes = new_axes(extent, lines) if ax is None else ax

@@ -11,15 +11,19 @@ from scipy.optimize import nnls
 from scipy.spatial import cKDTree
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.geometry import Polytope
+from radmpc.geometry import Polytope, hull
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
-from radmpc.plotting.curves import mean_path, positions
+from radmpc.plotting.curves import mean_path
+from radmpc.plotting.moments import moving_outline
 
 __all__ = ["Clearance", "closest_clearances"]
 
 _NEAR = 12.0
 """Standard deviations beyond which a pair is not looked at."""
+
+_FINENESS = 20
+"""Points per step."""
 
 _HEAVY = 1e3
 """Weight of a row of a least-squares problem that must hold."""
@@ -93,7 +97,7 @@ def _points_per_step(plan: Plan) -> int:
         len(mean_path(v, t, plan.scenario.dt))
         for v, t in zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     )
-    return max(10, (longest - 1) // plan.scenario.horizon)
+    return max(_FINENESS, (longest - 1) // plan.scenario.horizon)
 
 
 def _fine_path(plan: Plan, index: int, count: int) -> Matrix:
@@ -120,9 +124,11 @@ def _near_pairs(plan: Plan, ways: Tensor, noise: Tensor) -> list[tuple[int, int]
     if len(vehicles) <= 8:
         return list(combinations(range(len(vehicles)), 2))
     spread = float(np.sqrt(np.trace(noise, axis1=2, axis2=3).max()))
-    reach = 2.0 * max(v.radius for v in vehicles) + _NEAR * spread
+    # Two may come together and part again within what both move from point to point.
+    move = float(np.linalg.norm(np.diff(ways, axis=1), axis=2).max(initial=0.0))
+    reach = 6.0 * max(v.radius for v in vehicles) + _NEAR * spread + 2.0 * move
     found: set[tuple[int, int]] = set()
-    for k in range(0, ways.shape[1], 3):
+    for k in range(ways.shape[1]):
         found |= cKDTree(ways[:, k]).query_pairs(reach)
     return sorted(found)
 
@@ -142,13 +148,15 @@ def _of_pair(plan: Plan, i: int, j: int, ways: Tensor, noise: Tensor, times: Vec
 def _of_obstacle(
     plan: Plan, i: int, obstacle: Obstacle, way: Matrix, noise: Tensor, times: Vector
 ) -> Clearance:
-    """Return the distance between a vehicle's hull and an obstacle, a moving one at the steps."""
+    """Return the distance between a vehicle's hull and an obstacle."""
     vehicle = plan.scenario.vehicles[i]
     stride = (len(times) - 1) // plan.scenario.horizon
     if obstacle.is_moving:
-        way = positions(vehicle, plan.trajectories[i])
-        noise, times, stride = noise[::stride], times[::stride], 1
-        at_steps = [_nearest(way[k : k + 1], obstacle.at(k)) for k in range(len(way))]
+        shares = np.arange(len(way)) / stride
+        at_steps = [
+            _nearest(way[k : k + 1], (hull(moving_outline(obstacle, float(share))),))
+            for k, share in enumerate(shares)
+        ]
         distance = np.concatenate([found[0] for found in at_steps])
         along = np.concatenate([found[1] for found in at_steps])
     else:

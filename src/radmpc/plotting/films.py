@@ -56,7 +56,7 @@ def save_animation(
     path : path
         Ends in ``.gif``, or in ``.mp4`` where the program ``ffmpeg`` is on the PATH.
     frames_per_step : int
-        Frames from one step to the next, ≥ 1.
+        Frames from one step to the next, 1 to 50.
 
     Raises
     ------

@@ -38,10 +38,12 @@ def subtitle(plan: Plan, *, details: bool = True) -> str:
         return " · ".join(facts)
     if "total" in plan.seconds:
         facts.append(f"{plan.seconds['total']:.2g} s")
-    line = " · ".join([*facts, plan.planner])
+    # Alone, a record that begins with "optimal" would read as a verdict.
+    planner = f"planner: {plan.planner}"
+    line = " · ".join([*facts, planner])
     if len(line) <= _LINE_CHARACTERS:
         return line
-    return "\n".join([" · ".join(facts), plan.planner])
+    return "\n".join([" · ".join(facts), textwrap.fill(planner, _LINE_CHARACTERS)])
 
 
 def alert_text(plan: Plan) -> str | None:

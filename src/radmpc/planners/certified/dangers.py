@@ -66,7 +66,7 @@ def gap_middles(dangers: Sequence[Sequence[Danger]], axis: int, widest: float) -
     """Return the middles of gaps between parallel sides along an axis, the narrowest last [m]."""
     lower, upper = set[float](), set[float]()
     for danger in {danger.key: danger for at in dangers for danger in at}.values():
-        for plane in danger.here:
+        for plane in (*danger.here, *danger.ahead):
             limit = _limit(plane, axis)
             if limit is not None:
                 (upper if plane[axis] > 0.0 else lower).add(round(limit, 6))

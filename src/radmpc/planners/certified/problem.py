@@ -75,7 +75,13 @@ class SetProblem:
     def without_cost(self) -> SetProblem:
         """Return the same set with all effort free."""
         program = replace(self.program, cost=np.zeros(self.program.num_columns))
-        return replace(self, program=program)
+        passage = self.passage
+        if passage is not None:
+            unit = passage.walk.unit
+            walk = Walk(program, self.subjects[0], unit)
+            walk.motion = replace(walk.motion, weight=0.0)
+            passage = Passage(walk, Rater(program, unit))
+        return replace(self, program=program, passage=passage)
 
     def means(self, z: np.ndarray) -> Tensor:
         """Return the mean positions of the members, (n, T+1, d)."""

@@ -73,6 +73,8 @@ class Walk:
     level: int = 0
     is_quick: bool = False
     _dangers: list[list[Danger]] = field(default_factory=list)
+    _deviations: dict[tuple[bytes, bytes], float] = field(default_factory=dict)
+    """The largest of each danger over all windows: what is near then is looked at in all."""
     _ways: dict[tuple[float, float], Matrix | None] = field(default_factory=dict)
     _margins: dict[tuple[object, ...], tuple[Indices, Vector]] = field(default_factory=dict)
 
@@ -107,6 +109,9 @@ class Walk:
         """
         if not self._dangers:
             self._dangers = dangers_of(self.program, self.subject.horizon, self.places)
+            for danger in (danger for at in self._dangers for danger in at):
+                known = self._deviations.get(danger.key, 0.0)
+                self._deviations[danger.key] = max(known, danger.deviation)
         if (rate, haste) not in self._ways:
             self._ways[rate, haste] = self._found(rate, haste)
         return self._ways[rate, haste]
@@ -231,7 +236,7 @@ class Walk:
         self, lattice: Lattice, reference: Indices, move: Indices, danger: Danger
     ) -> tuple[Indices, Vector]:
         """Return the moves along which the best side leaves little room, and how little."""
-        near = _NEAR * danger.deviation * 1.5
+        near = _NEAR * self._deviations[danger.key] * 1.5
         axes = lattice.axes(reference)
         # Cells from which no move leads near are cut away first.
         longest = (lattice.moves + np.abs(move)) * lattice.stride

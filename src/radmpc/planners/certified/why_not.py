@@ -21,6 +21,9 @@ _UNIT = 0.49
 _NODES = 400
 """Nodes to find out whether leaving one thing out opens a way."""
 
+_QUIET = 1e-6
+"""Factor of covariances that leaves next to nothing of them."""
+
 _NAMED = 3
 _MAX_CONFLICTS = 8
 
@@ -140,9 +143,14 @@ def _stuck(scenario: Scenario, members: tuple[int, ...], limits: Limits) -> str:
     members = _smallest(scenario, members, limits)
     part = scenario.subset(members, scenario.risk_bound)
     names = [repr(v.name) for v in part.vehicles]
-    blockers = _blockers(part, limits)
     who = f"Vehicle {names[0]}" if len(names) == 1 else f"Vehicles {' and '.join(names)} together"
     verb = "has" if len(names) == 1 else "have"
+    if _has_plan(_without_noise(part), limits):
+        return (
+            f"{who} {verb} no way on which the noise leaves room (without noise there is one): "
+            "reduce the noise, add feedback, or make room where it is narrow."
+        )
+    blockers = _blockers(part, limits)
     if not blockers:
         what = "their goals, or start them apart" if len(names) > 1 else "its goal"
         return f"{who} {verb} no plan at any risk: lengthen the horizon, move {what}."
@@ -172,6 +180,19 @@ def _blockers(scenario: Scenario, limits: Limits) -> list[str]:
     if scenario.workspace is not None and _has_plan(replace(scenario, workspace=None), limits):
         found.append("the workspace border")
     return found
+
+
+def _without_noise(scenario: Scenario) -> Scenario:
+    """Return the same fleet with next to no noise."""
+    quiet = [
+        replace(
+            vehicle,
+            initial_covariance=_QUIET * vehicle.initial_covariance,
+            disturbance_covariance=_QUIET * vehicle.disturbance_covariance,
+        )
+        for vehicle in scenario.vehicles
+    ]
+    return replace(scenario, vehicles=tuple(quiet))
 
 
 def _search(scenario: Scenario, limits: Limits) -> RiskTree:
