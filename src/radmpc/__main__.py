@@ -17,7 +17,7 @@ def main() -> None:
     usual = signal.getsignal(signal.SIGINT)
     if usual is not signal.SIG_IGN:  # as of a job in the background
         signal.signal(signal.SIGINT, _leave)
-    from radmpc.cli import app  # noqa: PLC0415 - see above
+    from radmpc.cli import app  # noqa: PLC0415 - guarded while it loads
 
     signal.signal(signal.SIGINT, usual)
     code = _INTERRUPTED

@@ -8,6 +8,7 @@ from radmpc.console.completing import VIEWS
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.guard import Code
 from radmpc.console.output import show
+from radmpc.console.picture import check_film, write_film
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.document import read_document
 from radmpc.io.plan_file import load_plan
@@ -16,7 +17,7 @@ from radmpc.io.scenario_file import load_scenario
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 
-__all__ = ["check_film", "run_draw", "write_film"]
+__all__ = ["run_draw"]
 
 _FILMS = (".gif", ".mp4")
 
@@ -68,35 +69,9 @@ def run_draw(source: Path, view: str | None, output: Path) -> int:
     return Code.OK
 
 
-def check_film(path: Path | None) -> None:
-    """Refuse a film that could not be written.
-
-    Raises
-    ------
-    FileFormatError
-        If its format is unknown, or needs a program that is not there.
-    OutputError
-        If its folder is missing or not writable.
-    """
-    if path is None:
-        return
-    from radmpc.plotting import check_film_path  # noqa: PLC0415 - matplotlib takes long to load
-
-    check_film_path(path)
-    check_output(path)
-
-
-def write_film(plan: Plan, path: Path) -> None:
-    """Draw a plan as a film into a file."""
-    from radmpc.plotting import save_animation  # noqa: PLC0415 - see above
-
-    with writing(path):
-        save_animation(plan, path)
-
-
 def _check_picture(path: Path) -> None:
     """Refuse a picture that could not be written."""
-    from radmpc.plotting import FIGURE_SUFFIXES  # noqa: PLC0415 - see above
+    from radmpc.plotting import FIGURE_SUFFIXES  # noqa: PLC0415 - matplotlib loads slowly
 
     if path.suffix.lower() not in FIGURE_SUFFIXES:
         known = ", ".join((*FIGURE_SUFFIXES, *_FILMS))
@@ -113,7 +88,7 @@ def _load(source: Path) -> Scenario | Plan:
 
 def _draw(value: Scenario | Plan, view: str, output: Path) -> None:
     """Draw one view into a file."""
-    from radmpc import plotting  # noqa: PLC0415 - see above
+    from radmpc import plotting  # noqa: PLC0415 - matplotlib loads slowly
 
     with writing(output):
         if isinstance(value, Scenario):

@@ -1,4 +1,4 @@
-"""Pictures on request: matplotlib takes a third of a second to load, so only on request."""
+"""Pictures and films on request: matplotlib takes a third of a second to load."""
 
 from __future__ import annotations
 
@@ -7,7 +7,25 @@ from pathlib import Path
 from radmpc.console.files import check_output, writing
 from radmpc.model.plan import Plan
 
-__all__ = ["check_picture", "write_ledger", "write_picture"]
+__all__ = ["check_film", "check_picture", "write_film", "write_ledger", "write_picture"]
+
+
+def check_film(path: Path | None) -> None:
+    """Refuse a film that could not be written.
+
+    Raises
+    ------
+    FileFormatError
+        If its format is unknown, or needs a program that is not there.
+    OutputError
+        If its folder is missing or not writable.
+    """
+    if path is None:
+        return
+    from radmpc.plotting import check_film_path  # noqa: PLC0415 - see the file's first line
+
+    check_film_path(path)
+    check_output(path)
 
 
 def check_picture(path: Path | None) -> None:
@@ -42,3 +60,11 @@ def write_picture(plan: Plan, path: Path) -> None:
 
     with writing(path):
         save_figure(plan, path)
+
+
+def write_film(plan: Plan, path: Path) -> None:
+    """Draw a plan as a film into a file."""
+    from radmpc.plotting import save_animation  # noqa: PLC0415 - see the file's first line
+
+    with writing(path):
+        save_animation(plan, path)

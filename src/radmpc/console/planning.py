@@ -5,12 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from radmpc.console.drawing import check_film, write_film
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.guard import Code
 from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show, show_json
-from radmpc.console.picture import check_picture, write_ledger, write_picture
+from radmpc.console.picture import (
+    check_film,
+    check_picture,
+    write_film,
+    write_ledger,
+    write_picture,
+)
 from radmpc.console.progress import progress_line
 from radmpc.console.report import plan_report
 from radmpc.console.stages import told_stages

@@ -9,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.approximation import Approximation
+from radmpc.planners.booking import booked_risks
 from radmpc.planners.coupling import face_risk
 from radmpc.planners.draft import Event, Step
 from radmpc.planners.ira import Solved, solve_under_policy
@@ -148,7 +149,7 @@ class _Radmpc:
         if solved.solution.z is not None:
             self.controls[i][k:] = controls_of([subject], solved.solution.z)[0]
             self.has_plan[i] = True
-            self.booked[i] = self._booked(program, solved, k)
+            self.booked[i] = booked_risks(program, solved, self.policy, k, self.scenario.horizon)
         else:
             self._fall_back(subject, k, i, share)
             if self.stuck or self.is_limited:
@@ -239,26 +240,6 @@ class _Radmpc:
         self.steps += solved.steps
         return solved
 
-    def _booked(self, program: DisjunctiveProgram, solved: Solved, k: int) -> Vector:
-        """Return what a plan was allotted at every absolute step, (T+1,).
-
-        It leaves the pool as the plan is executed, also where later only its tail is kept.
-        """
-        booked = np.zeros(self.scenario.horizon + 1)
-        solution = solved.solution
-        if solved.allocation is None or solution.selection is None or solution.z is None:
-            return booked
-        steps = np.array([e.step for e in program.exposures], dtype=np.int64)
-        events = np.unique(program.rows.events[program.selected_rows(solution.selection)])
-        exposures = program.rows.exposures[events]
-        risks = solved.allocation[exposures]
-        if isinstance(self.policy, Pool) and self.policy.charge == "used":
-            risks = np.minimum(risks, program.event_risks(solution.z, solution.selection)[events])
-        np.add.at(booked, steps[exposures], risks)
-        if k == 0:
-            booked[0] += program.initial_risk
-        return booked
-
     def _fall_back(self, subject: Subject, k: int, i: int, share: float) -> None:
         """Keep the tail of the last plan; at k = 0 plan without the other vehicles.
 
@@ -277,7 +258,7 @@ class _Radmpc:
                 return
             self.controls[i][k:] = controls_of([subject], alone.solution.z)[0]
             self.has_plan[i] = True
-            self.booked[i] = self._booked(program, alone, k)
+            self.booked[i] = booked_risks(program, alone, self.policy, k, self.scenario.horizon)
         blocking = self._blocking(k, i, share)
         self.forced += [(i, j) for j in blocking]
         names = tuple(self.scenario.vehicles[j].name for j in blocking)
