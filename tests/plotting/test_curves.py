@@ -15,7 +15,7 @@ from .conftest import fly
 
 def test_the_path_between_steps_is_the_parabola(flat_plan: Plan) -> None:
     vehicle, trajectory = flat_plan.scenario.vehicles[0], flat_plan.trajectories[0]
-    path = mean_path(vehicle, trajectory, 1.0)
+    path = mean_path(vehicle, trajectory)
     # Pushed by 2 m/s² from rest at (1, 1): half a second later 0.25 m on, not half of 1 m.
     np.testing.assert_allclose(path[5], [1.0, 1.25])
     np.testing.assert_allclose(path[10], [1.0, 2.0])
@@ -25,7 +25,7 @@ def test_the_path_between_steps_is_the_parabola(flat_plan: Plan) -> None:
 def test_other_dynamics_fly_straight_between_steps(flat_plan: Plan) -> None:
     vehicle = flat_plan.scenario.vehicles[0]
     straight = replace(vehicle, system=replace(vehicle.system, is_double_integrator=False))
-    path = mean_path(straight, flat_plan.trajectories[0], 1.0)
+    path = mean_path(straight, flat_plan.trajectories[0])
     np.testing.assert_allclose(path, flat_plan.trajectories[0].means[:, :2])
 
 

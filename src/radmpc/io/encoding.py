@@ -10,7 +10,7 @@ import numpy.typing as npt
 from radmpc.arrays import Matrix, Vector
 from radmpc.io.plain import plain_mapping
 from radmpc.io.schema import SCENARIO_FORMAT
-from radmpc.model.dynamics import LinearSystem
+from radmpc.model.dynamics import LinearSystem, double_integrator
 from radmpc.model.obstacle import BoxShape, HalfspaceShape, Obstacle, PolygonShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
@@ -146,7 +146,7 @@ def _goal(goal: Goal, has_speed: bool) -> dict[str, object]:
 
 def _dynamics(system: LinearSystem) -> dict[str, object]:
     """Return the model's name or the matrices."""
-    if system.is_double_integrator:
+    if _is_named(system):
         return {"model": "double_integrator"}
     content: dict[str, object] = {
         "A": system.A.tolist(),
@@ -156,6 +156,18 @@ def _dynamics(system: LinearSystem) -> dict[str, object]:
     if system.velocity is not None:
         content["velocity"] = list(system.velocity)
     return content
+
+
+def _is_named(system: LinearSystem) -> bool:
+    """Whether it is what a file's `double_integrator` stands for, bit for bit."""
+    if system.rates is None:
+        return False
+    named = double_integrator(system.rates[1], system.dimension)
+    return (
+        np.array_equal(system.A, named.A)
+        and np.array_equal(system.B, named.B)
+        and (system.position, system.velocity) == (named.position, named.velocity)
+    )
 
 
 def _covariance(matrix: Matrix) -> float | list[float] | list[list[float]]:

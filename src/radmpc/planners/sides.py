@@ -137,7 +137,7 @@ class _Search:
 
     def _tests(self, i: int, placed: set[int]) -> dict[int, list[int]]:
         """Return the avoidances that concern a vehicle and those before it, by window."""
-        intervals = np.any(np.diff(self.program.alternative_starts) == 2)
+        intervals = np.any(np.diff(self.program.alternative_starts) >= 2)
         shift = 0 if intervals else 1
         found: dict[int, list[int]] = {}
         for avoidance, label in enumerate(self.program.avoidances):

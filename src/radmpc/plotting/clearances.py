@@ -94,7 +94,7 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
 def _points_per_step(plan: Plan) -> int:
     """Return how finely all paths are cut: as their curves are, where any is curved."""
     longest = max(
-        len(mean_path(v, t, plan.scenario.dt))
+        len(mean_path(v, t))
         for v, t in zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     )
     return max(_FINENESS, (longest - 1) // plan.scenario.horizon)
@@ -102,7 +102,7 @@ def _points_per_step(plan: Plan) -> int:
 
 def _fine_path(plan: Plan, index: int, count: int) -> Matrix:
     """Return a mean path at ``count`` points per step, (p, d) [m]."""
-    path = mean_path(plan.scenario.vehicles[index], plan.trajectories[index], plan.scenario.dt)
+    path = mean_path(plan.scenario.vehicles[index], plan.trajectories[index])
     fine = np.linspace(0.0, 1.0, count * plan.scenario.horizon + 1)
     known = np.linspace(0.0, 1.0, len(path))
     return np.column_stack([np.interp(fine, known, path[:, a]) for a in range(path.shape[1])])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
@@ -19,7 +21,7 @@ def positions(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
     return trajectory.means[:, list(vehicle.system.position)]
 
 
-def mean_path(vehicle: Vehicle, trajectory: Trajectory, dt: float) -> Matrix:
+def mean_path(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
     """Return the mean path with the points between steps.
 
     Double integrators fly the parabola of constant acceleration, all others count as flying
@@ -31,8 +33,6 @@ def mean_path(vehicle: Vehicle, trajectory: Trajectory, dt: float) -> Matrix:
         Whose dynamics.
     trajectory : Trajectory
         Its means and controls.
-    dt : float
-        Step [s].
 
     Returns
     -------
@@ -41,13 +41,13 @@ def mean_path(vehicle: Vehicle, trajectory: Trajectory, dt: float) -> Matrix:
     """
     at_steps = positions(vehicle, trajectory)
     system = vehicle.system
-    if not system.is_double_integrator or system.velocity is None:
+    if not system.is_double_integrator:
         return at_steps
-    time = np.linspace(0.0, dt, _POINTS_PER_STEP, endpoint=False)[:, None]
-    velocities = trajectory.means[:, list(system.velocity)]
+    share = np.linspace(0.0, 1.0, _POINTS_PER_STEP, endpoint=False)[:, None]
+    hanging = trajectory.controls @ system.sagitta.T
     pieces = [
-        at_steps[k] + velocities[k] * time + 0.5 * control * time**2
-        for k, control in enumerate(trajectory.controls)
+        before + share * (after - before) - 4.0 * share * (1.0 - share) * bow
+        for (before, after), bow in zip(pairwise(at_steps), hanging, strict=True)
     ]
     return np.vstack([*pieces, at_steps[-1:]])
 

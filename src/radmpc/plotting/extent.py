@@ -24,7 +24,7 @@ def plan_extent(plan: Plan) -> Matrix:
     scenario = plan.scenario
     clouds = [_corners(scenario)]
     for vehicle, trajectory in zip(scenario.vehicles, plan.trajectories, strict=False):
-        path = mean_path(vehicle, trajectory, scenario.dt)
+        path = mean_path(vehicle, trajectory)
         clouds += [path - vehicle.radius, path + vehicle.radius]
         if scenario.dimension == 2:
             clouds += confidence_ellipses(vehicle, trajectory)

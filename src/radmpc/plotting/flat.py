@@ -91,7 +91,7 @@ def draw_trajectory(
     dashes: Dashes = "solid",
 ) -> None:
     """Draw the swept hull, the 3σ ellipses, the mean path, its steps and its direction."""
-    name, path = vehicle.name, mean_path(vehicle, trajectory, dt)
+    name, path = vehicle.name, mean_path(vehicle, trajectory)
     swept = shapely.LineString(path).buffer(vehicle.radius)
     ax.add_patch(
         Polygon(

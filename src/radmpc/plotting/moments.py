@@ -59,7 +59,7 @@ def way_of(vehicle: Vehicle, trajectory: Trajectory, dt: float, per_step: int) -
     axes = list(vehicle.system.position)
     at_steps = positions(vehicle, trajectory)
     steps = len(at_steps) - 1
-    path = mean_path(vehicle, trajectory, dt)
+    path = mean_path(vehicle, trajectory)
     frames = np.linspace(0.0, 1.0, steps * per_step + 1)
     known = np.linspace(0.0, 1.0, len(path))
     places = np.column_stack([np.interp(frames, known, column) for column in path.T])

@@ -74,7 +74,7 @@ def _draw_trajectories(ax: Axes, plan: Plan, board: LabelBoard, colors: dict[str
             draw_trajectory_3d(ax, vehicle, trajectory, scenario.dt, *look)
         else:
             draw_trajectory(ax, vehicle, trajectory, scenario.dt, *look)
-            board.avoid(mean_path(vehicle, trajectory, scenario.dt)[::2])
+            board.avoid(mean_path(vehicle, trajectory)[::2])
             board.avoid(*(outline[::4] for outline in confidence_ellipses(vehicle, trajectory)))
 
 

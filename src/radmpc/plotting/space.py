@@ -136,7 +136,7 @@ def draw_trajectory_3d(
     dashes: Dashes = "solid",
 ) -> None:
     """Draw some 3σ ellipsoids as rings, the mean path, its shadow, steps and direction."""
-    name, path = vehicle.name, mean_path(vehicle, trajectory, dt)
+    name, path = vehicle.name, mean_path(vehicle, trajectory)
     all_rings = ellipsoid_rings(vehicle, trajectory)
     last = len(all_rings) // 3 - 1
     rings = [ring for k in (*numbered_steps(last), last) for ring in all_rings[3 * k : 3 * k + 3]]

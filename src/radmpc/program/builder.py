@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, vstack
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.plan import Cause
@@ -43,9 +43,8 @@ class ProgramBuilder:
         num_positions = sum(d * (s.horizon + 1) for s in self.subjects)
         position, controls, parts = 0, num_positions, []
         for subject in self.subjects:
-            curved = subject.vehicle.system.is_double_integrator
-            bow = self.scenario.dt**2 / 8.0 if curved else 0.0
-            parts.append(Part(1.0, position, controls, subject.control_bounds, bow))
+            sagitta = subject.vehicle.system.sagitta
+            parts.append(Part(1.0, position, controls, subject.control_bounds, sagitta))
             position += d * (subject.horizon + 1)
             controls += 2 * subject.control_bounds.size
         self.parts = tuple(parts)
@@ -66,9 +65,7 @@ class ProgramBuilder:
             keepout.directions,
             self.intervals,
         )
-        body = Body(
-            subject.reach_lower, subject.reach_upper, subject.position_covariances, (self.parts[i],)
-        )
+        body = self._body(i)
         if keepout.start is not None:
             normals, offsets = -keepout.start.normals, -(keepout.start.offsets + radius)
             self._charge_start(body, normals, offsets, (cause, subject.vehicle.name, keepout.name))
@@ -84,10 +81,8 @@ class ProgramBuilder:
             one.reach_lower - two.reach_upper,
             one.reach_upper - two.reach_lower,
             one.position_covariances + two.position_covariances,
-            (
-                self.parts[i],
-                Part(-1.0, other.position, other.controls, other.control_bounds, other.bow),
-            ),
+            _sum_of_bent(one, two),
+            (self.parts[i], replace(other, sign=-1.0)),
         )
         offsets = np.full(len(faces), -distance)
         names = (one.vehicle.name, two.vehicle.name)
@@ -100,9 +95,7 @@ class ProgramBuilder:
         if workspace is None:
             return
         subject = self.subjects[i]
-        body = Body(
-            subject.reach_lower, subject.reach_upper, subject.position_covariances, (self.parts[i],)
-        )
+        body = self._body(i)
         identity = np.eye(self.scenario.dimension)
         normals = np.concatenate([identity, -identity])
         offsets = np.concatenate([workspace.upper, -workspace.lower])
@@ -112,6 +105,17 @@ class ProgramBuilder:
             self._charge_start(body, normals[one], offsets[one], ("workspace", name, None))
             windows = self._constant_windows(normals[one], offsets[one])
             self._add(body, windows, "workspace", name, None)
+
+    def _body(self, i: int) -> Body:
+        """Return a vehicle alone."""
+        subject = self.subjects[i]
+        return Body(
+            subject.reach_lower,
+            subject.reach_upper,
+            subject.position_covariances,
+            subject.bent_covariances,
+            (self.parts[i],),
+        )
 
     def _constant_windows(self, normals: Matrix, offsets: Vector) -> Windows:
         """Return windows whose faces never change."""
@@ -248,6 +252,17 @@ class ProgramBuilder:
             exposures=_join(self.block_exposures, np.int64),
         )
         return rows
+
+
+def _sum_of_bent(one: Subject, two: Subject) -> Tensor | None:
+    """Return the bent covariance of a relative position; None where neither is bent."""
+    if one.bent_covariances is None and two.bent_covariances is None:
+        return None
+    parts = [
+        s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
+        for s in (one, two)
+    ]
+    return np.asarray(parts[0] + parts[1])
 
 
 def _starts(sizes: list[Indices]) -> Indices:

@@ -291,13 +291,19 @@ def _largest_counts(program: DisjunctiveProgram) -> Indices:
     num = len(program.exposures)
     if rows.count == 0:
         return np.zeros(num, dtype=np.int64)
-    sizes = np.diff(program.alternative_starts)
-    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts)).repeat(
-        sizes
+    alternative = np.repeat(
+        np.arange(program.num_alternatives), np.diff(program.alternative_starts)
     )
-    exposure = rows.exposures[rows.events[program.alternative_rows]]
-    touching = np.unique(owner * num + exposure) % num
-    by_avoidance = np.bincount(touching, minlength=num)
+    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
+    # Distinct events that one alternative has of an exposure, the most of any in its avoidance.
+    events = np.unique(alternative * rows.exposures.size + rows.events[program.alternative_rows])
+    holder, exposure = events // rows.exposures.size, rows.exposures[events % rows.exposures.size]
+    pairs, held = np.unique(holder * num + exposure, return_counts=True)
+    keys, place = np.unique(owner[pairs // num] * num + pairs % num, return_inverse=True)
+    most = np.zeros(keys.size, dtype=np.int64)
+    np.maximum.at(most, place, held)
+    by_avoidance = np.zeros(num, dtype=np.int64)
+    np.add.at(by_avoidance, keys % num, most)
     by_event = np.bincount(rows.exposures, minlength=num)
     return np.minimum(by_avoidance, by_event)
 

@@ -1,4 +1,4 @@
-"""Chance rows of one danger over all windows: faces, noise, bow, and what reach already settles."""
+"""Chance rows of one danger over all windows: faces, noise, sagitta, and what reach settles."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.program.program import SETTLED_RISK
+from radmpc.program.reserve import shares_of_reserve
 
-__all__ = ["Body", "RowBlock", "Windows", "danger_rows"]
+__all__ = ["Body", "Part", "RowBlock", "Windows", "danger_rows"]
 
 _SETTLED_CLEARANCE = float(clearance_for(SETTLED_RISK))
 
@@ -25,6 +26,9 @@ class Body:
         Reach of the (relative) position [m].
     covariances : (T+1, d, d) array
         Covariance of the (relative) position [m²].
+    bent : (T, d, d) array or None
+        Covariance of what feedback held over a step makes of the deviation at its start [m²];
+        None where no part of the body bends its path by feedback.
     parts : tuple of Part
         One vehicle, or two with signs +1 and −1.
     """
@@ -32,6 +36,7 @@ class Body:
     lower: Vector
     upper: Vector
     covariances: Tensor
+    bent: Tensor | None
     parts: tuple[Part, ...]
 
 
@@ -49,15 +54,15 @@ class Part:
         Output number of its control u⁺ at k = 0, axis 0; u⁻ follows after all u⁺.
     control_bounds : (T, m) array
         Largest |ū|.
-    bow : float
-        ``dt²/8`` for a double integrator, 0 where the path is the straight segment.
+    sagitta : (d, m) array
+        How far the path hangs off its chord at mid-step, per control; 0 where it is straight.
     """
 
     sign: float
     position: int
     controls: int
     control_bounds: Vector
-    bow: float
+    sagitta: Matrix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,13 +107,20 @@ class RowBlock:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _End:
-    """One end of all windows: which step, right sides, deviations, worst and best clearance."""
+    """One condition at all windows: which step, right sides, deviations, slacks over the reach.
 
+    ``kind`` tells apart deviations of one step that are not nested: 0 is the position's own, 1
+    what feedback held over the following step makes of it. ``is_near`` tells whose share of the
+    reserve for the sagitta it keeps. ``least`` and ``most`` are slacks without any reserve [m].
+    """
+
+    kind: int
+    is_near: bool
     steps: Indices
     offsets: Vector
     deviations: Vector
-    worst: Vector
-    best: Vector
+    least: Vector
+    most: Vector
 
 
 def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
@@ -131,39 +143,83 @@ def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
         None where every window is settled at a risk of exactly 0.
     """
     num_windows = len(windows.near)
-    first = 0 if windows.intervals else 1
-    bow = _worst_bow(body, windows) if windows.intervals else np.zeros(windows.near.shape)
-    ends = [_end(body, windows.normals, windows.near, bow, first + np.arange(num_windows))]
-    if windows.intervals:
-        ends.append(_end(body, windows.normals, windows.far, bow, 1 + np.arange(num_windows)))
-    worst = np.minimum.reduce([end.worst for end in ends])
-    best = np.minimum.reduce([end.best for end in ends])
-    safest = worst.argmax(axis=1)
-    settled = worst.max(axis=1) >= _SETTLED_CLEARANCE
-    risks = sum(tail_probability(end.worst[np.arange(num_windows), safest]) for end in ends)
+    after = 1 + np.arange(num_windows)
+    if not windows.intervals:
+        ends = [_end(body, windows.normals, windows.near, after, body.covariances[after])]
+        bow, shares = np.zeros(windows.near.shape), [np.full(windows.near.shape, 0.5)]
+    else:
+        before = np.arange(num_windows)
+        here = (body, windows.normals, windows.near, before)
+        there = (body, windows.normals, windows.far, after)
+        ends = [_end(*here, body.covariances[before])]
+        if body.bent is not None:
+            ends.append(_end(*here, body.bent[before], kind=1))
+        ends.append(_end(*there, body.covariances[after], is_near=False))
+        bow = _worst_bow(body, windows)
+        near = np.minimum.reduce([_spare(end) for end in ends[:-1]])
+        shares = shares_of_reserve(near, _spare(ends[-1]), bow)
+    worst = [_worst(ends, bow, share) for share in shares]
+    best = np.minimum.reduce([_in_deviations(end.most, end.deviations) for end in ends])
+    settled_by = worst[0].max(axis=1)
+    settled = settled_by >= _SETTLED_CLEARANCE
+    safest = worst[0].argmax(axis=1)
+    every = np.arange(num_windows)
+    risks = sum(
+        tail_probability(_clearance(end, bow, shares[0])[every, safest]) for end in ends
+    )
     settled_risk = float(np.sum(np.asarray(risks)[settled]))
     if np.all(settled):
         return None if settled_risk == 0.0 else _empty_block(settled_risk)
-    window, face = np.nonzero((best >= 0.0) & ~settled[:, None])
+    possible = (best >= 0.0) & ~settled[:, None]
+    offered = np.stack([possible & np.isfinite(share) for share in shares], axis=2)
+    window, face, option = np.nonzero(offered)
+    share = np.stack(shares, axis=2)[window, face, option]
     counts = np.bincount(window, minlength=num_windows)[~settled]
-    return _assemble(body, windows, ends, (window, face), settled_risk, (~settled, counts))
+    return _assemble(body, windows, ends, (window, face, share), settled_risk, (~settled, counts))
 
 
-def _end(body: Body, normals: Tensor, offsets: Vector, bow: Vector, steps: Indices) -> _End:
+def _end(
+    body: Body,
+    normals: Tensor,
+    offsets: Vector,
+    steps: Indices,
+    covariances: Tensor,
+    *,
+    kind: int = 0,
+    is_near: bool = True,
+) -> _End:
     """Rate one end of every window over the whole reach."""
     low, high = body.lower[steps][:, None, :], body.upper[steps][:, None, :]
     largest = np.where(normals > 0.0, normals * high, normals * low).sum(axis=2)
     smallest = np.where(normals > 0.0, normals * low, normals * high).sum(axis=2)
-    variances = np.einsum("wfa,wab,wfb->wf", normals, body.covariances[steps], normals)
-    deviations = np.sqrt(np.maximum(variances, 0.0))
+    variances = np.einsum("wfa,wab,wfb->wf", normals, covariances, normals)
     return _End(
+        kind,
+        is_near,
         steps,
         offsets,
-        deviations,
-        _in_deviations(offsets - largest - bow, deviations),
+        np.sqrt(np.maximum(variances, 0.0)),
+        offsets - largest,
         # Reach is exact only up to rounding: keep what misses by less than a micrometer.
-        _in_deviations(offsets - smallest + 1e-6, deviations),
+        offsets - smallest + 1e-6,
     )
+
+
+def _spare(end: _End) -> Vector:
+    """Return what an end keeps beyond being settled, wherever the body may be [m]."""
+    return end.least - _SETTLED_CLEARANCE * end.deviations
+
+
+def _clearance(end: _End, bow: Vector, share: Vector) -> Vector:
+    """Return the least clearance of an end over the reach, its share of the reserve kept."""
+    kept = share if end.is_near else 1.0 - share
+    reserve = 4.0 * np.square(np.where(np.isfinite(share), kept, 0.5)) * bow
+    return _in_deviations(end.least - reserve, end.deviations)
+
+
+def _worst(ends: list[_End], bow: Vector, share: Vector) -> Vector:
+    """Return the least clearance of all ends over the reach."""
+    return np.asarray(np.minimum.reduce([_clearance(end, bow, share) for end in ends]))
 
 
 def _in_deviations(slack: Vector, deviations: Vector) -> Vector:
@@ -175,12 +231,11 @@ def _in_deviations(slack: Vector, deviations: Vector) -> Vector:
 
 
 def _worst_bow(body: Body, windows: Windows) -> Vector:
-    """Return the largest bow of the mean curve towards each face, (w, f) [m]."""
+    """Return the largest sagitta of the mean curve towards each face, (w, f) [m]."""
     bow = np.zeros(windows.near.shape)
     for part in body.parts:
-        if part.bow > 0.0:
-            bounds = np.maximum(part.control_bounds, 0.0)
-            bow += part.bow * np.einsum("wfa,wa->wf", np.abs(windows.normals), bounds)
+        bounds = np.maximum(part.control_bounds, 0.0)
+        bow += np.einsum("wfc,wc->wf", np.abs(windows.normals @ part.sagitta), bounds)
     return bow
 
 
@@ -194,12 +249,12 @@ def _assemble(
     body: Body,
     windows: Windows,
     ends: list[_End],
-    chosen: tuple[Indices, Indices],
+    chosen: tuple[Indices, Indices, Vector],
     settled_risk: float,
     kept: tuple[np.ndarray, Indices],
 ) -> RowBlock:
-    """Lay out the rows of the chosen (window, face) alternatives, ends fastest."""
-    window, face = chosen
+    """Lay out the rows of the chosen (window, face, share) alternatives, ends fastest."""
+    window, face, share = chosen
     num_ends, count = len(ends), len(window)
     normals = windows.normals[window, face]
     entries: list[tuple[Indices, Indices, Vector]] = []
@@ -211,12 +266,14 @@ def _assemble(
         offsets[:, e] = end.offsets[window, face]
         deviations[:, e] = end.deviations[window, face]
         steps[:, e] = end.steps[window]
+        reserve = 4.0 * np.square(share if end.is_near else 1.0 - share)
         for part in body.parts:
             entries.append(_position_entries(part, rows, normals, steps[:, e]))
-            if windows.intervals and part.bow > 0.0:
-                entries.append(_bow_entries(part, rows, normals, window))
+            if windows.intervals and part.sagitta.any():
+                entries.append(_bow_entries(part, rows, normals, window, reserve))
     direction = np.repeat(windows.directions[window, face], num_ends)
-    keys, events = _numbered(steps.ravel(), direction)
+    kinds = np.tile([end.kind for end in ends], count)
+    keys, events = _numbered(steps.ravel(), 2 * direction + kinds)
     return RowBlock(
         entry_rows=np.concatenate([rows.ravel() for rows, _, _ in entries]),
         entry_outputs=np.concatenate([outputs.ravel() for _, outputs, _ in entries]),
@@ -242,19 +299,19 @@ def _position_entries(
 
 
 def _bow_entries(
-    part: Part, rows: Indices, normals: Vector, window: Indices
+    part: Part, rows: Indices, normals: Vector, window: Indices, reserve: Vector
 ) -> tuple[Indices, Indices, Vector]:
-    """Return the entries that add the mean curve's bow over its chord.
+    """Return the entries that reserve a multiple of the mean curve's sagitta.
 
-    The curve leaves its chord by ``−a τ(dt−τ)/2``, so it comes closer along n only where n·a < 0,
-    by at most ``dt²/8 · max(0, −n·a) <= dt²/8 · Σ |nᵢ| (uᵢ⁻ where nᵢ > 0, else uᵢ⁺)``: linear in
-    the two halves of |u| that the cost needs anyway.
+    With S the sagitta per control, the curve leaves its chord by ``−4 s (1 − s) S u``, so it comes
+    closer along n only where n·S u < 0, by at most ``max(0, −n·S u) <= Σ |(n·S)ᵢ| (uᵢ⁻ where
+    (n·S)ᵢ > 0, else uᵢ⁺)``: linear in the two halves of |u| that the cost needs anyway.
     """
-    d = normals.shape[1]
-    facing = part.sign * normals
+    pull = part.sign * (normals @ part.sagitta)
+    m = pull.shape[1]
     span = part.control_bounds.size
-    outputs = part.controls + window[:, None] * d + np.arange(d) + np.where(facing > 0.0, span, 0)
-    return np.repeat(rows, d), outputs, part.bow * np.abs(facing)
+    outputs = part.controls + window[:, None] * m + np.arange(m) + np.where(pull > 0.0, span, 0)
+    return np.repeat(rows, m), outputs, reserve[:, None] * np.abs(pull)
 
 
 def _numbered(steps: Indices, directions: Indices) -> tuple[Indices, Indices]:

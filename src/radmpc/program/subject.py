@@ -65,6 +65,10 @@ class Subject:
         Largest nominal |ū|; negative where feedback needs more than the limit.
     position_covariances : (T+1, d, d) array
         Position covariance at each step [m²].
+    bent_covariances : (T, d, d) array or None
+        Covariance of ``(P − B_p K) δ_k``, with P that picks positions and B_p their rows of B: what
+        feedback held over a step makes of the deviation at its start [m²]. None where the path
+        between steps does not depend on the feedback.
     position, velocity : (T+1, d, T*m) array
         Response to the controls; velocity None where the model has none.
     drift_position, drift_velocity : (T+1, d) array
@@ -77,6 +81,7 @@ class Subject:
     horizon: int
     control_bounds: Matrix
     position_covariances: Tensor
+    bent_covariances: Tensor | None
     position: Tensor
     velocity: Tensor | None
     drift_position: Matrix
@@ -118,8 +123,8 @@ def make_subject(
     drift = states[:, axes]
     drift_velocity = None if system.velocity is None else states[:, list(system.velocity)]
     lower, upper = _reach_by_boxes(vehicle, position, drift, np.maximum(bounds, 0.0).ravel())
-    if system.is_double_integrator:
-        low, high = _reach_by_speeds(vehicle, start, np.maximum(bounds, 0.0))
+    if system.rates is not None:
+        low, high = _reach_by_speeds(vehicle, system.rates, start, np.maximum(bounds, 0.0))
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
     # The start is where it is, also where no admissible control leads from there to the goal.
     lower[0] = upper[0] = drift[0]
@@ -128,6 +133,7 @@ def make_subject(
         horizon=horizon,
         control_bounds=bounds,
         position_covariances=covariances[:, axes, :][:, :, axes],
+        bent_covariances=_bent_covariances(vehicle, covariances),
         position=position,
         velocity=velocity,
         drift_position=drift,
@@ -135,6 +141,20 @@ def make_subject(
         reach_lower=lower,
         reach_upper=upper,
     )
+
+
+def _bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
+    """Return the covariances of ``(P − B_p K) δ_k``, or None without feedback on a parabola.
+
+    Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,
+    ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: what is in brackets runs from ``P δ_k`` to this.
+    """
+    system = vehicle.system
+    if vehicle.gain is None or not system.is_double_integrator:
+        return None
+    place = list(system.position)
+    bent = np.eye(system.num_states)[place] - system.B[place] @ vehicle.gain
+    return np.asarray(bent @ covariances[:-1] @ bent.T)
 
 
 def _reach_by_boxes(
@@ -149,19 +169,29 @@ def _reach_by_boxes(
     return lower, upper
 
 
-def _reach_by_speeds(vehicle: Vehicle, start: Vector, bounds: Matrix) -> tuple[Matrix, Matrix]:
+def _reach_by_speeds(
+    vehicle: Vehicle, rates: tuple[tuple[int, ...], float], start: Vector, bounds: Matrix
+) -> tuple[Matrix, Matrix]:
     """Bound a double integrator's positions by full throttle from both ends, speed limits held."""
     system = vehicle.system
     d, horizon = system.dimension, len(bounds)
-    dt = float(system.B[d, 0])
-    limit = np.full(d, np.inf) if vehicle.speed_limit is None else vehicle.speed_limit
-    goal_speed = limit if vehicle.goal.speed is None else np.minimum(vehicle.goal.speed, limit)
-    forward_up = _full_throttle(start[d:], bounds, limit, dt)
-    forward_down = _full_throttle(-start[d:], bounds, limit, dt)
+    velocity, dt = list(rates[0]), rates[1]
+    place, speed = start[list(system.position)], start[velocity]
+    # The speed limits hold the velocities that the vehicle names, in whatever order.
+    is_named = system.velocity == rates[0]
+    limit = np.full(d, np.inf)
+    if vehicle.speed_limit is not None and is_named:
+        limit = vehicle.speed_limit
+    goal_speed = limit
+    if vehicle.goal.speed is not None and is_named:
+        goal_speed = np.minimum(vehicle.goal.speed, limit)
+    pushes = bounds @ np.abs(system.B[velocity]).T / dt
+    forward_up = _full_throttle(speed, pushes, limit, dt)
+    forward_down = _full_throttle(-speed, pushes, limit, dt)
     # Seen backwards in time the vehicle leaves its goal at most at the goal speed.
-    backward = _full_throttle(goal_speed, bounds[::-1], limit, dt)[::-1]
-    lower = np.maximum(start[:d] - forward_down, vehicle.goal.lower - backward)
-    upper = np.minimum(start[:d] + forward_up, vehicle.goal.upper + backward)
+    backward = _full_throttle(goal_speed, pushes[::-1], limit, dt)[::-1]
+    lower = np.maximum(place - forward_down, vehicle.goal.lower - backward)
+    upper = np.minimum(place + forward_up, vehicle.goal.upper + backward)
     return lower.reshape(horizon + 1, d), upper.reshape(horizon + 1, d)
 
 

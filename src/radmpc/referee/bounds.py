@@ -11,19 +11,27 @@ from radmpc.arrays import Tensor, Vector
 from radmpc.referee.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
 from radmpc.referee.halfspace import Sites, end_margins, end_risks, refine
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.parts import part_charges
+from radmpc.referee.persistence import best_shares
 from radmpc.referee.planar import grown_polygon_risks
 from radmpc.referee.search import NEGLIGIBLE, best_directions
 
 __all__ = ["WindowHalfspaces", "step_risks", "window_halfspaces"]
 
+_WORTH = 1e-13
+"""Sum of an encounter below which its intervals are not looked at in parts [-]."""
 
-def step_risks(encounters: Encounters, *, intervals: bool) -> Vector:
+
+def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) -> Vector:
     """Return an upper bound on the probability of each encounter's collision, step by step.
 
     Parameters
     ----------
     encounters : Encounters
         B of them.
+    motion : FleetMotion
+        What they were gathered from.
     intervals : bool
         Whether the path between the steps counts.
 
@@ -32,11 +40,9 @@ def step_risks(encounters: Encounters, *, intervals: bool) -> Vector:
     (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
-    parts = [
-        _interval_risks(block) if intervals else _instant_risks(block)
-        for block in blocks(encounters)
-    ]
-    return np.concatenate(parts)
+    if not intervals:
+        return np.concatenate([_instant_risks(block) for block in blocks(encounters)])
+    return np.concatenate([_interval_risks(block, motion) for block in blocks(encounters)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,8 +71,10 @@ def window_halfspaces(encounters: Encounters, *, intervals: bool) -> WindowHalfs
         sites = interval_sites(block) if intervals else instant_sites(block)
         count, d = len(block.means), block.means.shape[2]
         num_windows = len(sites.means) // count
-        best, risks = best_directions(sites, block.directions, num_windows)
-        margins = end_margins(sites, best[:, None])
+        best, _ = best_directions(sites, block.directions, num_windows)
+        shares = best_shares(sites, best)[:, None]
+        margins = end_margins(sites, best[:, None], shares)
+        risks = end_risks(sites, best[:, None], shares).sum(axis=2)
         parts.append(
             (
                 best.reshape(count, num_windows, d),
@@ -96,25 +104,38 @@ def _instant_risks(encounters: Encounters) -> Vector:
     return risks.reshape(count, steps)
 
 
-def _interval_risks(encounters: Encounters) -> Vector:
-    """Return the best chain of half-spaces, each held over a whole interval."""
+def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
+    """Return the best chain of half-spaces, over whole intervals or parts of them."""
     sites = interval_sites(encounters)
     count, num_intervals, d = encounters.bows.shape
-    best, risks = best_directions(sites, encounters.directions, num_intervals)
-    ends = end_risks(sites, best[:, None]).reshape(count, num_intervals, 2)
+    best, _ = best_directions(sites, encounters.directions, num_intervals)
+    own = best.reshape(count, num_intervals, d)
+    near, far = _ends(sites, best)
     alone = np.ones((count, num_intervals), dtype=bool)
-    charged = chain_charges(ends[:, :, 0], ends[:, :, 1], alone)
+    shape = (count, num_intervals)
+    charged = chain_charges(near.reshape(*shape, -1), far.reshape(shape), alone)
     # Sharing at most halves the sum: not worth a look where there is nothing to halve.
-    worth = np.flatnonzero(risks.reshape(count, -1).sum(axis=1) > NEGLIGIBLE)
-    if worth.size:
-        own = best.reshape(count, num_intervals, d)[worth]
-        tried = np.concatenate([encounters.directions[worth], own], axis=1)
-        chosen = (worth[:, None] * num_intervals + np.arange(num_intervals)).ravel()
-        charged[worth] = _chained(sites.take(chosen), tried)
+    worth = np.flatnonzero(charged.sum(axis=1) > _WORTH)
+    if not worth.size:
+        return charged
+    tried = np.concatenate([encounters.directions[worth], own[worth]], axis=1)
+    chosen = (worth[:, None] * num_intervals + np.arange(num_intervals)).ravel()
+    chained, turned = _chained(sites.take(chosen), tried)
+    close = encounters.take(worth)
+    candidates = [chained, *part_charges(close, motion, (own[worth], turned))]
+    sums = np.array([found.sum(axis=1) for found in candidates])
+    charged[worth] = np.array(candidates)[sums.argmin(axis=0), np.arange(len(worth))]
     return charged
 
 
-def _chained(sites: Sites, tried: Tensor) -> Vector:
+def _ends(sites: Sites, directions: Tensor) -> tuple[Tensor, Vector]:
+    """Return the risks at the near ends, (S, 1 or 2), and at the far ones, (S,)."""
+    shares = best_shares(sites, directions)[:, None]
+    found = end_risks(sites, directions[:, None], shares)[:, 0]
+    return found[:, :-1], found[:, -1]
+
+
+def _chained(sites: Sites, tried: Tensor) -> tuple[Vector, Tensor]:
     """Return what the best chain over some directions costs, its runs turned to their best.
 
     Parameters
@@ -126,17 +147,23 @@ def _chained(sites: Sites, tried: Tensor) -> Vector:
 
     Returns
     -------
-    (B, K+1) array
+    charged : (B, K+1) array
         Risk per step.
+    directions : (B, K, d) array
+        Of each interval.
     """
     count, num_intervals = len(tried), len(sites.means) // len(tried)
     found = end_risks(sites, np.repeat(tried, num_intervals, axis=0))
-    found = found.reshape(count, num_intervals, -1, 2)
-    choices = cheapest_chain(found[..., 0], found[..., 1])
+    found = found.reshape(count, num_intervals, -1, found.shape[2])
+    choices = cheapest_chain(found[..., :-1], found[..., -1])
     begins = np.ones(choices.shape, dtype=bool)
     begins[:, 1:] = choices[:, 1:] != choices[:, :-1]
     chosen = np.take_along_axis(tried, choices[:, :, None], axis=1)
     flat = chosen.reshape(-1, tried.shape[2])
-    turned, _ = refine(sites, flat, partial(run_scores, begins=begins.ravel()))
-    ends = end_risks(sites, turned[:, None]).reshape(count, num_intervals, 2)
-    return chain_charges(ends[:, :, 0], ends[:, :, 1], begins)
+    # A run holds one direction: all of it tries the same, also along the edges of its solid.
+    leaders = np.maximum.accumulate(np.where(begins.ravel(), np.arange(begins.size), 0))
+    turned, _ = refine(sites, flat, partial(run_scores, begins=begins.ravel()), leaders)
+    near, far = _ends(sites, turned)
+    shape = (count, num_intervals)
+    charged = chain_charges(near.reshape(*shape, -1), far.reshape(shape), begins)
+    return charged, turned.reshape(count, num_intervals, -1)

@@ -114,10 +114,10 @@ def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:
         ("obstacle", gather_obstacles(scenario, motion, intervals=intervals)),
         ("pair", gather_pairs(scenario, motion, intervals=intervals)),
     )
-    half_spaces = 2 * scenario.horizon if intervals else scenario.horizon + 1
+    half_spaces = 3 * scenario.horizon if intervals else scenario.horizon + 1
     for cause, found in gathered:
         for batch in found.batches:
-            risks = step_risks(batch, intervals=intervals)
+            risks = step_risks(batch, motion, intervals=intervals)
             account.charge(cause, batch.first, batch.other, risks)
         rest = found.skipped.astype(np.float64) * (half_spaces * CUTOFF_RISK)
         account.charge(cause, everyone, None, rest[:, None])

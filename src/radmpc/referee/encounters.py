@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.model.plan import Cause
 from radmpc.referee.halfspace import Sites
 
-__all__ = ["Encounters", "blocks", "instant_sites", "interval_sites"]
+__all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites"]
 
 # Numbers in the largest temporary array of one block.
 _BLOCK = 2_000_000
@@ -22,6 +23,8 @@ class Encounters:
 
     Attributes
     ----------
+    kind : {'pair', 'obstacle', 'workspace'}
+        What ``other`` counts.
     first, other : (B,) int array
         Numbers of the vehicle, and of the obstacle or other vehicle.
     piece : (B,) int array
@@ -30,6 +33,9 @@ class Encounters:
         Mean (relative) positions [m].
     covariances : (B, T+1, d, d) array
         Their covariances [m²].
+    bent_covariances : (B, T, d, d) array or None
+        Covariance of what feedback held over an interval makes of the deviation at its start [m²];
+        None where that bends no path.
     bows : (B, T, d) array
         ``a dt²/8`` of the (relative) acceleration in each interval [m].
     radii : (B,) array
@@ -42,30 +48,40 @@ class Encounters:
         Ends of the set's edges in space; R = 0 in the plane and for pairs [m].
     """
 
+    kind: Cause
     first: Indices
     other: Indices
     piece: Indices
     means: Tensor
     covariances: Tensor
+    bent_covariances: Tensor | None
     bows: Tensor
     radii: Vector
     vertices: Tensor
     directions: Tensor
     edges: Tensor
 
-    def block(self, start: int, stop: int) -> Encounters:
-        """Return consecutive encounters of the batch."""
+    @property
+    def is_pair(self) -> bool:
+        """Whether these are relative motions of two vehicles each."""
+        return self.kind == "pair"
+
+    def take(self, chosen: slice | Indices) -> Encounters:
+        """Return some encounters of the batch."""
+        bent = self.bent_covariances
         return Encounters(
-            self.first[start:stop],
-            self.other[start:stop],
-            self.piece[start:stop],
-            self.means[start:stop],
-            self.covariances[start:stop],
-            self.bows[start:stop],
-            self.radii[start:stop],
-            self.vertices[start:stop],
-            self.directions[start:stop],
-            self.edges[start:stop],
+            self.kind,
+            self.first[chosen],
+            self.other[chosen],
+            self.piece[chosen],
+            self.means[chosen],
+            self.covariances[chosen],
+            None if bent is None else bent[chosen],
+            self.bows[chosen],
+            self.radii[chosen],
+            self.vertices[chosen],
+            self.directions[chosen],
+            self.edges[chosen],
         )
 
 
@@ -76,7 +92,7 @@ def blocks(encounters: Encounters) -> Iterator[Encounters]:
     tried = encounters.directions.shape[1] + steps + 2 * corners + 8 * encounters.edges.shape[2]
     size = max(1, _BLOCK // (steps * tried * (corners + 4)))
     for start in range(0, count, size):
-        yield encounters.block(start, start + size)
+        yield encounters.take(slice(start, start + size))
 
 
 def instant_sites(encounters: Encounters) -> Sites:
@@ -91,30 +107,53 @@ def instant_sites(encounters: Encounters) -> Sites:
     return Sites(
         encounters.means.reshape(-1, 1, d),
         encounters.covariances.reshape(-1, 1, d, d),
+        (True,),
         np.zeros((count * steps, d)),
         np.repeat(encounters.radii, steps),
         vertices,
+        np.zeros((count * steps, 1)),
         edges,
     )
 
 
 def interval_sites(encounters: Encounters) -> Sites:
-    """Return one site with two ends per encounter and interval."""
+    """Return one site per encounter and interval: near end, bent near end if any, far end."""
     count, num_intervals, d = encounters.bows.shape
-    vertices, edges = (
-        np.repeat(shape, num_intervals, axis=0)
-        if shape.shape[1] == 1
-        else np.stack([shape[:, :-1], shape[:, 1:]], axis=2).reshape(
-            count * num_intervals, 2, *shape.shape[2:]
-        )
-        for shape in (encounters.vertices, encounters.edges)
-    )
     means, covariances = encounters.means, encounters.covariances
+    places = [means[:, :-1], means[:, 1:]]
+    spreads = [covariances[:, :-1], covariances[:, 1:]]
+    is_near = [True, False]
+    if encounters.bent_covariances is not None:
+        places.insert(1, means[:, :-1])
+        spreads.insert(1, encounters.bent_covariances)
+        is_near.insert(1, True)
+    ends = len(places)
     return Sites(
-        np.stack([means[:, :-1], means[:, 1:]], axis=2).reshape(-1, 2, d),
-        np.stack([covariances[:, :-1], covariances[:, 1:]], axis=2).reshape(-1, 2, d, d),
+        np.stack(places, axis=2).reshape(-1, ends, d),
+        np.stack(spreads, axis=2).reshape(-1, ends, d, d),
+        tuple(is_near),
         encounters.bows.reshape(-1, d),
         np.repeat(encounters.radii, num_intervals),
-        vertices,
-        edges,
+        around(encounters.vertices, num_intervals),
+        np.tile([0.0 if near else 1.0 for near in is_near], (count * num_intervals, 1)),
+        around(encounters.edges, num_intervals),
     )
+
+
+def around(shape: Tensor, num_intervals: int, parts: int = 1) -> Tensor:
+    """Return corners or edges at the steps around each part of each interval, (B·K·M, 1 or 2, …).
+
+    Parameters
+    ----------
+    shape : (B, 1 or T+1, …) array
+        Per encounter, and per step where it moves.
+    num_intervals : int
+        K = T.
+    parts : int
+        M, parts of each interval.
+    """
+    if shape.shape[1] == 1:
+        return np.repeat(shape, num_intervals * parts, axis=0)
+    pairs = np.stack([shape[:, :-1], shape[:, 1:]], axis=2)
+    count = len(shape) * num_intervals * parts
+    return np.repeat(pairs, parts, axis=1).reshape(count, 2, *shape.shape[2:])

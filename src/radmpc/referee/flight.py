@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -14,10 +15,11 @@ from radmpc.model.scenario import Scenario
 from radmpc.referee.claims import shape_problems
 from radmpc.referee.collisions import Flags, leaves_workspace, meets_origin, meets_solid
 from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.projections import Projections, projections_of
 from radmpc.referee.sampling import Sampler
-from radmpc.referee.saturation import Reserve, reserves
+from radmpc.referee.saturation import Cutoff, cutoffs, may_saturate, saturation_bound
 from radmpc.referee.sweep import SweepPart, resting, swept
-from radmpc.referee.watch import OBSTACLE, PAIR, WORKSPACE, Watch, watch_list
+from radmpc.referee.watch import OBSTACLE, PAIR, WORKSPACE, Watch, WatchList, watch_list
 
 __all__ = ["Flight", "prepare"]
 
@@ -34,29 +36,41 @@ class Flight:
         Means.
     sampler : Sampler
         Draws the deviations of the vehicles that matter.
-    watches : tuple of Watch
-        Per window.
-    projections : tuple of sparse (M, width) array
-        Deviations along the normal of each row of each window.
+    watched : WatchList
+        What to watch in each window.
+    usual, wide : tuple of Projections
+        Deviations along the normals of each window's rows.
     position_rows : (N, d) int array
         Where a vehicle's position stands among the deviations.
+    bends : sparse (N d, width) array
+        ``B_p K`` of every vehicle: what feedback held over a step adds to the position.
+    held_back : sparse (N d, R) array
+        ``B_p`` for the controls that may be cut off.
     parts : mapping
         Solids by obstacle, piece and (where it moves) window.
-    reserves : tuple of Reserve
+    cutoffs : tuple of Cutoff
         Controls that may saturate, per step.
-    overlooked : float
-        Bound on the probability of what is not watched [-].
+    always_saturated : bool
+        Whether some nominal control is above its limit already.
     """
 
     scenario: Scenario
     motion: FleetMotion
     sampler: Sampler
-    watches: tuple[Watch, ...]
-    projections: tuple[csr_array, ...]
+    watched: WatchList
+    usual: tuple[Projections, ...]
+    wide: tuple[Projections, ...]
     position_rows: Indices
+    bends: csr_array
+    held_back: csr_array
     parts: dict[tuple[int, int, int], tuple[SweepPart, ...]]
-    reserves: tuple[Reserve, ...]
-    overlooked: float
+    cutoffs: tuple[Cutoff, ...]
+    always_saturated: bool
+
+    @property
+    def overlooked(self) -> float:
+        """Upper bound on the probability of what is not watched [-]."""
+        return self.watched.overlooked
 
     def count(self, size: int, seed: np.random.SeedSequence) -> Indices:
         """Return flights with any collision, with each kind, and with saturation.
@@ -73,35 +87,77 @@ class Flight:
         (5,) int array
             Any, pair, obstacle, workspace, saturated.
         """
-        rng = np.random.default_rng(seed)
-        hits = np.zeros((3, size), dtype=bool)
-        saturated = np.zeros(size, dtype=bool)
-        intervals = self.scenario.avoidance == "intervals"
-        horizon = self.scenario.horizon
-        before: Matrix | None = None
-        for k, here in enumerate(self.sampler.draw(horizon, size, rng)):
-            if k < horizon:
-                saturated |= self.reserves[k].exceeded(here)
-            if not intervals:
-                self._test(k, (k, k), (here, here), hits)
-            elif before is not None:
-                self._test(k - 1, (k - 1, k), (before, here), hits)
-            before = here
-        counts = [hits.any(axis=0).sum(), *hits.sum(axis=1), saturated.sum()]
+        chunk = _Chunk(self, size)
+        chunk.fly(np.random.default_rng(seed))
+        hits = chunk.hits
+        counts = [hits.any(axis=0).sum(), *hits.sum(axis=1), chunk.saturated.sum()]
         return np.array(counts, dtype=np.int64)
 
-    def _test(
-        self, window: int, steps: tuple[int, int], states: tuple[Matrix, Matrix], hits: Flags
-    ) -> None:
+
+@dataclass(slots=True, eq=False)
+class _Chunk:
+    """Flights in the air."""
+
+    flight: Flight
+    size: int
+    hits: Flags = field(init=False)
+    saturated: Flags = field(init=False)
+    excess: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        """Begin without any hit."""
+        self.hits = np.zeros((3, self.size), dtype=bool)
+        self.saturated = np.full(self.size, self.flight.always_saturated)
+
+    def fly(self, rng: np.random.Generator) -> None:
+        """Draw all flights step by step, and test each window."""
+        flight = self.flight
+        horizon = flight.scenario.horizon
+        intervals = flight.scenario.avoidance == "intervals"
+        before: Matrix | None = None
+        for k, here in enumerate(flight.sampler.draw(horizon, self.size, rng, self._hold_back)):
+            if not intervals:
+                self._test(k, (k, k), (here, here))
+            elif before is not None:
+                self._test(k - 1, (k - 1, k), (before, here))
+            before = here
+
+    def _hold_back(self, step: int, state: Matrix, following: Matrix) -> None:
+        """Take off what saturated controls do not do."""
+        cutoff = self.flight.cutoffs[step]
+        self.excess = cutoff.excess(state)
+        if self.excess is not None:
+            self.saturated |= self.excess.any(axis=0)
+            following -= cutoff.pushes @ self.excess
+
+    def _test(self, window: int, steps: tuple[int, int], states: tuple[Matrix, Matrix]) -> None:
         """Mark the flights that collide in a window."""
-        watch, projection = self.watches[window], self.projections[window]
+        flight = self.flight
+        everyone = np.arange(self.size)
+        usual = flight.watched.usual[window], flight.usual[window]
+        self._test_rows(window, usual, everyone, steps, states)
+        wide = flight.watched.wide[window]
+        strayed = np.flatnonzero(self.saturated)
+        if wide.kinds.size and strayed.size:
+            self._test_rows(window, (wide, flight.wide[window]), strayed, steps, states)
+
+    def _test_rows(
+        self,
+        window: int,
+        rows: tuple[Watch, Projections],
+        samples: Indices,
+        steps: tuple[int, int],
+        states: tuple[Matrix, Matrix],
+    ) -> None:
+        """Mark those of some flights that collide with what some rows watch."""
+        watch, along = rows
         if not watch.kinds.size:
             return
-        leaves = projection @ states[0] < -watch.margins[:, :1]
-        if watch.margins.shape[1] > 1:
-            leaves |= projection @ states[1] < -watch.margins[:, 1:]
-        row, sample = np.nonzero(leaves)
-        fresh = ~hits[watch.kinds[row], sample]
+        if samples.size < self.size:
+            states = states[0][:, samples], states[1][:, samples]
+        excess = None if self.excess is None else self.excess[:, samples]
+        row, sample = np.nonzero(along.leaves(watch.margins, states, excess))
+        fresh = ~self.hits[watch.kinds[row], samples[sample]]
         row, sample = row[fresh], sample[fresh]
         if not row.size:
             return
@@ -109,12 +165,13 @@ class Flight:
             self._places(watch, row, sample, k, state)
             for k, state in zip(steps, states, strict=True)
         )
-        self._test_pairs(watch, (row, sample), begin, end, hits)
-        self._test_solids(window, (row, sample), begin, end, hits)
-        if self.scenario.workspace is not None:
-            at = np.flatnonzero(watch.kinds[row] == WORKSPACE)
-            out = leaves_workspace(begin[at], end[at], watch.bows[row[at]], self.scenario.workspace)
-            hits[WORKSPACE, sample[at[out]]] = True
+        bows = watch.bows[row]
+        if watch.margins.shape[1] > 1:
+            bows = bows + self._extra_bows(watch, row, sample, states[0], excess)
+        met = (begin, end, bows)
+        self._test_pairs(watch, (row, samples[sample]), met)
+        self._test_solids(window, watch, (row, samples[sample]), met)
+        self._test_workspace(watch, (row, samples[sample]), met)
 
     def _places(
         self, watch: Watch, row: Indices, sample: Indices, step: int, state: Matrix
@@ -128,45 +185,69 @@ class Flight:
 
     def _positions(self, who: Indices, sample: Indices, step: int, state: Matrix) -> Matrix:
         """Return the positions of some vehicles in some samples, (M, d)."""
-        positions: Matrix = self.motion.positions[who, step]
-        return positions + state[self.position_rows[who], sample[:, None]]
+        positions: Matrix = self.flight.motion.positions[who, step]
+        return positions + state[self.flight.position_rows[who], sample[:, None]]
+
+    def _extra_bows(
+        self, watch: Watch, row: Indices, sample: Indices, state: Matrix, excess: Matrix | None
+    ) -> Matrix:
+        """Return how far feedback as flown makes paths hang off their chords, (M, d) [m]."""
+        flight = self.flight
+        if not flight.bends.nnz:
+            return np.zeros((row.size, flight.scenario.dimension))
+        used, place = np.unique(sample, return_inverse=True)
+        pushed = flight.bends @ state[:, used]
+        if excess is not None:
+            pushed -= flight.held_back @ excess[:, used]
+        pushed = pushed.reshape(flight.scenario.num_vehicles, -1, used.size)
+        extra = pushed[watch.first[row], :, place]
+        pair = np.flatnonzero(watch.kinds[row] == PAIR)
+        extra[pair] -= pushed[watch.other[row[pair]], :, place[pair]]
+        return np.asarray(extra / 4.0)
 
     def _test_pairs(
-        self,
-        watch: Watch,
-        where: tuple[Indices, Indices],
-        begin: Matrix,
-        end: Matrix,
-        hits: Flags,
+        self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
     ) -> None:
         """Mark flights in which two vehicles meet."""
         row, sample = where
+        begin, end, bows = met
         at = np.flatnonzero(watch.kinds[row] == PAIR)
-        met = meets_origin(begin[at], end[at], watch.bows[row[at]], watch.reaches[row[at]])
-        hits[PAIR, sample[at[met]]] = True
+        found = meets_origin(begin[at], end[at], bows[at], watch.reaches[row[at]])
+        self.hits[PAIR, sample[at[found]]] = True
 
     def _test_solids(
         self,
         window: int,
+        watch: Watch,
         where: tuple[Indices, Indices],
-        begin: Matrix,
-        end: Matrix,
-        hits: Flags,
+        met: tuple[Matrix, Matrix, Matrix],
     ) -> None:
         """Mark flights in which a vehicle hits an obstacle, piece by piece."""
-        watch, (row, sample) = self.watches[window], where
+        row, sample = where
+        begin, end, bows = met
         at = np.flatnonzero(watch.kinds[row] == OBSTACLE)
         keys = np.column_stack([watch.other[row[at]], watch.piece[row[at]]])
         for obstacle, piece in np.unique(keys, axis=0).tolist():
             these = at[(keys == (obstacle, piece)).all(axis=1)]
-            these = these[~hits[OBSTACLE, sample[these]]]
-            moving = self.scenario.obstacles[obstacle].is_moving
-            parts = self.parts[obstacle, piece, window if moving else -1]
-            rows = row[these]
-            met = meets_solid(
-                begin[these], end[these], watch.bows[rows], watch.reaches[rows], parts
-            )
-            hits[OBSTACLE, sample[these[met]]] = True
+            these = these[~self.hits[OBSTACLE, sample[these]]]
+            moving = self.flight.scenario.obstacles[obstacle].is_moving
+            parts = self.flight.parts[obstacle, piece, window if moving else -1]
+            reaches = watch.reaches[row[these]]
+            found = meets_solid(begin[these], end[these], bows[these], reaches, parts)
+            self.hits[OBSTACLE, sample[these[found]]] = True
+
+    def _test_workspace(
+        self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
+    ) -> None:
+        """Mark flights in which a center leaves the workspace."""
+        workspace = self.flight.scenario.workspace
+        if workspace is None:
+            return
+        row, sample = where
+        begin, end, bows = met
+        at = np.flatnonzero(watch.kinds[row] == WORKSPACE)
+        out = leaves_workspace(begin[at], end[at], bows[at], workspace)
+        self.hits[WORKSPACE, sample[at[out]]] = True
 
 
 def prepare(plan: Plan) -> Flight:
@@ -188,49 +269,45 @@ def prepare(plan: Plan) -> Flight:
     motion = propagate(scenario, controls)
     if motion.problems:
         raise ScenarioError("; ".join(motion.problems))
-    watches, overlooked = watch_list(scenario, motion)
-    limited = [i for i, v in enumerate(scenario.vehicles) if v.gain is not None]
-    involved = [w.first for w in watches] + [w.other[w.kinds == PAIR] for w in watches]
-    needed = np.unique(np.concatenate([*involved, np.array(limited, dtype=np.int64)]))
+    saturation = saturation_bound(scenario, motion, controls)
+    loose = may_saturate(saturation)
+    watched = watch_list(scenario, motion, loose)
+    everything = [*watched.usual, *watched.wide]
+    involved = [w.first for w in everything] + [w.other[w.kinds == PAIR] for w in everything]
+    needed = np.unique(np.concatenate([*involved, np.flatnonzero(loose)]))
     sampler = Sampler.of(motion, needed)
-    axes = np.array([v.system.position for v in scenario.vehicles])
-    position_rows = sampler.starts[:, None] + axes
+    cut = cutoffs(scenario, loose, controls, sampler)
+    projections = projections_of(scenario, motion, sampler, cut[0])
+    open_loop = [i for i, v in enumerate(scenario.vehicles) if v.gain is None]
     return Flight(
         scenario,
         motion,
         sampler,
-        watches,
-        tuple(_projection(w, position_rows, sampler.width) for w in watches),
-        position_rows,
-        _solids(scenario, watches),
-        reserves(scenario, motion, controls, sampler),
-        overlooked,
+        watched,
+        tuple(projections.onto(w) for w in watched.usual),
+        tuple(projections.onto(w) for w in watched.wide),
+        projections.position_rows,
+        projections.bends,
+        projections.held_back,
+        _solids(scenario, everything),
+        cut,
+        bool(np.any(saturation[open_loop] > 0.0)),
     )
-
-
-def _projection(watch: Watch, position_rows: Indices, width: int) -> csr_array:
-    """Return the matrix that takes deviations to their components along each row's normal."""
-    count, d = watch.normals.shape
-    pair = np.flatnonzero(watch.kinds == PAIR)
-    rows = np.concatenate([np.repeat(np.arange(count), d), np.repeat(pair, d)])
-    columns = np.concatenate(
-        [position_rows[watch.first].ravel(), position_rows[watch.other[pair]].ravel()]
-    )
-    values: Vector = np.concatenate([watch.normals.ravel(), -watch.normals[pair].ravel()])
-    return csr_array((values, (rows, columns)), shape=(count, width))
 
 
 def _solids(
-    scenario: Scenario, watches: tuple[Watch, ...]
+    scenario: Scenario, watches: Sequence[Watch]
 ) -> dict[tuple[int, int, int], tuple[SweepPart, ...]]:
     """Return the solids that any row names."""
+    num_windows = scenario.horizon + (0 if scenario.avoidance == "intervals" else 1)
     parts: dict[tuple[int, int, int], tuple[SweepPart, ...]] = {}
-    for window, watch in enumerate(watches):
+    for number, watch in enumerate(watches):
+        window = number % num_windows
         named = np.flatnonzero(watch.kinds == OBSTACLE)
         keys = np.column_stack([watch.other[named], watch.piece[named]])
-        for number, piece in np.unique(keys, axis=0).tolist():
-            obstacle = scenario.obstacles[number]
-            key = (number, piece, window if obstacle.is_moving else -1)
+        for obstacle_number, piece in np.unique(keys, axis=0).tolist():
+            obstacle = scenario.obstacles[obstacle_number]
+            key = (obstacle_number, piece, window if obstacle.is_moving else -1)
             if key in parts:
                 continue
             here = obstacle.at(window)[piece]

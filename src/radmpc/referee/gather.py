@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.geometry import Polytope
@@ -16,6 +17,8 @@ from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
 
 __all__ = ["Gathered", "gather_obstacles", "gather_pairs"]
+
+Flags = npt.NDArray[np.bool_]
 
 # Fleets up to this many encounters are looked at one by one; beyond, an index skips the far ones.
 _EXPLICIT = 2_000
@@ -47,10 +50,12 @@ class _Near:
     shapes: Sequence[Polytope]
 
 
-def gather_pairs(scenario: Scenario, motion: FleetMotion, *, intervals: bool) -> Gathered:
-    """Return all pairs as relative motions against the origin."""
+def gather_pairs(
+    scenario: Scenario, motion: FleetMotion, *, intervals: bool, always: Flags | None = None
+) -> Gathered:
+    """Return all pairs as relative motions against the origin; far ones of nobody in ``always``."""
     count = scenario.num_vehicles
-    if count * (count - 1) // 2 <= _EXPLICIT:
+    if count * (count - 1) // 2 <= _EXPLICIT or (always is not None and always.any()):
         pairs = np.column_stack(np.triu_indices(count, 1))
     else:
         pairs = near_pairs(motion_balls(motion, intervals=intervals))
@@ -61,11 +66,15 @@ def gather_pairs(scenario: Scenario, motion: FleetMotion, *, intervals: bool) ->
     d = scenario.dimension
     faces = _pair_directions(scenario.num_pair_faces, d)
     batch = Encounters(
+        kind="pair",
         first=i,
         other=j,
         piece=np.zeros(len(pairs), dtype=np.int64),
         means=motion.positions[i] - motion.positions[j],
         covariances=motion.position_covariances[i] + motion.position_covariances[j],
+        bent_covariances=(
+            motion.bent_covariances[i] + motion.bent_covariances[j] if motion.is_bent else None
+        ),
         bows=motion.bows[i] - motion.bows[j],
         radii=motion.radii[i] + motion.radii[j],
         vertices=np.zeros((len(pairs), 1, 1, d)),
@@ -91,8 +100,10 @@ def _pair_directions(count: int, dimension: int) -> Matrix:
     return np.vstack([axes, upper, -upper])
 
 
-def gather_obstacles(scenario: Scenario, motion: FleetMotion, *, intervals: bool) -> Gathered:
-    """Return all vehicles against all convex pieces of obstacles."""
+def gather_obstacles(
+    scenario: Scenario, motion: FleetMotion, *, intervals: bool, always: Flags | None = None
+) -> Gathered:
+    """Return all vehicles against all convex pieces of obstacles; see `gather_pairs`."""
     count = scenario.num_vehicles
     skipped = np.zeros(count, dtype=np.int64)
     if not scenario.obstacles:
@@ -104,6 +115,8 @@ def gather_obstacles(scenario: Scenario, motion: FleetMotion, *, intervals: bool
     for number, piece, pieces in _pieces(scenario):
         lower, upper = _boxes(pieces, balls, intervals=intervals)
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
+        if always is not None:
+            far &= ~always
         skipped += far
         near = np.flatnonzero(~far)
         if near.size:
@@ -141,11 +154,13 @@ def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
     sizes = [len(near.vehicles) for near in group]
     shapes = [near.shapes for near in group]
     return Encounters(
+        kind="obstacle",
         first=first,
         other=np.repeat([near.obstacle for near in group], sizes),
         piece=np.repeat([near.piece for near in group], sizes),
         means=motion.positions[first],
         covariances=motion.position_covariances[first],
+        bent_covariances=motion.bent_covariances[first] if motion.is_bent else None,
         bows=motion.bows[first],
         radii=motion.radii[first],
         vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),

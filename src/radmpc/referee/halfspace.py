@@ -19,7 +19,17 @@ from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 
-__all__ = ["CONTACT_TOL", "Sites", "end_margins", "end_risks", "refine", "unit"]
+__all__ = [
+    "CONTACT_TOL",
+    "Sites",
+    "clearances",
+    "deviations",
+    "end_margins",
+    "end_risks",
+    "in_deviations",
+    "refine",
+    "unit",
+]
 
 # Touching is no collision. Without noise that must not hang on the last bit of a sum.
 CONTACT_TOL = 1e-9
@@ -31,7 +41,7 @@ _SHRINK = 0.4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sites:
-    """Places where one half-space must hold, at one step (E = 1) or both ends of an interval.
+    """Places where one half-space must hold, at one step or at all ends of an interval.
 
     Attributes
     ----------
@@ -39,21 +49,27 @@ class Sites:
         Mean (relative) positions [m].
     covariances : (S, E, d, d) array
         Their covariances [m²].
+    is_near : tuple of bool
+        Which of the E ends stand at the beginning of the interval; one alone is a step.
     bows : (S, d) array
-        ``a dt²/8`` of the interval, 0 at steps [m].
+        How far the mean curve hangs off its chord in the middle of the interval, 0 at steps [m].
     radii : (S,) array
         Radius that grows the set [m].
-    vertices : (S, 1 or E, V, d) array
-        Corners of the set, at each end where it moves; the origin for pairs [m].
-    edges : (S, 1 or E, R, 2, d) array
+    vertices : (S, 1 or 2, V, d) array
+        Corners of the set, at both steps around where it moves; the origin for pairs [m].
+    blends : (S, E) array
+        How far between those steps each end is, 0 to 1.
+    edges : (S, 1 or 2, R, 2, d) array
         Ends of the set's edges in space; R = 0 in the plane and for pairs [m].
     """
 
     means: Tensor
     covariances: Tensor
+    is_near: tuple[bool, ...]
     bows: Matrix
     radii: Vector
     vertices: Tensor
+    blends: Matrix
     edges: Tensor
 
     def take(self, chosen: Indices) -> Sites:
@@ -61,14 +77,16 @@ class Sites:
         return Sites(
             self.means[chosen],
             self.covariances[chosen],
+            self.is_near,
             self.bows[chosen],
             self.radii[chosen],
             self.vertices[chosen],
+            self.blends[chosen],
             self.edges[chosen],
         )
 
 
-def end_risks(sites: Sites, directions: Tensor) -> Tensor:
+def end_risks(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
     """Return the probability that each half-space fails at each end.
 
     Parameters
@@ -77,28 +95,48 @@ def end_risks(sites: Sites, directions: Tensor) -> Tensor:
         S places with E ends.
     directions : (S, C, d) array
         Unit normals that point away from the set [-].
+    shares : (S, C) array or float
+        θ, see `end_margins`.
 
     Returns
     -------
     (S, C, E) array
         ``Q(q)``; without noise exactly 0 or 1.
     """
-    slack = end_margins(sites, directions)
-    spread = np.einsum("scd,sedf->scef", directions, sites.covariances)
-    variance = np.einsum("scef,scf->sce", spread, directions)
-    noisy = variance > 0.0
-    deviation = np.sqrt(np.where(noisy, variance, 1.0))
-    certain = (slack < -CONTACT_TOL).astype(np.float64)
-    with np.errstate(over="ignore"):  # a slack of meters over a deviation of 1e-160
-        risks: Tensor = np.where(noisy, ndtr(-slack / deviation), certain)
+    risks: Tensor = ndtr(-clearances(sites, directions, shares))
     return risks
 
 
-def end_margins(sites: Sites, directions: Tensor) -> Tensor:
+def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
+    """Return the margins of `end_margins` in standard deviations, (S, C, E).
+
+    Without noise ±inf: touching, up to `CONTACT_TOL`, is no collision.
+    """
+    return in_deviations(end_margins(sites, directions, shares), deviations(sites, directions))
+
+
+def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
+    """Return margins in standard deviations; ±inf without noise."""
+    noisy = spread > 0.0
+    certain = np.where(margins < -CONTACT_TOL, -np.inf, np.inf)
+    with np.errstate(over="ignore"):  # a margin of meters over a deviation of 1e-160
+        scaled: Tensor = np.where(noisy, margins / np.where(noisy, spread, 1.0), certain)
+    return scaled
+
+
+def deviations(sites: Sites, directions: Tensor) -> Tensor:
+    """Return the standard deviation along each direction at each end, (S, C, E) [m]."""
+    spread = np.einsum("scd,sedf->scef", directions, sites.covariances)
+    variance = np.einsum("scef,scf->sce", spread, directions)
+    return np.asarray(np.sqrt(variance.clip(min=0.0)))
+
+
+def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
     """Return how far the means are from failing each half-space at each end.
 
-    The mean curve is ``chord − a τ(dt−τ)/2``, so along n it falls short of its chord by at most
-    ``max(0, n·a) dt²/8``: a margin held at both ends holds in between.
+    The mean curve hangs off its chord by ``4 s (1 − s) b``, with b at most ``max(0, n·bow)``. Margins
+    m₀ and m₁ of the chord's ends are enough in between if, for some share θ in [0, 1], ``m₀`` is
+    at least ``4 b θ²`` and ``m₁`` at least ``4 b (1 − θ)²``.
 
     Parameters
     ----------
@@ -106,16 +144,27 @@ def end_margins(sites: Sites, directions: Tensor) -> Tensor:
         S places with E ends.
     directions : (S, C, d) array
         Unit normals that point away from the set [-].
+    shares : (S, C) array or float
+        The near ends' share θ of the reserve for the bow; any is valid.
 
     Returns
     -------
     (S, C, E) array
-        ``n·x̄ − max n·P − r − bow``; a collision needs a deviation along −n that exceeds it [m].
+        ``n·x̄ − max n·P − r − reserve``; a collision needs a deviation along −n that exceeds it at
+        some end [m].
     """
     along = np.einsum("scd,sed->sce", directions, sites.means)
-    support = np.einsum("scd,sevd->scev", directions, sites.vertices).max(axis=3)
+    support = np.einsum("scd,sovd->scov", directions, sites.vertices).max(axis=3)
+    if support.shape[2] == 2:
+        blend = sites.blends[:, None]
+        # The support of a Minkowski interpolation is that of the supports.
+        support = (1.0 - blend) * support[:, :, :1] + blend * support[:, :, 1:]
     sag = np.maximum(np.einsum("scd,sd->sc", directions, sites.bows), 0.0)
-    margins: Tensor = along - support - (sag + sites.radii[:, None])[:, :, None]
+    margins: Tensor = along - support - sites.radii[:, None, None]
+    if sag.any():
+        shares = np.broadcast_to(shares, sag.shape)
+        near, far = 4.0 * sag * np.square(shares), 4.0 * sag * np.square(1.0 - shares)
+        margins -= np.stack([near if is_near else far for is_near in sites.is_near], axis=2)
     return margins
 
 
@@ -129,7 +178,10 @@ def unit(vectors: Tensor) -> Tensor:
 
 
 def refine(
-    sites: Sites, directions: Matrix, score: Callable[[Tensor], Tensor]
+    sites: Sites,
+    directions: Matrix,
+    score: Callable[[Tensor], Tensor],
+    leaders: Indices | None = None,
 ) -> tuple[Matrix, Vector]:
     """Turn each direction downhill: a pattern search over the sphere, all sites at once.
 
@@ -147,6 +199,8 @@ def refine(
     score : callable
         From the risks of P directions at each site's ends, (S, P, E), to what is to be small,
         (S, P). Sites that turn together start alike and score alike.
+    leaders : (S,) int array or None
+        The site whose edges each follows: those that turn together must try the same directions.
 
     Returns
     -------
@@ -156,7 +210,8 @@ def refine(
         Never above those at the start.
     """
     pattern = _pattern(directions.shape[1])
-    ridges = unit(sites.edges[:, 0, :, 1] - sites.edges[:, 0, :, 0])
+    edges = sites.edges[:, 0] if leaders is None else sites.edges[leaders, 0]
+    ridges = unit(edges[:, :, 1] - edges[:, :, 0])
     best = directions.copy()
     lowest = score(end_risks(sites, best[:, None]))[:, 0]
     rows = np.arange(len(best))

@@ -58,6 +58,11 @@ class FleetMotion:
     bows : (N, T, d) array
         ``a dt²/8`` for a double integrator under acceleration a, else 0: how far the mean curve
         hangs off its chord in the middle of each interval, against a [m].
+    bends : tuple of (d, n) array or None
+        ``G = B_p K`` of those whose path between steps is bent by feedback held over the step: at
+        a share s it adds ``−s (1 − s) G δ_k``; None for all others.
+    bent_covariances : (N, T, d, d) array
+        Covariance of ``P δ_k − G δ_k``; that of ``P δ_k``, the position's own, without a bend [m²].
     radii : (N,) array
         Hull radii [m].
     """
@@ -69,7 +74,14 @@ class FleetMotion:
     positions: Tensor
     position_covariances: Tensor
     bows: Tensor
+    bends: tuple[Matrix | None, ...]
+    bent_covariances: Tensor
     radii: Vector
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether feedback bends anybody's path between steps."""
+        return any(bend is not None for bend in self.bends)
 
     @property
     def problems(self) -> list[str]:
@@ -107,11 +119,23 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     for group in groups:
         for member, tensor in zip(group.members, _covariances(group, horizon), strict=True):
             covariances[member] = tensor
-    bows = np.zeros((len(vehicles), horizon, d))
-    for i, vehicle in enumerate(vehicles):
-        if vehicle.system.is_double_integrator:
-            bows[i] = controls[i] * scenario.dt**2 / 8.0
     axes = [list(v.system.position) for v in vehicles]
+    bows = np.zeros((len(vehicles), horizon, d))
+    bends: list[Matrix | None] = []
+    bent = np.empty((len(vehicles), horizon, d, d))
+    for i, vehicle in enumerate(vehicles):
+        bend = None
+        pushes = vehicle.system.B[axes[i]]
+        if vehicle.system.is_double_integrator:
+            # The push that shifts the position by B_p u over a step hangs off its chord by a
+            # quarter of that in the middle.
+            bows[i] = controls[i] @ pushes.T / 4.0
+            bend = None if vehicle.gain is None else pushes @ vehicle.gain
+        picked = np.eye(vehicle.system.num_states)[axes[i]]
+        turned = picked if bend is None else picked - bend
+        bends.append(bend)
+        with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported elsewhere
+            bent[i] = turned @ covariances[i][:-1] @ turned.T
     return FleetMotion(
         names=tuple(v.name for v in vehicles),
         groups=groups,
@@ -122,6 +146,8 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
             [c[:, a][:, :, a] for c, a in zip(covariances, axes, strict=True)]
         ),
         bows=bows,
+        bends=tuple(bends),
+        bent_covariances=bent,
         radii=np.array([v.radius for v in vehicles]),
     )
 

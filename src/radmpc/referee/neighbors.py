@@ -50,6 +50,9 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     half_chord = 0.5 * np.linalg.norm(after - before, axis=2)
     bow = np.linalg.norm(motion.bows, axis=2)
     deviations = np.maximum(deviations[:, :-1], deviations[:, 1:])
+    if motion.is_bent:
+        bent = np.linalg.eigvalsh(motion.bent_covariances)[..., -1].clip(min=0.0)
+        deviations = np.maximum(deviations, np.sqrt(bent))
     return Balls(0.5 * (before + after), radii + half_chord + bow + _CUTOFF * deviations)
 
 

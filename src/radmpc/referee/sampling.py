@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,11 +63,29 @@ class Sampler:
             row += n * kept.size
         return cls(row, starts, tuple(blocks))
 
-    def draw(self, horizon: int, size: int, rng: np.random.Generator) -> Iterator[Matrix]:
+    def draw(
+        self,
+        horizon: int,
+        size: int,
+        rng: np.random.Generator,
+        held_back: Callable[[int, Matrix, Matrix], None],
+    ) -> Iterator[Matrix]:
         """Yield the deviations at k = 0..T, (width, size).
 
         ``e⁺ = (A + BK) e + w`` keeps the whole correlation in time. Two arrays take turns: a
         yielded one is overwritten by the next but one.
+
+        Parameters
+        ----------
+        horizon : int
+            T.
+        size : int
+            Samples.
+        rng : Generator
+            Source of randomness.
+        held_back : callable
+            Given a step, the deviations there and those at the next; takes off from the latter
+            what controls that saturate do not do.
         """
         noise, spare = np.empty((self.width, size)), np.empty((self.width, size))
         state = np.empty((self.width, size))
@@ -75,7 +93,7 @@ class Sampler:
         for block in self.blocks:
             _scale(block.initial, noise[block.rows], state[block.rows], block.shape)
         yield state
-        for _ in range(horizon):
+        for k in range(horizon):
             rng.standard_normal(out=noise)
             for block in self.blocks:
                 _scale(block.disturbance, noise[block.rows], spare[block.rows], block.shape)
@@ -87,6 +105,7 @@ class Sampler:
                     out=noise[block.rows].reshape(block.shape),
                 )
             spare += noise
+            held_back(k, state, spare)
             state, spare = spare, state
             yield state
 

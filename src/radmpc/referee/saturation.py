@@ -1,4 +1,4 @@
-"""Which controls may ask for more than there is, under feedback that nobody cuts off."""
+"""Controls that may ask for more than there is: how likely that is, and what is cut off then."""
 
 from __future__ import annotations
 
@@ -6,83 +6,121 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import csr_array
+from scipy.special import ndtr
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
-from radmpc.referee.collisions import Flags
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sampling import Sampler
 
-__all__ = ["Reserve", "reserves"]
+__all__ = ["Cutoff", "cutoffs", "may_saturate", "saturation_bound"]
+
+Flags = npt.NDArray[np.bool_]
 
 _LIMIT_TOL = 1e-6
-# Standard deviations of reserve beyond which nobody waits for saturation.
-_CERTAIN = 8.0
+"""What a nominal control may exceed its limit by, as solvers' tolerances let it [m/s²]."""
+
+_CERTAIN = 1e-12
+"""Probability below which nobody waits for a vehicle to saturate [-]."""
+
+
+def saturation_bound(
+    scenario: Scenario, motion: FleetMotion, controls: Sequence[Matrix]
+) -> Vector:
+    """Return upper bounds on the probability that each vehicle's feedback ever saturates.
+
+    By Boole's inequality over steps, axes and both limits; the deviation is that of the control as
+    asked for, which is the one flown until something saturates for the first time.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Gains and limits.
+    motion : FleetMotion
+        Covariances.
+    controls : sequence of (T, m) array
+        Nominal controls.
+
+    Returns
+    -------
+    (N,) array
+        At most 1 each; 0 without feedback.
+    """
+    bounds = np.zeros(scenario.num_vehicles)
+    for i, vehicle in enumerate(scenario.vehicles):
+        limit = vehicle.control_limit + _LIMIT_TOL
+        if vehicle.gain is None:
+            bounds[i] = float(np.any(np.abs(controls[i]) > limit))
+            continue
+        variances = ((vehicle.gain @ motion.covariances[i][:-1]) * vehicle.gain).sum(axis=2)
+        spread = np.sqrt(variances.clip(min=0.0))
+        noisy = spread > 0.0
+        total = 0.0
+        for room in (limit - controls[i], limit + controls[i]):
+            tails = ndtr(-room / np.where(noisy, spread, 1.0))
+            total += float(np.where(noisy, tails, (room < 0.0).astype(np.float64)).sum())
+        bounds[i] = min(total, 1.0)
+    return bounds
+
+
+def may_saturate(bounds: Vector) -> Flags:
+    """Return whose controls simulation has to watch, (N,) bool."""
+    return np.asarray(bounds > _CERTAIN)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reserve:
-    """The controls of one step that may saturate.
+class Cutoff:
+    """The controls of one step that may saturate, as an autopilot cuts them off.
 
     Attributes
     ----------
     gains : sparse (R, width) array
-        Rows of K.
+        Rows of K: what the feedback asks for.
     lower, upper : (R,) array
-        What ``K (x − x̄)`` may be without saturation.
-    always : bool
-        Whether some nominal control is above its limit already.
+        What it gets at least and at most, the nominal control taken off.
+    pushes : sparse (width, R) array
+        Columns of B: what a unit of control does to the state.
     """
 
     gains: csr_array
     lower: Vector
     upper: Vector
-    always: bool
+    pushes: csr_array
 
-    def exceeded(self, state: Matrix) -> Flags:
-        """Return which samples ask for too much, (S,) bool."""
-        if self.always or not self.lower.size:
-            return np.full(state.shape[1], self.always)
+    def excess(self, state: Matrix) -> Matrix | None:
+        """Return what is asked for beyond what there is, (R, S); None where nothing is."""
+        if not self.lower.size:
+            return None
         asked = self.gains @ state
-        over = (asked > self.upper[:, None]) | (asked < self.lower[:, None])
-        return np.asarray(np.any(over, axis=0))
+        over = asked - np.clip(asked, self.lower[:, None], self.upper[:, None])
+        return over if over.any() else None
 
 
-def reserves(
-    scenario: Scenario, motion: FleetMotion, controls: Sequence[Matrix], sampler: Sampler
-) -> tuple[Reserve, ...]:
-    """Return the reserves of all steps 0..T-1."""
-    return tuple(_reserve(scenario, motion, controls, sampler, k) for k in range(scenario.horizon))
-
-
-def _reserve(
-    scenario: Scenario,
-    motion: FleetMotion,
-    controls: Sequence[Matrix],
-    sampler: Sampler,
-    step: int,
-) -> Reserve:
-    """Return the reserve of one step."""
-    values: list[Vector] = [np.zeros(0)]
-    columns = [np.zeros(0, dtype=np.int64)]
-    sizes, lower, upper = [0], [np.zeros(0)], [np.zeros(0)]
-    always = False
-    for i, vehicle in enumerate(scenario.vehicles):
-        nominal, limit = controls[i][step], vehicle.control_limit + _LIMIT_TOL
-        always = always or bool(np.any(np.abs(nominal) > limit))
-        if vehicle.gain is None:
-            continue
-        spread = ((vehicle.gain @ motion.covariances[i][step]) * vehicle.gain).sum(axis=1)
-        near = np.flatnonzero(limit - np.abs(nominal) <= _CERTAIN * np.sqrt(spread.clip(min=0.0)))
-        n = vehicle.system.num_states
-        values.append(vehicle.gain[near].ravel())
-        columns.append(np.tile(sampler.starts[i] + np.arange(n), near.size))
-        sizes += [n] * near.size
-        lower.append(-limit[near] - nominal[near])
-        upper.append(limit[near] - nominal[near])
-    gains = csr_array(
-        (np.concatenate(values), np.concatenate(columns), np.cumsum(sizes)),
-        shape=(len(sizes) - 1, sampler.width),
-    )
-    return Reserve(gains, np.concatenate(lower), np.concatenate(upper), always)
+def cutoffs(
+    scenario: Scenario, loose: Flags, controls: Sequence[Matrix], sampler: Sampler
+) -> tuple[Cutoff, ...]:
+    """Return the cut-offs of all steps 0..T-1 for the vehicles that may saturate."""
+    chosen = [i for i in np.flatnonzero(loose) if scenario.vehicles[i].gain is not None]
+    rows, columns, gains, pushes = [], [], [np.zeros(0)], [np.zeros(0)]
+    first = 0
+    for i in chosen:
+        vehicle = scenario.vehicles[i]
+        m, n = vehicle.system.num_controls, vehicle.system.num_states
+        rows.append(np.repeat(np.arange(first, first + m), n))
+        columns.append(np.tile(sampler.starts[i] + np.arange(n), m))
+        gains.append(np.asarray(vehicle.gain).ravel())
+        pushes.append(vehicle.system.B.T.ravel())
+        first += m
+    none = np.zeros(0, dtype=np.int64)
+    where = (np.concatenate([none, *rows]), np.concatenate([none, *columns]))
+    asked = csr_array((np.concatenate(gains), where), shape=(first, sampler.width))
+    pushed = csr_array((np.concatenate(pushes), where[::-1]), shape=(sampler.width, first))
+    found = []
+    for k in range(scenario.horizon):
+        limits = [scenario.vehicles[i].control_limit for i in chosen]
+        limit = np.concatenate([np.zeros(0), *limits]) + _LIMIT_TOL
+        nominal = np.concatenate([np.zeros(0), *(controls[i][k] for i in chosen)])
+        found.append(Cutoff(asked, -limit - nominal, limit - nominal, pushed))
+    return tuple(found)

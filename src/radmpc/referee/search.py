@@ -8,7 +8,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.referee.halfspace import Sites, end_risks, refine, unit
 from radmpc.referee.tangent import tangent_directions
 
-__all__ = ["NEGLIGIBLE", "best_directions"]
+__all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
 
 # Half-spaces below this risk are charged as they are, without looking for a better one.
 NEGLIGIBLE = 1e-15
@@ -35,6 +35,36 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
     return best, risks
 
 
+def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
+    """Return the best of faces, tangents and a known direction for each site, without a search.
+
+    Over a short part of an interval the tangents of its ends are close to the best there is.
+
+    Parameters
+    ----------
+    sites : Sites
+        S places.
+    common : (S, C, d) array
+        Faces and axes.
+    known : (S, d) array
+        A direction found for a larger place; kept where its risk is negligible.
+
+    Returns
+    -------
+    (S, d) array
+        Directions.
+    """
+    _, risks = _cheapest(sites, known[:, None])
+    worth = np.flatnonzero(risks > NEGLIGIBLE)
+    if not worth.size:
+        return known
+    close = sites.take(worth)
+    tried = np.concatenate([known[worth, None], common[worth], _tangents(close)], axis=1)
+    best = known.copy()
+    best[worth], _ = _cheapest(close, tried)
+    return best
+
+
 def _sum_over_ends(risks: Tensor) -> Tensor:
     """Return the score of a half-space on its own."""
     return np.asarray(risks.sum(axis=2))
@@ -52,7 +82,7 @@ def _tangents(sites: Sites) -> Tensor:
     """Return the best directions at each end, (S, E (V + R), d)."""
     per_end = []
     for end in range(sites.means.shape[1]):
-        shape = min(end, sites.vertices.shape[1] - 1)
+        shape = 0 if sites.is_near[end] else sites.vertices.shape[1] - 1
         per_end.append(
             tangent_directions(
                 sites.means[:, end],

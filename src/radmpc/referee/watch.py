@@ -10,17 +10,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.model.scenario import Scenario
+from radmpc.model.scenario import Scenario, Workspace
 from radmpc.referee.bounds import window_halfspaces
-from radmpc.referee.encounters import Encounters
+from radmpc.referee.encounters import Encounters, instant_sites, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
+from radmpc.referee.halfspace import end_margins, end_risks
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import CUTOFF_RISK
+from radmpc.referee.persistence import best_shares
+from radmpc.referee.workspace import faces_of
 
-__all__ = ["OBSTACLE", "PAIR", "WATCH_RISK", "WORKSPACE", "Watch", "watch_list"]
+__all__ = ["OBSTACLE", "PAIR", "WATCH_RISK", "WORKSPACE", "Watch", "WatchList", "watch_list"]
+
+Flags = npt.NDArray[np.bool_]
 
 # Encounters below this risk are not simulated: a million samples would not show them.
 WATCH_RISK = 1e-12
@@ -45,7 +50,8 @@ class Watch:
     normals : (M, d) array
         Only who deviates along −normal can collide [-].
     margins : (M, E) array
-        By more than this, at one end of the window [m].
+        By more than this, at one end of the window: near, bent near (if feedback bends any path),
+        far [m].
     reaches : (M,) array
         Radius, or sum of radii [m].
     bows : (M, d) array
@@ -77,31 +83,63 @@ class _Rows:
     risks: Vector
 
 
-def watch_list(scenario: Scenario, motion: FleetMotion) -> tuple[tuple[Watch, ...], float]:
-    """Return what to watch in each window, and a bound on what is not watched.
+@dataclass(frozen=True, slots=True, eq=False)
+class WatchList:
+    """What to watch in each window: T+1 steps, or T intervals.
 
-    Returns
-    -------
-    watches : tuple of Watch
-        One per window: T+1 steps, or T intervals.
+    Attributes
+    ----------
+    usual : tuple of Watch
+        What may happen while controls stay within their limits.
+    wide : tuple of Watch
+        All other encounters of vehicles whose controls may saturate: those drift off further than
+        any covariance says.
     overlooked : float
-        Upper bound on the probability of a collision among all that is left out [-].
+        Upper bound on the probability of a collision among all that is in neither [-].
+    """
+
+    usual: tuple[Watch, ...]
+    wide: tuple[Watch, ...]
+    overlooked: float
+
+
+def watch_list(scenario: Scenario, motion: FleetMotion, may_saturate: Flags) -> WatchList:
+    """Return what to watch in each window.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    motion : FleetMotion
+        Its motion.
+    may_saturate : (N,) bool array
+        Whose controls may reach their limits.
     """
     intervals = scenario.avoidance == "intervals"
     num_windows = scenario.horizon + (0 if intervals else 1)
-    ends = 2 if intervals else 1
+    ends = (3 if motion.is_bent else 2) if intervals else 1
     tables: list[_Rows] = []
     overlooked = 0.0
     for kind, gather in ((PAIR, gather_pairs), (OBSTACLE, gather_obstacles)):
-        found = gather(scenario, motion, intervals=intervals)
+        found = gather(scenario, motion, intervals=intervals, always=may_saturate)
         overlooked += float(found.skipped.sum()) * num_windows * ends * CUTOFF_RISK
         tables += [_encounter_rows(kind, batch, intervals=intervals) for batch in found.batches]
     if scenario.workspace is not None:
-        tables += _workspace_rows(scenario, motion, intervals=intervals)
+        tables += _workspace_rows(scenario.workspace, motion, intervals=intervals)
     overlooked += sum(float(t.risks[t.risks < WATCH_RISK].sum()) for t in tables)
-    return tuple(
-        _watch(tables, k, scenario.dimension, ends) for k in range(num_windows)
-    ), overlooked
+    usual = [[np.flatnonzero(r >= WATCH_RISK) for r in t.risks.T] for t in tables]
+    wide = []
+    for table in tables:
+        loose = may_saturate[table.first]
+        if table.kind == PAIR:
+            loose = loose | may_saturate[table.other]
+        wide.append([np.flatnonzero(loose & (r < WATCH_RISK)) for r in table.risks.T])
+    shape = (ends, scenario.dimension)
+    return WatchList(
+        tuple(_watch(tables, [rows[k] for rows in usual], k, shape) for k in range(num_windows)),
+        tuple(_watch(tables, [rows[k] for rows in wide], k, shape) for k in range(num_windows)),
+        overlooked,
+    )
 
 
 def _encounter_rows(kind: int, batch: Encounters, *, intervals: bool) -> _Rows:
@@ -120,45 +158,41 @@ def _encounter_rows(kind: int, batch: Encounters, *, intervals: bool) -> _Rows:
     )
 
 
-def _workspace_rows(scenario: Scenario, motion: FleetMotion, *, intervals: bool) -> list[_Rows]:
+def _workspace_rows(
+    workspace: Workspace, motion: FleetMotion, *, intervals: bool
+) -> list[_Rows]:
     """Return a table of rows per face of the workspace."""
-    workspace = scenario.workspace
-    if workspace is None:
-        return []
-    count, steps, d = motion.positions.shape
-    shape = (count, steps - 1 if intervals else steps, d)
-    bows = motion.bows if intervals else np.zeros(shape)
-    none = np.zeros(count, dtype=np.int64)
     tables = []
-    for axis in range(d):
-        deviations = np.sqrt(motion.position_covariances[:, :, axis, axis].clip(min=0.0))
-        for sign, face in ((1.0, workspace.lower[axis]), (-1.0, workspace.upper[axis])):
-            slack = sign * (motion.positions[:, :, axis] - face)
-            noisy = deviations > 0.0
-            chance = ndtr(-slack / np.where(noisy, deviations, 1.0))
-            risks = np.where(noisy, chance, (slack < 0.0).astype(np.float64))
-            margins = slack[:, :, None]
-            if intervals:
-                sag = np.maximum(sign * bows[:, :, axis], 0.0)
-                margins = np.stack([slack[:, :-1] - sag, slack[:, 1:] - sag], axis=2)
-                pair = np.stack([deviations[:, :-1], deviations[:, 1:]], axis=2)
-                noisy = pair > 0.0
-                chance = ndtr(-margins / np.where(noisy, pair, 1.0))
-                risks = np.where(noisy, chance, (margins < 0.0).astype(np.float64)).sum(axis=2)
-            normals = np.zeros(shape)
-            normals[:, :, axis] = sign
-            reaches = np.zeros(count)
-            tables.append(
-                _Rows(
-                    WORKSPACE, np.arange(count), none, none, normals, margins, reaches, bows, risks
-                )
+    for normal, batch in faces_of(workspace, motion):
+        sites = interval_sites(batch) if intervals else instant_sites(batch)
+        count = len(batch.means)
+        flat = np.broadcast_to(normal, (len(sites.means), normal.size))
+        shares = best_shares(sites, flat)[:, None]
+        margins = end_margins(sites, flat[:, None], shares)
+        risks = end_risks(sites, flat[:, None], shares).sum(axis=2)
+        normals = flat.reshape(count, -1, normal.size)
+        tables.append(
+            _Rows(
+                WORKSPACE,
+                batch.first,
+                batch.other,
+                batch.piece,
+                normals,
+                margins.reshape(*normals.shape[:2], -1),
+                batch.radii,
+                batch.bows if intervals else np.zeros(normals.shape),
+                risks.reshape(normals.shape[:2]),
             )
+        )
     return tables
 
 
-def _watch(tables: Sequence[_Rows], window: int, dimension: int, ends: int) -> Watch:
-    """Collect the rows of one window."""
-    chosen = [(t, np.flatnonzero(t.risks[:, window] >= WATCH_RISK)) for t in tables]
+def _watch(
+    tables: Sequence[_Rows], rows_of: Sequence[Indices], window: int, shape: tuple[int, int]
+) -> Watch:
+    """Collect chosen rows of one window."""
+    ends, dimension = shape
+    chosen = list(zip(tables, rows_of, strict=True))
     ints, empty = np.zeros(0, dtype=np.int64), np.zeros((0, dimension))
     return Watch(
         kinds=np.concatenate([ints, *(np.full(rows.size, t.kind) for t, rows in chosen)]),

@@ -46,7 +46,7 @@ def dangers_of(program: DisjunctiveProgram, horizon: int, own: slice) -> list[li
     normals[places.row, places.col % 2] = places.data
     steps = np.full(rows.count, -1)
     steps[places.row] = places.col // 2
-    is_interval = bool(np.any(np.diff(program.alternative_starts) == 2))
+    is_interval = bool(np.any(np.diff(program.alternative_starts) >= 2))
     found: list[list[Danger]] = [[] for _ in range(horizon)]
     for avoidance, label in enumerate(program.avoidances):
         k = label.step - (0 if is_interval else 1)

@@ -39,12 +39,15 @@ class Surroundings:
         near = np.zeros((len(subjects), len(scenario.obstacles)), dtype=bool)
         for j, subject in enumerate(subjects):
             spread = np.linalg.eigvalsh(subject.position_covariances)[:, -1].max()
+            if subject.bent_covariances is not None:
+                spread = max(spread, np.linalg.eigvalsh(subject.bent_covariances)[:, -1].max())
             margin = subject.vehicle.radius + _FAR * np.sqrt(max(float(spread), 0.0))
             # A straight path between two steps stays within the reach of both.
             low = subject.reach_lower.min(axis=0) - margin
             high = subject.reach_upper.max(axis=0) + margin
             # The curve between two steps leaves its chord by the bow.
-            bow = 0.125 * scenario.dt**2 * np.abs(subject.control_bounds).max(initial=0.0)
+            largest = np.abs(subject.control_bounds).max(axis=0, initial=0.0)
+            bow = np.abs(subject.vehicle.system.sagitta) @ largest
             near[j] = np.all((lower <= high + bow) & (upper >= low - bow), axis=1)
         self._near = near
 

@@ -1,0 +1,147 @@
+r"""Means and covariances of vehicles at moments between the steps.
+
+Under a control held over a step, and with the disturbance entering linearly, the position of a
+double integrator deviates at a share s of the step by
+
+.. math:: y(s) = C(s)\,\delta_k + s\,P w_k, \qquad C(s) = (1-s) P + s P F - s (1-s) G,
+
+with P that picks positions, F the closed loop and ``G = B_p K``; for all other systems the path is
+the straight segment, which is the same with G = 0. Within one of M equal parts, from s to s + 1/M,
+
+.. math:: y = (1-\sigma)\,\bigl(y(s) - \sigma\,G\delta_k/M^2\bigr) + \sigma\,y(s + 1/M),
+
+so what holds for y at both ends of the part and for the *bent* near end ``y(s) − G δ_k / M²`` holds
+for the deviation in between.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Tensor
+from radmpc.referee.motion import FleetMotion
+
+__all__ = ["Moments", "moments_of"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moments:
+    """Some vehicles at ``T M + 1`` moments, M parts to the step.
+
+    Attributes
+    ----------
+    means : (V, T M + 1, d) array
+        Mean positions on the curve [m].
+    bows : (V, T M, d) array
+        How far the mean curve hangs off the chord of each part in its middle [m].
+    own : (V, T M + 1, d, d) array
+        Covariance of the position [m²].
+    bent : (V, T M, d, d) array
+        Covariance of the bent near end of each part [m²].
+    near_with_bent, bent_with_far : (V, T M, d, d) array
+        Covariance of the near end with the bent one, and of that with the far end [m²].
+    """
+
+    means: Tensor
+    bows: Tensor
+    own: Tensor
+    bent: Tensor
+    near_with_bent: Tensor
+    bent_with_far: Tensor
+
+    def of(self, vehicles: Indices) -> Moments:
+        """Return the moments of vehicles by their place, repeated ones allowed."""
+        return Moments(
+            self.means[vehicles],
+            self.bows[vehicles],
+            self.own[vehicles],
+            self.bent[vehicles],
+            self.near_with_bent[vehicles],
+            self.bent_with_far[vehicles],
+        )
+
+    def minus(self, other: Moments) -> Moments:
+        """Return the moments of differences of independent positions."""
+        return Moments(
+            self.means - other.means,
+            self.bows - other.bows,
+            self.own + other.own,
+            self.bent + other.bent,
+            self.near_with_bent + other.near_with_bent,
+            self.bent_with_far + other.bent_with_far,
+        )
+
+
+def moments_of(motion: FleetMotion, vehicles: Indices, parts: int) -> Moments:
+    """Return the moments of some vehicles.
+
+    Parameters
+    ----------
+    motion : FleetMotion
+        Of the fleet.
+    vehicles : (V,) int array
+        Whose, by their number in the scenario.
+    parts : int
+        M, parts of each step, >= 1.
+
+    Returns
+    -------
+    Moments
+        In the order of the vehicles.
+    """
+    count = len(vehicles)
+    horizon, d = motion.bows.shape[1:]
+    width = horizon * parts
+    shares = np.arange(parts + 1) / parts
+    positions, bows = motion.positions[vehicles], motion.bows[vehicles]
+    before, after = positions[:, :-1, None], positions[:, 1:, None]
+    s = shares[:-1, None]
+    curve = before + s * (after - before) - 4.0 * s * (1.0 - s) * bows[:, :, None]
+    means = np.concatenate([curve.reshape(count, width, d), positions[:, -1:]], axis=1)
+    own = np.empty((count, width + 1, d, d))
+    pieces = [np.empty((count, horizon, parts, d, d)) for _ in range(3)]
+    place = {int(v): at for at, v in enumerate(vehicles)}
+    for group in motion.groups:
+        chosen = np.flatnonzero(np.isin(group.members, vehicles))
+        if not chosen.size:
+            continue
+        members = group.members[chosen]
+        at = np.array([place[int(v)] for v in members])
+        n = group.transitions.shape[1]
+        axes = group.position[chosen]
+        picked = np.eye(n)[axes][:, None]
+        bend = np.zeros((len(chosen), 1, d, n))
+        for g, member in enumerate(members.tolist()):
+            known = motion.bends[member]
+            bend[g, 0] = 0.0 if known is None else known
+        column = shares[:, None, None]
+        C = (1.0 - column) * picked + column * (picked @ group.transitions[chosen][:, None])
+        C = (C - column * (1.0 - column) * bend)[:, None]
+        noise = np.take_along_axis(group.disturbance[chosen], axes[:, :, None], axis=1)
+        noise = np.take_along_axis(noise, axes[:, None, :], axis=2)[:, None, None]
+        states = np.stack([motion.covariances[v][:-1] for v in members.tolist()])[:, :, None]
+        near, far = C[:, :, :-1], C[:, :, 1:]
+        bent = near - bend[:, None] / parts**2
+        fresh = column[:-1] ** 2 * noise
+        spread = bent @ states
+        pieces[0][at] = spread @ _turned(bent) + fresh
+        pieces[1][at] = near @ states @ _turned(bent) + fresh
+        pieces[2][at] = spread @ _turned(far) + column[:-1] * column[1:] * noise
+        own[at, :-1] = (near @ states @ _turned(near) + fresh).reshape(len(at), width, d, d)
+        own[at, -1] = motion.position_covariances[members, -1]
+    bent_cov, near_with_bent, bent_with_far = (p.reshape(count, width, d, d) for p in pieces)
+    return Moments(
+        means,
+        np.repeat(bows, parts, axis=1) / parts**2,
+        own,
+        bent_cov,
+        near_with_bent,
+        bent_with_far,
+    )
+
+
+def _turned(tensor: Tensor) -> Tensor:
+    """Return transposes over the last two axes."""
+    return np.swapaxes(tensor, -1, -2)

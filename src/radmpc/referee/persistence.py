@@ -1,0 +1,128 @@
+r"""What a chain of half-spaces fails with, each charged for what the one before did not.
+
+For events in any order, and a tree that joins each to an earlier one (Hunter 1976, Worsley 1982),
+
+.. math:: \Pr\Bigl[\bigcup_e V_e\Bigr] \le \Pr[V_0] + \sum_{e > 0} \Pr[V_e \setminus V_{e-1}].
+
+A deviation that is too large at one moment mostly is at the next: what is charged for the next is
+only the part that is new. Along an interval the order is near end, bent near end, far end, and the
+far end of one part stands at the near end of the next.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.referee.bivariate import exceeds_alone
+from radmpc.referee.halfspace import Sites, clearances, deviations, end_risks
+
+__all__ = ["Crossed", "best_shares", "path_charges"]
+
+_SHARES = (0.5, 0.0, 1.0, 0.25, 0.75, 0.375, 0.625, 0.125, 0.875)
+"""Shares of the reserve for the bow that are tried for the near end; any is valid."""
+
+_TELLING = 1e-4
+"""Share of an encounter's sum, spread over its parts, below which an event is charged whole."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Crossed:
+    """Covariances between the ends of each part, (S, d, d) each [m²].
+
+    ``bent_with_far`` is that of the near end where there is no bent one, and ``near_with_bent``
+    is not looked at.
+    """
+
+    near_with_bent: Tensor
+    bent_with_far: Tensor
+
+
+def best_shares(sites: Sites, directions: Matrix) -> Vector:
+    """Return the near ends' share of the reserve for the bow that costs least, (S,)."""
+    shares = np.full(len(directions), _SHARES[0])
+    sag = np.einsum("sd,sd->s", directions, sites.bows)
+    bowed = np.flatnonzero(sag > 0.0)
+    if not bowed.size:
+        return shares
+    part, along = sites.take(bowed), directions[bowed, None]
+    found = [end_risks(part, along, share).sum(axis=2)[:, 0] for share in _SHARES]
+    shares[bowed] = np.array(_SHARES)[np.argmin(found, axis=0)]
+    return shares
+
+
+def path_charges(sites: Sites, directions: Matrix, crossed: Crossed, parts: int) -> Tensor:
+    """Return what one half-space per part costs at every step.
+
+    Parameters
+    ----------
+    sites : Sites
+        The parts of B encounters in order, ``K M`` of each.
+    directions : (B, K M, d) array
+        The half-space of each part.
+    crossed : Crossed
+        Covariances between the ends of each part.
+    parts : int
+        M, parts of each interval.
+
+    Returns
+    -------
+    (B, K + 1) array
+        Sums over the steps bound the probability that any of an encounter's half-spaces fails.
+    """
+    count, width, d = directions.shape
+    flat = directions.reshape(-1, d)
+    shares = best_shares(sites, flat)[:, None]
+    levels = clearances(sites, flat[:, None], shares)[:, 0].reshape(count, width, -1)
+    spread = deviations(sites, flat[:, None])[:, 0].reshape(count, width, -1)
+    risks: Tensor = ndtr(-levels)
+    boole = risks.sum(axis=(1, 2))
+    least = _TELLING * boole[:, None] / width
+    charged = risks.copy()
+
+    def alone(before: Matrix, after: Matrix, covariance: Matrix, scale: Matrix) -> Matrix:
+        """Return what ``after`` is exceeded with while ``before`` is not."""
+        result: Matrix = ndtr(-after)
+        telling = (result > least) & (ndtr(-before) > 1e-3 * result)
+        rho = covariance[telling] / np.where(scale[telling] > 0.0, scale[telling], 1.0)
+        result[telling] = exceeds_alone(before[telling], after[telling], np.clip(rho, -1.0, 1.0))
+        return result
+
+    bent = levels.shape[2] - 2
+    if bent:
+        covariance = _along(directions, crossed.near_with_bent, directions)
+        charged[:, :, 1] = alone(
+            levels[:, :, 0], levels[:, :, 1], covariance, spread[:, :, 0] * spread[:, :, 1]
+        )
+    covariance = _along(directions, crossed.bent_with_far, directions)
+    charged[:, :, -1] = alone(
+        levels[:, :, bent], levels[:, :, -1], covariance, spread[:, :, bent] * spread[:, :, -1]
+    )
+    own = sites.covariances[:, 0].reshape(count, width, d, d)[:, 1:]
+    covariance = _along(directions[:, :-1], own, directions[:, 1:])
+    # The far end's deviation of one part and the near end's of the next are those of one moment.
+    scale = spread[:, :-1, -1] * spread[:, 1:, 0]
+    least = least[:, :1]
+    charged[:, 1:, 0] = alone(levels[:, :-1, -1], levels[:, 1:, 0], covariance, scale)
+    return _by_step(charged, parts)
+
+
+def _along(before: Tensor, covariances: Tensor, after: Tensor) -> Matrix:
+    """Return covariances between components along two directions, (B, W)."""
+    shape = (*before.shape, before.shape[-1])
+    first = np.einsum("bwd,bwde->bwe", before, covariances.reshape(shape))
+    return np.asarray(np.einsum("bwe,bwe->bw", first, after))
+
+
+def _by_step(charged: Tensor, parts: int) -> Tensor:
+    """Sum charges of near and far ends, (B, K M, E), to the step that is closest, (B, K + 1)."""
+    count, width, _ = charged.shape
+    near = (np.arange(width) + parts // 2) // parts
+    far = (np.arange(1, width + 1) + (parts - 1) // 2) // parts
+    steps = np.zeros((count, width // parts + 1))
+    np.add.at(steps.T, near, charged[:, :, :-1].sum(axis=2).T)
+    np.add.at(steps.T, far, charged[:, :, -1].T)
+    return steps
