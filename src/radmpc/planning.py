@@ -165,7 +165,13 @@ def _plan(
     """Return the content of the plan file."""
     risk = Risk(scenario.risk_bound)
     if certificate is not None:
-        risk = Risk(scenario.risk_bound, certificate.certified, certificate.ledger, draft.price)
+        risk = Risk(
+            scenario.risk_bound,
+            certificate.certified,
+            certificate.ledger,
+            draft.price,
+            certificate.saturation,
+        )
     cost = _cost(scenario, trajectories) if trajectories else None
     bound = draft.lower_bound
     if cost is not None and bound is not None:

@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from radmpc.console.reasons import limits_text, reasons_text
+from radmpc.console.saturating import saturation_line
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
 from radmpc.model.scenario import Scenario
@@ -53,9 +54,12 @@ def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table
         "status": f"{plan.status.value}: {plan.status.sentence}",
         "planner": f"{preset}: {plan.planner}" if preset else plan.planner,
     }
+    vehicles = plan.scenario.vehicles
     if plan.trajectories:
         rows["cost"] = _cost(plan)
         rows["certificate"] = verdict(plan.risk.certified, plan.risk.bound)
+        if plan.risk.saturation is not None and any(v.gain is not None for v in vehicles):
+            rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
         if plan.risk.price is not None:
             rows["price of risk"] = _price(plan.risk.price, plan)
         limits = limits_text(plan)

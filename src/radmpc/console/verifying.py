@@ -9,6 +9,7 @@ from rich.text import Text
 
 from radmpc.console.progress import progress_line
 from radmpc.console.report import facts, scenario_line, verdict
+from radmpc.console.saturating import saturation_line, saturation_warning
 from radmpc.errors import ScenarioError
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status
@@ -33,8 +34,14 @@ class Verification:
         Simulated collision rate and its confidence interval.
     samples : int
         Simulated missions.
+    saturation_bound : float or None
+        Upper bound on the probability that feedback ever asks for more control than there is.
+    saturation_rate : float or None
+        Share of simulated missions in which it does, and is cut off.
     problems : tuple of str
         What does not hold.
+    warnings : tuple of str
+        What the certificate does not speak of.
     """
 
     holds: bool
@@ -44,7 +51,10 @@ class Verification:
     rate_low: float | None
     rate_high: float | None
     samples: int
+    saturation_bound: float | None
+    saturation_rate: float | None
     problems: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, object]:
         """Return plain values."""
@@ -70,7 +80,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
     """
     bound = plan.scenario.risk_bound
     if not plan.trajectories:
-        return Verification(False, bound, None, None, None, None, 0, _reasons(plan))
+        return Verification(False, bound, *(None,) * 4, 0, None, None, _reasons(plan))
     certificate = certify(plan)
     problems = certificate.problems
     try:
@@ -84,14 +94,19 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
     except ScenarioError as error:
         # Arrays that do not fit the scenario cannot be flown: an answer, not bad usage.
         reasons = problems or (str(error),)
-        return Verification(False, bound, certificate.certified, None, None, None, 0, reasons)
+        certified, saturation = certificate.certified, certificate.saturation
+        return Verification(
+            False, bound, certified, None, None, None, 0, saturation, None, reasons
+        )
     # An upper bound below a rate that is surely larger would be wrong: do not trust either.
     is_contradicted = simulation.rate_low > max(bound, certificate.certified)
     if is_contradicted:
         problems += (
             f"the simulated collision rate is at least {simulation.rate_low:.4g}, "
-            f"above the certificate {bound_text(certificate.certified)}",
+            f"above the certificate {bound_text(certificate.certified)}"
+            f"; controls saturate in {100.0 * simulation.saturation_rate:.3g} % of missions",
         )
+    warning = saturation_warning(bound, certificate.saturation)
     return Verification(
         holds=certificate.holds and not is_contradicted,
         bound=bound,
@@ -100,7 +115,10 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
         rate_low=simulation.rate_low,
         rate_high=simulation.rate_high,
         samples=simulation.samples,
+        saturation_bound=certificate.saturation,
+        saturation_rate=simulation.saturation_rate,
         problems=problems,
+        warnings=() if warning is None else (warning,),
     )
 
 
@@ -121,6 +139,10 @@ def verify_report(plan: Plan, verification: Verification) -> list[Table | Text]:
         rows["simulated"] = (
             f"{hits} of {verification.samples} missions collide: {verification.rate:.4g} "
             f"({verification.rate_low:.4g} to {verification.rate_high:.4g} with 95 % confidence)"
+        )
+    if verification.saturation_bound is not None:
+        rows["saturation"] = saturation_line(
+            verification.bound, verification.saturation_bound, verification.saturation_rate
         )
     if verification.problems:
         rows["problems"] = Text("\n".join(verification.problems), style="red")

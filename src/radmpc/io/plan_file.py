@@ -103,6 +103,7 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
             "certified": _optional(plan.risk.certified),
             "ledger": [_ledger_row(row) for row in plan.risk.ledger],
             **({} if plan.risk.price is None else {"price": float(plan.risk.price)}),
+            **_saturation(plan),
         },
         "sets": [list(names) for names in plan.sets],
         "couplings": [_coupling(coupling) for coupling in plan.couplings],
@@ -118,6 +119,12 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
 def _optional(value: float | None) -> float | None:
     """Return a plain float, or None."""
     return None if value is None else float(value)
+
+
+def _saturation(plan: Plan) -> dict[str, object]:
+    """Return the bound on saturation, where there is one."""
+    saturation = plan.risk.saturation
+    return {} if saturation is None else {"saturation": float(saturation)}
 
 
 def _ledger_row(row: LedgerRow) -> dict[str, object]:
@@ -197,7 +204,7 @@ def _risk(spec: RiskSpec) -> Risk:
     ledger = tuple(
         LedgerRow(row.cause, row.vehicle, row.other, row.step, row.risk) for row in spec.ledger
     )
-    return Risk(spec.bound, spec.certified, ledger, spec.price)
+    return Risk(spec.bound, spec.certified, ledger, spec.price, spec.saturation)
 
 
 def _trajectory(index: int, spec: TrajectorySpec) -> Trajectory:

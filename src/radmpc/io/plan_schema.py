@@ -31,6 +31,7 @@ class RiskSpec(FileModel):
     certified: Annotated[Finite, Field(ge=0.0)] | None
     ledger: list[LedgerSpec]
     price: Annotated[Finite, Field(ge=0.0)] | None = None
+    saturation: Annotated[Finite, Field(ge=0.0, le=1.0)] | None = None
 
 
 class CouplingSpec(FileModel):

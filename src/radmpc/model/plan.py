@@ -108,12 +108,17 @@ class Risk:
         Where it goes; sums to ``certified``.
     price : float or None
         What a little more Δ would save, cost per unit of probability; None where nobody knows.
+    saturation : float or None
+        Upper bound on the probability that feedback ever asks for more control than there is,
+        beside ``certified``: that one speaks of missions in which it does not. None where nobody
+        knows.
     """
 
     bound: float
     certified: float | None = None
     ledger: tuple[LedgerRow, ...] = ()
     price: float | None = None
+    saturation: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

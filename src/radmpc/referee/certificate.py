@@ -15,6 +15,7 @@ from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs
 from radmpc.referee.ledger import Account, total_risk
 from radmpc.referee.motion import FleetMotion, propagate
 from radmpc.referee.neighbors import CUTOFF_RISK
+from radmpc.referee.saturation import saturation_bound
 from radmpc.referee.workspace import workspace_risks
 
 __all__ = ["Certificate", "certify"]
@@ -39,12 +40,18 @@ class Certificate:
         everything far from a vehicle taken together. Empty where the plan cannot be judged.
     problems : tuple of str
         What is wrong with the plan besides its risk, one sentence each.
+    saturation : float
+        Upper bound on the probability that any vehicle's feedback ever asks for more control than
+        there is [-]. ``certified`` speaks of feedback that is not cut off: the probability of a
+        collision under controls that saturate is at most the sum of both. 1 where the plan
+        cannot be judged.
     """
 
     bound: float
     certified: float
     ledger: tuple[LedgerRow, ...]
     problems: tuple[str, ...]
+    saturation: float = 1.0
 
     @property
     def holds(self) -> bool:
@@ -74,8 +81,10 @@ def certify(plan: Plan) -> Certificate:
               Q\left(\frac{n^\top \bar x_e - c_e(n)}{\sqrt{n^\top \Sigma_e n}}\right),
 
     each with the best half-space found over all directions. Step 0 counts. Under ``intervals`` a
-    half-space is held at both ends of an interval, the bow of the mean curve in reserve, and
-    neighbours that hold the same one pay the step between them once.
+    half-space is held over each part of an interval: at its near end, at what feedback held over
+    the step makes of it, and at its far end, with what the mean curve hangs off its chord in
+    reserve; and each of these is charged only with what the one before it does not fail
+    (Hunter 1976, Worsley 1982).
 
     Parameters
     ----------
@@ -102,7 +111,9 @@ def certify(plan: Plan) -> Certificate:
         problems.append(
             f"plan: states a certified risk of {stated:.9g}, the referee finds {certified:.9g}"
         )
-    return Certificate(scenario.risk_bound, certified, ledger, tuple(problems))
+    saturation = saturation_bound(scenario, motion, [t.controls for t in plan.trajectories])
+    total = min(float(saturation.sum()), 1.0)
+    return Certificate(scenario.risk_bound, certified, ledger, tuple(problems), total)
 
 
 def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:

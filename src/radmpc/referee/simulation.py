@@ -34,8 +34,8 @@ class Simulation:
     pair_collisions, obstacle_collisions, workspace_exits : int
         Flights with at least one of each kind; a flight may count in several.
     saturated : int
-        Flights in which some ``|ū + K (x − x̄)|`` exceeds its control limit at some step; the
-        control is applied all the same.
+        Flights in which some ``|ū + K (x − x̄)|`` exceeds its control limit at some step; what
+        exceeds it is cut off.
     overlooked : float
         Upper bound on the probability of everything that was too unlikely to be tested [-].
     """
@@ -97,10 +97,13 @@ def simulate(
 ) -> Simulation:
     r"""Fly a plan many times and count collisions.
 
-    Every flight is a whole trajectory, :math:`x^+ = A x + B(\bar u + K(x - \bar x)) + w`, with its
+    Every flight is a whole trajectory, :math:`x^+ = A x + B u + w` under the control
+    :math:`u = \bar u + K(x - \bar x)`, cut off at the control limit as an autopilot does, with its
     correlation in time, tested with exact geometry: discs or balls of the vehicles' radii against
     each other and against the obstacles as they are. Under ``steps`` at k = 0..T; under
-    ``intervals`` along the exact mean curve plus the linearly interpolated deviation.
+    ``intervals`` along the path: a double integrator flies the parabola of the control it holds
+    over the step, feedback included, everything else the straight segment, and the disturbance
+    enters in proportion to time.
 
     Parameters
     ----------
