@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix
+from radmpc.arrays import Indices
 from radmpc.model.plan import Plan
-from radmpc.referee.collisions import Flags, leaves_workspace, meets_origin, meets_solid
-from radmpc.referee.flight import Flight, prepare
-from radmpc.referee.watch import OBSTACLE, PAIR, WORKSPACE
+from radmpc.referee.collisions import Flags
+from radmpc.referee.flight import Chunk, Flight, prepare
+from radmpc.referee.watch import Watch
 
 __all__ = ["Overlap", "measure_overlap"]
 
@@ -68,73 +68,35 @@ def measure_overlap(plan: Plan, samples: int, seed: int) -> Overlap:
     return Overlap(samples, *(int(count) for count in counts))
 
 
+class _Counting(Chunk):
+    """Flights that go on after a collision: every encounter is tested in every window."""
+
+    def __init__(self, flight: Flight, size: int) -> None:
+        super().__init__(flight, size)
+        self.events = 0
+        self.encounters: dict[tuple[int, int, int], Flags] = {}
+
+    def is_open(self, kinds: Indices, samples: Indices) -> Flags:
+        """Return that all are to be tested."""
+        del samples
+        return np.ones(kinds.shape, dtype=bool)
+
+    def mark(self, watch: Watch, rows: Indices, samples: Indices) -> None:
+        """Count encounters once per window, whichever piece of an obstacle is met."""
+        super().mark(watch, rows, samples)
+        keys = np.column_stack([watch.kinds[rows], watch.first[rows], watch.other[rows]])
+        for key in np.unique(keys, axis=0):
+            flags = np.zeros(self.size, dtype=bool)
+            flags[samples[(keys == key).all(axis=1)]] = True
+            name = (int(key[0]), int(key[1]), int(key[2]))
+            self.events += int(flags.sum())
+            known = self.encounters.get(name)
+            self.encounters[name] = flags if known is None else known | flags
+
+
 def _count(flight: Flight, size: int, rng: np.random.Generator) -> tuple[int, int, int]:
     """Return flights, encounters and events that go wrong in a chunk."""
-    lag = 1 if flight.scenario.avoidance == "intervals" else 0
-    hit: dict[tuple[int, int, int], Flags] = {}
-    events = 0
-    before = np.empty(0)
-    for k, here in enumerate(flight.sampler.draw(flight.scenario.horizon, size, rng)):
-        if k >= lag:
-            found = _window(flight, k - lag, k, (before if lag else here, here))
-            events += sum(int(flags.sum()) for flags in found.values())
-            for key, flags in found.items():
-                hit[key] = hit[key] | flags if key in hit else flags
-        before = here.copy()
-    if not hit:
-        return 0, 0, 0
-    table = np.stack(list(hit.values()))
-    return int(table.any(axis=0).sum()), int(table.sum()), events
-
-
-def _window(
-    flight: Flight, window: int, step: int, states: tuple[Matrix, Matrix]
-) -> dict[tuple[int, int, int], Flags]:
-    """Return which flights each encounter goes wrong in, in one window."""
-    watch, projection = flight.watches[window], flight.projections[window]
-    found: dict[tuple[int, int, int], Flags] = {}
-    if not watch.kinds.size:
-        return found
-    leaves = projection @ states[0] < -watch.margins[:, :1]
-    leaves |= projection @ states[1] < -watch.margins[:, -1:]
-    for row in np.flatnonzero(leaves.any(axis=1)).tolist():
-        sample = np.flatnonzero(leaves[row])
-        begin = _places(flight, window, row, sample, (window, states[0]))
-        end = _places(flight, window, row, sample, (step, states[1]))
-        key = (int(watch.kinds[row]), int(watch.first[row]), int(watch.other[row]))
-        flags = found.setdefault(key, np.zeros(states[1].shape[1], dtype=bool))
-        flags[sample[_meets(flight, window, row, begin, end)]] = True
-    return found
-
-
-def _meets(flight: Flight, window: int, row: int, begin: Matrix, end: Matrix) -> Flags:
-    """Return which of some paths of one row go wrong."""
-    watch, scenario = flight.watches[window], flight.scenario
-    bows = np.broadcast_to(watch.bows[row], begin.shape)
-    reaches = np.full(len(begin), watch.reaches[row])
-    kind = watch.kinds[row]
-    if kind == PAIR:
-        return meets_origin(begin, end, bows, reaches)
-    if kind == OBSTACLE:
-        obstacle, piece = int(watch.other[row]), int(watch.piece[row])
-        moving = scenario.obstacles[obstacle].is_moving
-        return meets_solid(
-            begin, end, bows, reaches, flight.parts[obstacle, piece, window if moving else -1]
-        )
-    if kind != WORKSPACE or scenario.workspace is None:
-        raise ValueError(f"unknown kind of encounter {kind}")
-    return leaves_workspace(begin, end, bows, scenario.workspace)
-
-
-def _places(
-    flight: Flight, window: int, row: int, sample: Indices, when: tuple[int, Matrix]
-) -> Matrix:
-    """Return the (relative) positions of one row in some flights, (M, d)."""
-    watch, (step, state) = flight.watches[window], when
-
-    def of(vehicle: int) -> Matrix:
-        rows = flight.position_rows[vehicle]
-        return np.asarray(flight.motion.positions[vehicle, step] + state[rows][:, sample].T)
-
-    places = of(int(watch.first[row]))
-    return places - of(int(watch.other[row])) if watch.kinds[row] == PAIR else places
+    chunk = _Counting(flight, size)
+    chunk.fly(rng)
+    joint = int(chunk.hits.any(axis=0).sum())
+    return joint, sum(int(flags.sum()) for flags in chunk.encounters.values()), chunk.events

@@ -22,6 +22,9 @@ __all__ = ["WindowHalfspaces", "step_risks", "window_halfspaces"]
 _WORTH = 1e-13
 """Sum of an encounter below which its intervals are not looked at in parts [-]."""
 
+_TELLING = 1e-8
+"""Share of all encounters' sum below which one is charged as it is [-]."""
+
 
 def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) -> Vector:
     """Return an upper bound on the probability of each encounter's collision, step by step.
@@ -114,17 +117,17 @@ def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     alone = np.ones((count, num_intervals), dtype=bool)
     shape = (count, num_intervals)
     charged = chain_charges(near.reshape(*shape, -1), far.reshape(shape), alone)
-    # Sharing at most halves the sum: not worth a look where there is nothing to halve.
-    worth = np.flatnonzero(charged.sum(axis=1) > _WORTH)
+    sums = charged.sum(axis=1)
+    worth = np.flatnonzero((sums > _WORTH) & (sums > _TELLING * sums.sum()))
     if not worth.size:
         return charged
     tried = np.concatenate([encounters.directions[worth], own[worth]], axis=1)
     chosen = (worth[:, None] * num_intervals + np.arange(num_intervals)).ravel()
     chained, turned = _chained(sites.take(chosen), tried)
     close = encounters.take(worth)
-    candidates = [chained, *part_charges(close, motion, (own[worth], turned))]
-    sums = np.array([found.sum(axis=1) for found in candidates])
-    charged[worth] = np.array(candidates)[sums.argmin(axis=0), np.arange(len(worth))]
+    parted = part_charges(close, motion, (own[worth], turned))
+    is_better = parted.sum(axis=1) < chained.sum(axis=1)
+    charged[worth] = np.where(is_better[:, None], parted, chained)
     return charged
 
 

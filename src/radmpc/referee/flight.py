@@ -21,7 +21,7 @@ from radmpc.referee.saturation import Cutoff, cutoffs, may_saturate, saturation_
 from radmpc.referee.sweep import SweepPart, resting, swept
 from radmpc.referee.watch import OBSTACLE, PAIR, WORKSPACE, Watch, WatchList, watch_list
 
-__all__ = ["Flight", "prepare"]
+__all__ = ["Chunk", "Flight", "prepare"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +87,7 @@ class Flight:
         (5,) int array
             Any, pair, obstacle, workspace, saturated.
         """
-        chunk = _Chunk(self, size)
+        chunk = Chunk(self, size)
         chunk.fly(np.random.default_rng(seed))
         hits = chunk.hits
         counts = [hits.any(axis=0).sum(), *hits.sum(axis=1), chunk.saturated.sum()]
@@ -95,8 +95,22 @@ class Flight:
 
 
 @dataclass(slots=True, eq=False)
-class _Chunk:
-    """Flights in the air."""
+class Chunk:
+    """Flights in the air.
+
+    Attributes
+    ----------
+    flight : Flight
+        What is flown.
+    size : int
+        Flights.
+    hits : (3, size) bool array
+        Which flights met a vehicle, met an obstacle, left the workspace.
+    saturated : (size,) bool array
+        In which some control was cut off so far.
+    excess : (R, size) array or None
+        What the controls of the last step asked for beyond their limits.
+    """
 
     flight: Flight
     size: int
@@ -157,7 +171,7 @@ class _Chunk:
             states = states[0][:, samples], states[1][:, samples]
         excess = None if self.excess is None else self.excess[:, samples]
         row, sample = np.nonzero(along.leaves(watch.margins, states, excess))
-        fresh = ~self.hits[watch.kinds[row], samples[sample]]
+        fresh = self.is_open(watch.kinds[row], samples[sample])
         row, sample = row[fresh], sample[fresh]
         if not row.size:
             return
@@ -172,6 +186,14 @@ class _Chunk:
         self._test_pairs(watch, (row, samples[sample]), met)
         self._test_solids(window, watch, (row, samples[sample]), met)
         self._test_workspace(watch, (row, samples[sample]), met)
+
+    def is_open(self, kinds: Indices, samples: Indices) -> Flags:
+        """Return whether flights are still to be tested for kinds of collisions, (M,) bool."""
+        return ~self.hits[kinds, samples]
+
+    def mark(self, watch: Watch, rows: Indices, samples: Indices) -> None:
+        """Note that rows of a window went wrong in flights."""
+        self.hits[watch.kinds[rows], samples] = True
 
     def _places(
         self, watch: Watch, row: Indices, sample: Indices, step: int, state: Matrix
@@ -213,7 +235,7 @@ class _Chunk:
         begin, end, bows = met
         at = np.flatnonzero(watch.kinds[row] == PAIR)
         found = meets_origin(begin[at], end[at], bows[at], watch.reaches[row[at]])
-        self.hits[PAIR, sample[at[found]]] = True
+        self.mark(watch, row[at[found]], sample[at[found]])
 
     def _test_solids(
         self,
@@ -229,12 +251,12 @@ class _Chunk:
         keys = np.column_stack([watch.other[row[at]], watch.piece[row[at]]])
         for obstacle, piece in np.unique(keys, axis=0).tolist():
             these = at[(keys == (obstacle, piece)).all(axis=1)]
-            these = these[~self.hits[OBSTACLE, sample[these]]]
+            these = these[self.is_open(watch.kinds[row[these]], sample[these])]
             moving = self.flight.scenario.obstacles[obstacle].is_moving
             parts = self.flight.parts[obstacle, piece, window if moving else -1]
             reaches = watch.reaches[row[these]]
             found = meets_solid(begin[these], end[these], bows[these], reaches, parts)
-            self.hits[OBSTACLE, sample[these[found]]] = True
+            self.mark(watch, row[these[found]], sample[these[found]])
 
     def _test_workspace(
         self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
@@ -247,7 +269,7 @@ class _Chunk:
         begin, end, bows = met
         at = np.flatnonzero(watch.kinds[row] == WORKSPACE)
         out = leaves_workspace(begin[at], end[at], bows[at], workspace)
-        self.hits[WORKSPACE, sample[at[out]]] = True
+        self.mark(watch, row[at[out]], sample[at[out]])
 
 
 def prepare(plan: Plan) -> Flight:

@@ -22,12 +22,15 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 __all__ = [
     "CONTACT_TOL",
     "Sites",
+    "chord_margins",
     "clearances",
     "deviations",
     "end_margins",
     "end_risks",
     "in_deviations",
     "refine",
+    "reserves",
+    "sags",
     "unit",
 ]
 
@@ -126,8 +129,8 @@ def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
 
 def deviations(sites: Sites, directions: Tensor) -> Tensor:
     """Return the standard deviation along each direction at each end, (S, C, E) [m]."""
-    spread = np.einsum("scd,sedf->scef", directions, sites.covariances)
-    variance = np.einsum("scef,scf->sce", spread, directions)
+    spread = directions[:, None] @ sites.covariances
+    variance = (spread * directions[:, None]).sum(axis=3).transpose(0, 2, 1)
     return np.asarray(np.sqrt(variance.clip(min=0.0)))
 
 
@@ -153,19 +156,36 @@ def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) 
         ``n·x̄ − max n·P − r − reserve``; a collision needs a deviation along −n that exceeds it at
         some end [m].
     """
-    along = np.einsum("scd,sed->sce", directions, sites.means)
-    support = np.einsum("scd,sovd->scov", directions, sites.vertices).max(axis=3)
-    if support.shape[2] == 2:
+    margins = chord_margins(sites, directions)
+    sag = sags(sites, directions)
+    if sag.any():
+        margins -= reserves(sites, sag, shares)
+    return margins
+
+
+def chord_margins(sites: Sites, directions: Tensor) -> Tensor:
+    """Return the margins of `end_margins` without any reserve, (S, C, E) [m]."""
+    along = directions @ sites.means.transpose(0, 2, 1)
+    count, num_sets, corners, d = sites.vertices.shape
+    flat = sites.vertices.reshape(count, -1, d).transpose(0, 2, 1)
+    support = (directions @ flat).reshape(count, -1, num_sets, corners).max(axis=3)
+    if num_sets == 2:
         blend = sites.blends[:, None]
         # The support of a Minkowski interpolation is that of the supports.
         support = (1.0 - blend) * support[:, :, :1] + blend * support[:, :, 1:]
-    sag = np.maximum(np.einsum("scd,sd->sc", directions, sites.bows), 0.0)
     margins: Tensor = along - support - sites.radii[:, None, None]
-    if sag.any():
-        shares = np.broadcast_to(shares, sag.shape)
-        near, far = 4.0 * sag * np.square(shares), 4.0 * sag * np.square(1.0 - shares)
-        margins -= np.stack([near if is_near else far for is_near in sites.is_near], axis=2)
     return margins
+
+
+def sags(sites: Sites, directions: Tensor) -> Matrix:
+    """Return how far the mean curves hang towards the sets in mid-interval, (S, C) [m]."""
+    return np.asarray(np.maximum((directions @ sites.bows[:, :, None])[:, :, 0], 0.0))
+
+
+def reserves(sites: Sites, sag: Matrix, shares: Tensor | float) -> Tensor:
+    """Return what each end keeps in reserve for a sag, (S, C, E) [m]."""
+    near, far = 4.0 * sag * np.square(shares), 4.0 * sag * np.square(1.0 - np.asarray(shares))
+    return np.stack([near if is_near else far for is_near in sites.is_near], axis=2)
 
 
 def unit(vectors: Tensor) -> Tensor:

@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Tensor
 from radmpc.referee.encounters import Encounters, around
-from radmpc.referee.halfspace import Sites
+from radmpc.referee.halfspace import Sites, unit
 from radmpc.referee.moments import Moments, moments_of
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.persistence import Crossed, path_charges
@@ -17,13 +17,23 @@ from radmpc.referee.search import closest_directions
 __all__ = ["NUM_PARTS", "part_charges"]
 
 NUM_PARTS = 4
-"""Parts of an interval; more are hardly tighter (2: 3 %, 8: 0.5 % on the calibration set)."""
+"""Parts of an interval. On random plans along intervals the certificate is 2.15 times the rate in
+the median with 1, 1.82 with 2, 1.76 with 4, 1.68 with 8, before directions are averaged."""
+
+_REACHES = (2, 1, 5, 9)
+"""Neighbors on each side that directions are averaged over: takes the median from 1.76 to 1.47."""
+
+_TELLING = 1e-4
+"""Share of all encounters' sum below which one is not worth more choices of directions."""
 
 
 def part_charges(
     encounters: Encounters, motion: FleetMotion, guides: Sequence[Tensor]
-) -> list[Tensor]:
-    """Return what chains of half-spaces cost that are held over parts of intervals.
+) -> Tensor:
+    """Return what the best chain of half-spaces found costs that are held over parts of intervals.
+
+    What each part would choose on its own turns more than what they would choose together:
+    directions averaged over neighboring parts are tried, too.
 
     Parameters
     ----------
@@ -32,19 +42,47 @@ def part_charges(
     motion : FleetMotion
         What they were gathered from.
     guides : sequence of (B, K, d) array
-        Half-spaces of whole intervals: the first to begin with, all to be held as they are.
+        Half-spaces of whole intervals: the first to begin with, all to be tried as they are.
 
     Returns
     -------
-    list of (B, K+1) array
-        Valid each; the first with directions of each part's own, then one per guide.
+    (B, K+1) array
+        Risk per step.
     """
     sites, crossed = part_sites(encounters, motion, NUM_PARTS)
     count, num_intervals, d = encounters.bows.shape
+    width = num_intervals * NUM_PARTS
     held = [np.repeat(guide, NUM_PARTS, axis=1) for guide in guides]
-    faces = np.repeat(encounters.directions, num_intervals * NUM_PARTS, axis=0)
+    faces = np.repeat(encounters.directions, width, axis=0)
     own = closest_directions(sites, faces, held[0].reshape(-1, d)).reshape(held[0].shape)
-    return [path_charges(sites, chosen, crossed, NUM_PARTS) for chosen in (own, *held)]
+    charged = _cheapest(sites, crossed, (own, *held))
+    sums = charged.sum(axis=1)
+    telling = np.flatnonzero(sums > _TELLING * sums.sum())
+    if telling.size:
+        places = (telling[:, None] * width + np.arange(width)).ravel()
+        close, links = sites.take(places), crossed.take(places)
+        tried = [_averaged(own[telling], reach) for reach in _REACHES]
+        tried += [_averaged(guide[telling], _REACHES[0]) for guide in held]
+        found = _cheapest(close, links, tried)
+        better = found.sum(axis=1) < sums[telling]
+        charged[telling[better]] = found[better]
+    return charged
+
+
+def _cheapest(sites: Sites, crossed: Crossed, tried: Sequence[Tensor]) -> Tensor:
+    """Return what the cheapest of some choices of directions costs each encounter, (B, K+1)."""
+    found = np.array([path_charges(sites, chosen, crossed, NUM_PARTS) for chosen in tried])
+    best = found.sum(axis=2).argmin(axis=0)
+    return np.asarray(found[best, np.arange(found.shape[1])])
+
+
+def _averaged(directions: Tensor, reach: int) -> Tensor:
+    """Return directions averaged with so many neighbors before and after, (B, K M, d)."""
+    count = directions.shape[1]
+    ends = np.repeat(directions[:, :1], reach, axis=1), np.repeat(directions[:, -1:], reach, axis=1)
+    padded = np.concatenate([ends[0], directions, ends[1]], axis=1)
+    sums = np.cumsum(np.concatenate([np.zeros_like(padded[:, :1]), padded], axis=1), axis=1)
+    return unit(sums[:, 2 * reach + 1 :][:, :count] - sums[:, :count])
 
 
 def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple[Sites, Crossed]:

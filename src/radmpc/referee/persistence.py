@@ -16,13 +16,20 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.bivariate import exceeds_alone
-from radmpc.referee.halfspace import Sites, clearances, deviations, end_risks
+from radmpc.referee.halfspace import (
+    Sites,
+    chord_margins,
+    deviations,
+    in_deviations,
+    reserves,
+    sags,
+)
 
 __all__ = ["Crossed", "best_shares", "path_charges"]
 
-_SHARES = (0.5, 0.0, 1.0, 0.25, 0.75, 0.375, 0.625, 0.125, 0.875)
+_SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
 """Shares of the reserve for the bow that are tried for the near end; any is valid."""
 
 _TELLING = 1e-4
@@ -40,18 +47,33 @@ class Crossed:
     near_with_bent: Tensor
     bent_with_far: Tensor
 
+    def take(self, chosen: Indices) -> Crossed:
+        """Return those of some parts."""
+        return Crossed(self.near_with_bent[chosen], self.bent_with_far[chosen])
+
 
 def best_shares(sites: Sites, directions: Matrix) -> Vector:
     """Return the near ends' share of the reserve for the bow that costs least, (S,)."""
-    shares = np.full(len(directions), _SHARES[0])
-    sag = np.einsum("sd,sd->s", directions, sites.bows)
-    bowed = np.flatnonzero(sag > 0.0)
+    along = directions[:, None]
+    margins, spread = chord_margins(sites, along), deviations(sites, along)
+    return _held(sites, margins, spread, sags(sites, along))[1]
+
+
+def _held(sites: Sites, margins: Tensor, spread: Tensor, sag: Matrix) -> tuple[Matrix, Vector]:
+    """Return the clearances of each site's ends, (S, E), with the cheapest shares, (S,)."""
+    levels = in_deviations(margins[:, 0], spread[:, 0])
+    shares = np.full(len(margins), _SHARES[0])
+    bowed = np.flatnonzero(sag[:, 0] > 0.0)
     if not bowed.size:
-        return shares
-    part, along = sites.take(bowed), directions[bowed, None]
-    found = [end_risks(part, along, share).sum(axis=2)[:, 0] for share in _SHARES]
-    shares[bowed] = np.array(_SHARES)[np.argmin(found, axis=0)]
-    return shares
+        return levels, shares
+    margins, spread = margins[bowed, 0], spread[bowed, 0]
+    # Margins less the reserve at one share after the other, side by side.
+    kept = margins[:, None] - reserves(sites, sag[bowed], np.array(_SHARES)[None, :])
+    found = in_deviations(kept, spread[:, None])
+    best = ndtr(-found).sum(axis=2).argmin(axis=1)
+    levels[bowed] = found[np.arange(bowed.size), best]
+    shares[bowed] = np.array(_SHARES)[best]
+    return levels, shares
 
 
 def path_charges(sites: Sites, directions: Matrix, crossed: Crossed, parts: int) -> Tensor:
@@ -74,10 +96,10 @@ def path_charges(sites: Sites, directions: Matrix, crossed: Crossed, parts: int)
         Sums over the steps bound the probability that any of an encounter's half-spaces fails.
     """
     count, width, d = directions.shape
-    flat = directions.reshape(-1, d)
-    shares = best_shares(sites, flat)[:, None]
-    levels = clearances(sites, flat[:, None], shares)[:, 0].reshape(count, width, -1)
-    spread = deviations(sites, flat[:, None])[:, 0].reshape(count, width, -1)
+    flat = directions.reshape(-1, 1, d)
+    spread = deviations(sites, flat)
+    held, _ = _held(sites, chord_margins(sites, flat), spread, sags(sites, flat))
+    levels, spread = held.reshape(count, width, -1), spread.reshape(count, width, -1)
     risks: Tensor = ndtr(-levels)
     boole = risks.sum(axis=(1, 2))
     least = _TELLING * boole[:, None] / width
