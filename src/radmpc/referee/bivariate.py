@@ -1,0 +1,174 @@
+r"""Upper bounds on the probability that one Gaussian event happens without another.
+
+For standard normals X and Y of correlation ρ (Plackett 1954)
+:math:`\partial_\rho \Pr[X > a, Y > b] = \varphi_2(a, b; \rho)`, so
+
+.. math::
+
+    \Pr[X \le a, Y > b] = \max(0,\ Q(b) - Q(a)) + \int_\rho^1 \varphi_2(a, b; r)\,dr,
+
+and for ρ < 0 it is :math:`\Phi(a)\,Q(b) + \int_0^{-\rho} \varphi_2(-a, b; r)\,dr`. No term is
+negative: nothing cancels. With :math:`t^2 = (1 - r) / (1 + r)` the integral is
+
+.. math::
+
+    \frac{1}{\pi}\,e^{-(a^2 + b^2) / 4} \int \frac{1}{1 + t^2}\,
+    \exp\Bigl(-\frac{(a + b)^2}{8}\,t^2 - \frac{(a - b)^2}{8\,t^2}\Bigr)\,dt.
+
+As a function of t² the logarithm of 1/(1 + t²) is convex, hence below its chord on any piece; with
+the chord in its place the integral has a closed form. Two pieces cost at most 1.6 % of the
+integral, and 0.3 % where ρ is at least a half.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import erfc, erfcx, ndtr
+
+from radmpc.arrays import Tensor, Vector
+
+__all__ = ["exceeds_alone"]
+
+# Q(40) is 4e-350, which is no number any more: limits further out are the same limits.
+_FURTHEST = 40.0
+# Half widths below which a difference of erfcx is taken as its Taylor series; the series then
+# lacks 1e-12 of it, and the difference loses four of its sixteen digits at most.
+_NARROW = 1e-3
+# What all roundings together can take off, relatively: added to what is computed.
+_ROUNDING = 2e-11
+
+
+def exceeds_alone(a: ArrayLike, b: ArrayLike, correlation: ArrayLike) -> Tensor:
+    """Return an upper bound on ``P(Y > b and X <= a)`` of standard normals.
+
+    Parameters
+    ----------
+    a, b : array_like
+        Limits [-], of any sign, infinite ones allowed; broadcast.
+    correlation : array_like
+        Correlation of X and Y [-]; clipped to [-1, 1]. The probability falls with it: who knows it
+        up to an error should pass it rounded down. NaN stands for a correlation not known.
+
+    Returns
+    -------
+    ndarray
+        At most 1.6 % above the true value and not below it, in the shape of the arguments; exact
+        up to rounding at correlations of -1, 0 and 1. Values below 1e-300 underflow.
+    """
+    a, b, correlation = np.broadcast_arrays(
+        np.clip(np.asarray(a, dtype=float), -_FURTHEST, _FURTHEST),
+        np.clip(np.asarray(b, dtype=float), -_FURTHEST, _FURTHEST),
+        np.clip(np.asarray(correlation, dtype=float), -1.0, 1.0),
+    )
+    shape, a, b, correlation = a.shape, a.ravel(), b.ravel(), correlation.ravel()
+    # Whatever the correlation; and (Slepian 1962) the product, where it is not negative.
+    result = np.minimum(ndtr(a), ndtr(-b))
+    product = ndtr(a) * ndtr(-b)
+    alike = correlation > 0.0
+    result[alike] = np.minimum(product[alike], _alike(a[alike], b[alike], correlation[alike]))
+    result[correlation == 0.0] = product[correlation == 0.0]
+    against = correlation < 0.0
+    integral = _against(-a[against], b[against], -correlation[against])
+    result[against] = np.minimum(result[against], product[against] + integral)
+    return result.reshape(shape)
+
+
+def _alike(a: Vector, b: Vector, correlation: Vector) -> Vector:
+    """Return the bound for correlations above zero: the integral from t = 0."""
+    end = (1.0 - correlation) / (1.0 + correlation)
+    middle = np.expm1(0.5 * np.log1p(end))
+    total = np.zeros_like(a)
+    for begin, until in ((np.zeros_like(end), middle), (middle, end)):
+        steepness, scale = _chord(begin, until)
+        p, q = np.sqrt(np.square(a + b) / 8.0 + steepness), np.abs(a - b) / np.sqrt(8.0)
+        # The chord is below the weight outside of its piece: what is taken off here is less than
+        # what the pieces before have added, and no digits of the sum are lost.
+        piece = _up_to(p, q, np.sqrt(until)) - _up_to(p, q, np.sqrt(begin))
+        total += scale * np.maximum(piece, 0.0)
+    total *= np.exp(-0.25 * (np.square(a) + np.square(b))) / np.pi
+    return (_between(b, a) + total) * (1.0 + _ROUNDING)
+
+
+def _against(a: Vector, b: Vector, correlation: Vector) -> Vector:
+    """Return bounds on the integral of the density over correlations from zero."""
+    begin = (1.0 - correlation) / (1.0 + correlation)
+    one = np.ones_like(begin)
+    middle = np.expm1(0.5 * (np.log1p(begin) + np.log1p(one)))
+    total = np.zeros_like(a)
+    for since, until in ((begin, middle), (middle, one)):
+        steepness, scale = _chord(since, until)
+        p, q = np.sqrt(np.square(a + b) / 8.0 + steepness), np.abs(a - b) / np.sqrt(8.0)
+        # From infinity: what lies beyond t = 1 is at most the product added in the end.
+        piece = _from(p, q, np.sqrt(since)) - _from(p, q, np.sqrt(until))
+        total += scale * np.maximum(piece, 0.0)
+    total *= np.exp(-0.25 * (np.square(a) + np.square(b))) / np.pi
+    return total * (1.0 + _ROUNDING) + _ROUNDING * ndtr(-a) * ndtr(-b)
+
+
+def _chord(begin: Vector, end: Vector) -> tuple[Vector, Vector]:
+    """Return m and c with ``1 / (1 + u) <= c exp(-m u)`` between two u in [0, 1]."""
+    width = end - begin
+    rise = np.log1p(end) - np.log1p(begin)
+    # Any slope that is not steeper than the chord will do where there is no width.
+    steepness = np.where(width > 0.0, rise / np.where(width > 0.0, width, 1.0), 0.5)
+    return steepness, np.exp(steepness * begin - np.log1p(begin))
+
+
+def _up_to(p: Vector, q: Vector, t: Vector) -> Vector:
+    """Return the integral of ``exp(-(p x)^2 - (q / x)^2)`` over x from 0 to t."""
+    # At t = 0 any small t is as good: the factor t of the result is what vanishes.
+    near, far = p * t, q / np.maximum(t, 1e-12)
+    outside = np.exp(-np.square(far) - np.square(near))
+    narrow = near < _NARROW
+    wide = ~narrow
+    result = np.zeros_like(p)
+    result[narrow] = outside[narrow] * _narrow_fall(far[narrow], near[narrow])
+    ahead, behind = far[wide] - near[wide], far[wide] + near[wide]
+    # erfcx overflows far left of zero, where erfc does very well.
+    large = np.where(
+        ahead > 0.0,
+        outside[wide] * erfcx(np.maximum(ahead, 0.0)),
+        np.exp(-2.0 * p[wide] * q[wide]) * erfc(ahead),
+    )
+    result[wide] = large - outside[wide] * erfcx(behind)
+    return np.asarray(0.25 * np.sqrt(np.pi) * result / p)
+
+
+def _from(p: Vector, q: Vector, t: Vector) -> Vector:
+    """Return the integral of ``exp(-(p x)^2 - (q / x)^2)`` over x from t to infinity."""
+    near, far = p * t, q / np.maximum(t, 1e-12)
+    outside = np.exp(-np.square(far) - np.square(near))
+    ahead = near - far
+    large = np.where(
+        ahead > 0.0,
+        outside * erfcx(np.maximum(ahead, 0.0)),
+        np.exp(-2.0 * p * q) * erfc(ahead),
+    )
+    return np.asarray(0.25 * np.sqrt(np.pi) * (large + outside * erfcx(near + far)) / p)
+
+
+def _between(low: Vector, high: Vector) -> Vector:
+    """Return the probability between two limits, 0 where they are not in order."""
+    flip = low + high < 0.0
+    low, high = np.where(flip, -high, low), np.where(flip, -low, high)
+    result = np.maximum(ndtr(-low) - ndtr(-high), 0.0)
+    half = (high - low) / np.sqrt(8.0)
+    narrow = (half > 0.0) & (half < _NARROW)
+    low, high, half = low[narrow], high[narrow], half[narrow]
+    fall = _narrow_fall((low + high) / np.sqrt(8.0), half)
+    slope = -np.expm1(-0.5 * (high - low) * (high + low))
+    tail = erfcx(high / np.sqrt(2.0))
+    result[narrow] = 0.5 * np.exp(-0.5 * np.square(low)) * (fall + tail * slope)
+    return result
+
+
+def _narrow_fall(x: Vector, half: Vector) -> Vector:
+    """Return ``erfcx(x - half) - erfcx(x + half)`` for small half widths, without cancellation."""
+    # Further out the callers' factor exp(-x^2) is zero.
+    x = np.minimum(x, 50.0)
+    value = erfcx(x)
+    first = 2.0 * x * value - 2.0 / np.sqrt(np.pi)
+    second = 2.0 * value + 2.0 * x * first
+    third = 4.0 * first + 2.0 * x * second
+    return np.asarray(-2.0 * half * (first + np.square(half) / 6.0 * third))
