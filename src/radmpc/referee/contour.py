@@ -35,14 +35,21 @@ __all__ = ["Outlines", "enclosed"]
 
 Truths = npt.NDArray[np.bool_]
 
-_NUM_NODES = 16
+_NUM_NODES = 20
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_NUM_NODES)
 # Ellipses to bound on; the smallest bound counts. Short pieces like large ones.
-_ELLIPSES = (2.5, 4.5, 8.0)
+_ELLIPSES = (3.0, 6.0)
 # Sum of all error bounds at which a site is done, relative to its probability.
 _REL_TOL = 1e-6
 # Halvings: an outline of 1e7 deviations needs 24.
 _ROUNDS = 40
+# A site of that many pieces is left as it is.
+_MOST_PIECES = 2000
+# Probabilities that are no concern.
+_TINY = 1e-300
+# Error bound, relative to the tolerance and to the size of the integral, from which a piece is
+# integrated before the probability is known.
+_PROMISE = 0.1
 # Digits that rounding can take from a sum of tails: 2e3 units in the last place, most of them from
 # tails 30 deviations out.
 _ROUNDING = 5e-13
@@ -141,15 +148,18 @@ class _Local:
 
     def integral(self, half: Vector) -> Vector:
         """Return the Gauss rule over ``|w| <= half``."""
-        w = half[:, None] * _NODES
-        curved = self.curved[:, None]
-        odd = np.where(curved, np.sin(w), w)
-        even = np.where(curved, 2.0 * np.square(np.sin(0.5 * w)), 0.0)
-        s = self.s[:, None] + self.s1[:, None] * odd + self.s2[:, None] * even
-        t = self.t[:, None] + self.t1[:, None] * odd + self.t2[:, None] * even
-        speed = self.s1[:, None] * np.where(curved, np.cos(w), 1.0) + self.s2[:, None] * odd
-        heights = np.exp(-0.5 * np.square(s)) * ndtr(-t) * speed
-        return np.asarray(half * (heights @ _WEIGHTS) / np.sqrt(2.0 * np.pi))
+        # Nodes are symmetric: sines and cosines of one half will do.
+        w = half * _NODES[_NUM_NODES // 2 :, None]
+        sin = np.sin(0.5 * w)
+        even = np.where(self.curved, 2.0 * np.square(sin), 0.0)
+        odd = np.where(self.curved, 2.0 * sin * np.sqrt((1.0 - sin) * (1.0 + sin)), w)
+        odd = np.concatenate([-odd[::-1], odd])
+        even = np.concatenate([even[::-1], even])
+        s = self.s + self.s1 * odd + self.s2 * even
+        t = self.t + self.t1 * odd + self.t2 * even
+        heights = np.exp(-0.5 * np.square(s)) * ndtr(-t)
+        heights *= self.s1 * (1.0 - even) + self.s2 * odd
+        return np.asarray(half * (_WEIGHTS @ heights) / np.sqrt(2.0 * np.pi))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -227,15 +237,9 @@ def enclosed(
         Integrals plus all error bounds.
     """
     pieces = _Pieces.cut(outlines, element, begin, end)
-    # A guess of the probability, for the first round only.
-    share = np.zeros(num_sites)
-    np.maximum.at(share, outlines.site[element], 1e-3 * pieces.slack)
     for _ in range(_ROUNDS):
         site = outlines.site[pieces.element]
-        count = np.bincount(site, minlength=num_sites)
-        missing = np.bincount(site, pieces.slack, num_sites)
-        goal = np.maximum(_REL_TOL * share, 1e-15 * _total(site, np.abs(pieces.value), num_sites))
-        allowed = np.where(missing > goal, 0.5 * goal / np.maximum(count, 1), np.inf)
+        allowed = _allowed(pieces, site, num_sites)
         loose = pieces.slack > allowed[site]
         if not loose.any():
             break
@@ -246,21 +250,33 @@ def enclosed(
         soon = (halves.slack > limit) & _promising(halves, limit)
         whole = poor.take(ready).joined(halves.take(soon)).integrated(outlines)
         pieces = kept.joined(halves.take(~soon), whole)
-        share = np.maximum(_total(outlines.site[pieces.element], pieces.value, num_sites), 0.0)
     site = outlines.site[pieces.element]
     jumps = _JUMP * outlines.reach()[pieces.element] * pieces.peak
     total = _total(site, pieces.value + pieces.slack + jumps, num_sites)
     return total + _ROUNDING * _total(site, np.abs(pieces.value) + pieces.slack, num_sites)
 
 
+def _allowed(pieces: _Pieces, site: Indices, num_sites: int) -> Vector:
+    """Return the slack that a piece may keep, per site; infinite where nothing need be done."""
+    count = np.bincount(site, minlength=num_sites)
+    size = _total(site, np.abs(pieces.value), num_sites)
+    # Before anything is integrated the largest piece stands for the whole.
+    guess = np.zeros(num_sites)
+    np.maximum.at(guess, site, 1e-3 * pieces.slack)
+    share = np.where(size > 0.0, np.maximum(_total(site, pieces.value, num_sites), 0.0), guess)
+    goal = np.maximum(_REL_TOL * share, 1e-15 * size) + _TINY
+    done = (_total(site, pieces.slack, num_sites) <= goal) | (count > _MOST_PIECES)
+    return np.where(done, np.inf, 0.5 * goal / np.maximum(count, 1))
+
+
 def _promising(pieces: _Pieces, allowed: Vector) -> Truths:
     """Return whether the rule would be good enough for what is known so far."""
-    return pieces.error <= np.maximum(allowed, 1e-3 * _REL_TOL * pieces.slack)
+    return pieces.error <= np.maximum(allowed, _PROMISE * _REL_TOL * pieces.slack)
 
 
 def _total(site: Indices, values: Vector, num_sites: int) -> Vector:
     """Return sums per site."""
-    return np.bincount(site, values, num_sites)
+    return np.asarray(np.bincount(site, values, num_sites), dtype=float)
 
 
 def _turned(ahead: Matrix, vectors: Matrix) -> tuple[Vector, Vector]:
