@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import solve_discrete_are
 
-from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_matrix
+from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 
 __all__ = ["LinearSystem", "covariances", "double_integrator", "growth", "lqr_gain", "rollout"]
@@ -37,6 +40,17 @@ class LinearSystem(Frozen):
     position: tuple[int, ...]
     velocity: tuple[int, ...] | None
     is_double_integrator: bool = False
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self,
+            A: npt.ArrayLike,
+            B: npt.ArrayLike,
+            position: Sequence[int],
+            velocity: Sequence[int] | None,
+            is_double_integrator: bool = False,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Freeze the matrices and check that the indices point into the state."""
@@ -103,7 +117,7 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
     )
 
 
-def lqr_gain(system: LinearSystem, Q: Matrix, R: Matrix) -> Matrix:
+def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix:
     """Return the gain K of ``u = ū + K (x − x̄)`` that minimises ``Σ xᵀQx + uᵀRu``.
 
     Parameters
@@ -171,7 +185,7 @@ def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
     return largest if np.isfinite(largest) else float("inf")
 
 
-def rollout(system: LinearSystem, start: Vector, controls: Matrix) -> Matrix:
+def rollout(system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike) -> Matrix:
     """Return the mean states under nominal controls.
 
     Parameters
@@ -187,16 +201,26 @@ def rollout(system: LinearSystem, start: Vector, controls: Matrix) -> Matrix:
     -------
     (T+1, n) array
         Mean states at k = 0..T.
+
+    Raises
+    ------
+    ScenarioError
+        If a shape does not fit the dynamics, or a number is not finite.
     """
-    means = np.empty((len(controls) + 1, system.num_states))
-    means[0] = start
-    for k, control in enumerate(controls):
+    steps = as_matrix(controls, (None, system.num_controls), ("controls",))
+    means = np.empty((len(steps) + 1, system.num_states))
+    means[0] = as_vector(start, system.num_states, ("start",))
+    for k, control in enumerate(steps):
         means[k + 1] = system.A @ means[k] + system.B @ control
     return means
 
 
 def covariances(
-    system: LinearSystem, initial: Matrix, disturbance: Matrix, gain: Matrix | None, horizon: int
+    system: LinearSystem,
+    initial: npt.ArrayLike,
+    disturbance: npt.ArrayLike,
+    gain: npt.ArrayLike | None,
+    horizon: int,
 ) -> Tensor:
     """Return the state covariances, open loop or under linear feedback.
 
@@ -218,7 +242,7 @@ def covariances(
     (T+1, n, n) array
         ``Σ⁺ = F Σ Fᵀ + W`` with ``F = A + B K``.
     """
-    F = system.A if gain is None else system.A + system.B @ gain
+    F = system.A if gain is None else system.A + system.B @ np.asarray(gain)
     result = np.empty((horizon + 1, system.num_states, system.num_states))
     result[0] = initial
     for k in range(horizon):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy.typing as npt
@@ -175,14 +175,14 @@ class Obstacle:
         return cls(name, HalfspaceShape(rows, rhs), ((halfspaces(rows, rhs),),))
 
     @classmethod
-    def moving(cls, name: str, outlines: Sequence[npt.ArrayLike]) -> Obstacle:
+    def moving(cls, name: str, outlines: Iterable[npt.ArrayLike]) -> Obstacle:
         """Make an obstacle of one convex outline per step 0..T.
 
         Parameters
         ----------
         name : str
             Unique within its scenario.
-        outlines : sequence of (v, d) array
+        outlines : iterable of (v, d) array_like
             Corners at each step [m], T + 1 of them; of each the hull counts.
 
         Returns

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Vector, as_vector
 from radmpc.errors import ScenarioError
@@ -34,6 +35,10 @@ class Workspace(Frozen):
 
     lower: Vector
     upper: Vector
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(self, lower: npt.ArrayLike, upper: npt.ArrayLike) -> None: ...
 
     def __post_init__(self) -> None:
         """Freeze the corners and check their order."""
@@ -85,6 +90,22 @@ class Scenario:
     pair_faces: int | None = None
     workspace: Workspace | None = None
     source: Mapping[str, object] | None = None
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self,
+            name: str,
+            dt: float,
+            horizon: int,
+            risk_bound: float,
+            vehicles: Iterable[Vehicle],
+            obstacles: Iterable[Obstacle] = (),
+            avoidance: Avoidance = "intervals",
+            pair_faces: int | None = None,
+            workspace: Workspace | None = None,
+            source: Mapping[str, object] | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Run every check between the parts."""
@@ -232,12 +253,12 @@ class Scenario:
         """Faces around a pair, the default resolved."""
         return 2 * self.dimension if self.pair_faces is None else self.pair_faces
 
-    def subset(self, indices: tuple[int, ...], risk_bound: float) -> Scenario:
+    def subset(self, indices: Iterable[int], risk_bound: float) -> Scenario:
         """Return the scenario of some of the vehicles alone, with their share of the risk.
 
         Parameters
         ----------
-        indices : tuple of int
+        indices : iterable of int
             Which vehicles, by their places in ``vehicles``.
         risk_bound : float
             Their share of Δ, 0 < share < 0.5.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +30,12 @@ class Goal(Frozen):
     lower: Vector
     upper: Vector
     speed: Vector | None
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self, lower: npt.ArrayLike, upper: npt.ArrayLike, speed: npt.ArrayLike | None
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Freeze the arrays and check their order."""
@@ -83,7 +90,9 @@ class Goal(Frozen):
         """Middle of the box [m]."""
         return 0.5 * (self.lower + self.upper)
 
-    def contains(self, position: Vector, velocity: Vector | None, tol: float = 1e-6) -> bool:
+    def contains(
+        self, position: npt.ArrayLike, velocity: npt.ArrayLike | None, tol: float = 1e-6
+    ) -> bool:
         """Whether a mean position and velocity count as arrived.
 
         Parameters
@@ -100,7 +109,8 @@ class Goal(Frozen):
         bool
             True within the box and at most at the speed.
         """
-        inside = np.all(position >= self.lower - tol) and np.all(position <= self.upper + tol)
+        place = np.asarray(position)
+        inside = np.all(place >= self.lower - tol) and np.all(place <= self.upper + tol)
         if self.speed is None or velocity is None:
             return bool(inside)
         return bool(inside and np.all(np.abs(velocity) <= self.speed + tol))
@@ -153,6 +163,24 @@ class Vehicle(Frozen):
     gain: Matrix | None = None
     control_sigmas: float = 3.0
     cost_weight: float = 1.0
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self,
+            name: str,
+            system: LinearSystem,
+            start: npt.ArrayLike,
+            goal: Goal,
+            radius: float,
+            control_limit: npt.ArrayLike,
+            initial_covariance: npt.ArrayLike,
+            disturbance_covariance: npt.ArrayLike,
+            speed_limit: npt.ArrayLike | None = None,
+            gain: npt.ArrayLike | None = None,
+            control_sigmas: float = 3.0,
+            cost_weight: float = 1.0,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Freeze the arrays and reject what cannot be flown."""
