@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import solve_discrete_are
 
+from radmpc.arguments import check_kind, field_integer, field_number, told
 from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 
@@ -61,12 +62,7 @@ class LinearSystem(Frozen):
         for name, indices in (("position", self.position), ("velocity", self.velocity)):
             if indices is None:
                 continue
-            object.__setattr__(self, name, tuple(int(i) for i in indices))
-            if any(not 0 <= i < n for i in indices) or len(set(indices)) != len(indices):
-                raise ScenarioError(
-                    f"must be distinct state indices from 0 to {n - 1}, got {list(indices)}",
-                    (name,),
-                )
+            object.__setattr__(self, name, _as_indices(indices, n, name))
         if len(self.position) not in (2, 3):
             raise ScenarioError(f"must name 2 or 3 axes, got {len(self.position)}", ("position",))
         if self.velocity is not None and len(self.velocity) != len(self.position):
@@ -92,6 +88,17 @@ class LinearSystem(Frozen):
         return len(self.position)
 
 
+def _as_indices(given: object, num_states: int, name: str) -> tuple[int, ...]:
+    """Return distinct indices into a state as a tuple."""
+    allowed = f"must be distinct state indices from 0 to {num_states - 1}"
+    if not isinstance(given, Iterable):
+        raise ScenarioError(f"{allowed}, got {told(given)}", (name,))
+    indices = tuple(field_integer(i, (name, k)) for k, i in enumerate(given))
+    if any(not 0 <= i < num_states for i in indices) or len(set(indices)) != len(indices):
+        raise ScenarioError(f"{allowed}, got {list(indices)}", (name,))
+    return indices
+
+
 def double_integrator(dt: float, dimension: int) -> LinearSystem:
     """Return the paper's vehicle: position and velocity, driven by acceleration (section Results).
 
@@ -106,7 +113,17 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
     -------
     LinearSystem
         State (positions, velocities), control (accelerations) [m/s²].
+
+    Raises
+    ------
+    ScenarioError
+        If the step is not above zero, or there are neither 2 nor 3 axes.
     """
+    dt = field_number(dt, ("dt",))
+    if not (np.isfinite(dt) and dt > 0.0):
+        raise ScenarioError(f"must be > 0 s, got {dt}", ("dt",))
+    if field_integer(dimension, ("dimension",)) not in (2, 3):
+        raise ScenarioError(f"must be 2 or 3, got {dimension}", ("dimension",))
     eye, zero = np.eye(dimension), np.zeros((dimension, dimension))
     return LinearSystem(
         A=np.block([[eye, dt * eye], [zero, eye]]),
@@ -139,6 +156,7 @@ def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix
     ScenarioError
         If Q or R has the wrong shape, or no stabilising gain exists.
     """
+    check_kind(system, LinearSystem, "system", "a LinearSystem")
     state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))
     control_weight = as_matrix(R, (system.num_controls, system.num_controls), ("R",))
     try:
@@ -207,6 +225,7 @@ def rollout(system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike)
     ScenarioError
         If a shape does not fit the dynamics, or a number is not finite.
     """
+    check_kind(system, LinearSystem, "system", "a LinearSystem")
     steps = as_matrix(controls, (None, system.num_controls), ("controls",))
     means = np.empty((len(steps) + 1, system.num_states))
     means[0] = as_vector(start, system.num_states, ("start",))

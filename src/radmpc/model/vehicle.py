@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, as_vector, frozen
+from radmpc.arguments import field_number, field_text, told
+from radmpc.arrays import (
+    Frozen,
+    Matrix,
+    Tensor,
+    Vector,
+    as_axes,
+    as_covariance,
+    as_matrix,
+    as_vector,
+    frozen,
+)
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem, covariances
 
@@ -184,6 +195,7 @@ class Vehicle(Frozen):
 
     def __post_init__(self) -> None:
         """Freeze the arrays and reject what cannot be flown."""
+        self._check_kinds()
         n, m, d = self.system.num_states, self.system.num_controls, self.system.dimension
         put = object.__setattr__
         put(self, "start", as_state(self.start, self.system))
@@ -198,7 +210,7 @@ class Vehicle(Frozen):
         _check_positive(self.control_limit, "control_limit", "per axis")
         _check_positive(np.array([self.radius]), "radius", "m")
         for name in ("control_sigmas", "cost_weight"):
-            value = getattr(self, name)
+            value: float = getattr(self, name)
             if not (np.isfinite(value) and value >= 0.0):
                 raise ScenarioError(f"must be >= 0, got {value}", (name,))
         if self.goal.lower.size != d:
@@ -212,6 +224,16 @@ class Vehicle(Frozen):
                     raise ScenarioError(
                         "a speed needs dynamics whose velocity indices are given", (name,)
                     )
+
+    def _check_kinds(self) -> None:
+        """Refuse parts of another kind, and make numbers Python's."""
+        field_text(self.name, ("name",))
+        for name, kind in (("system", LinearSystem), ("goal", Goal)):
+            part = getattr(self, name)
+            if not isinstance(part, kind):
+                raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
+        for name in ("radius", "control_sigmas", "cost_weight"):
+            object.__setattr__(self, name, field_number(getattr(self, name), (name,)))
 
     @property
     def start_position(self) -> Vector:
@@ -280,46 +302,6 @@ def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
     state = np.zeros(n)
     state[list(system.position)] = given
     return frozen(state)
-
-
-def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vector:
-    """Return a vector from one, or from a number for all axes.
-
-    Raises
-    ------
-    ScenarioError
-        If it has another size.
-    """
-    if np.ndim(value) == 0:
-        return frozen(np.full(size, as_array(value, (), path)))
-    return as_vector(value, size, path)
-
-
-def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:
-    """Return a covariance matrix from a scalar, a diagonal or a matrix.
-
-    Raises
-    ------
-    ScenarioError
-        If it is not symmetric positive semi-definite.
-    """
-    array = np.asarray(value, dtype=object)
-    if array.ndim == 0:
-        matrix = as_array(value, (), path) * np.eye(size)  # type: ignore[arg-type] # checked there
-    elif array.ndim == 1:
-        matrix = np.diag(as_vector(value, size, path))  # type: ignore[arg-type] # checked there
-    else:
-        matrix = as_matrix(value, (size, size), path)  # type: ignore[arg-type] # checked there
-    scale = max(float(np.abs(matrix).max()), 1e-300)
-    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * scale):
-        raise ScenarioError("must be symmetric", path)
-    matrix = 0.5 * (matrix + matrix.T)
-    lowest = float(np.linalg.eigvalsh(matrix)[0])
-    if lowest < -1e-9 * scale:
-        raise ScenarioError(
-            f"must be positive semi-definite, got an eigenvalue of {lowest:.6g}", path
-        )
-    return frozen(matrix)
 
 
 def _check_positive(values: Vector, name: str, unit: str) -> None:
