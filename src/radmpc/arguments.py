@@ -24,6 +24,7 @@ __all__ = [
     "field_text",
     "is_integer",
     "is_number",
+    "one",
     "told",
 ]
 
@@ -44,8 +45,12 @@ def told(value: object) -> str:
         return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
     if isinstance(value, type):
         return f"the class {value.__name__}"
-    name = type(value).__name__
-    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+    return one(type(value))
+
+
+def one(kind: type) -> str:
+    """Return ``a Vehicle`` for `Vehicle`, ``an Obstacle`` for `Obstacle`."""
+    return f"{'an' if kind.__name__[0] in 'aeiouAEIOU' else 'a'} {kind.__name__}"
 
 
 def is_number(value: object) -> TypeGuard[float]:

@@ -127,7 +127,7 @@ def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vec
     ScenarioError
         If it has another size.
     """
-    if np.ndim(value) == 0:
+    if np.asarray(value, dtype=object).ndim == 0:
         return frozen(np.full(size, as_array(value, (), path)))
     return as_vector(value, size, path)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 
-from radmpc.arguments import field_integer, field_number, field_text, told
+from radmpc.arguments import field_integer, field_number, field_text, one, told
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import double_integrator, growth
 from radmpc.model.obstacle import Obstacle
@@ -270,7 +270,7 @@ def _all_of(kind: type[_Part], given: object, field: str) -> tuple[_Part, ...]:
     parts = tuple(given)
     for i, part in enumerate(parts):
         if not isinstance(part, kind):
-            raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (field, i))
+            raise ScenarioError(f"must be {one(kind)}, got {told(part)}", (field, i))
     return parts
 
 
