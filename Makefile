@@ -26,8 +26,12 @@ format: $(INSTALLED_DEV) ## is the code formatted
 lint: $(INSTALLED_DEV) ## what the linter finds
 	$(BIN)/ruff check .
 
-types: $(INSTALLED_DEV) ## mypy --strict on src
+# The second run is a user's: no settings, the package as installed; a cache of its own, because
+# other settings empty a cache.
+types: $(INSTALLED_DEV) ## mypy --strict on src, the examples and the pages' programs
 	$(BIN)/mypy
+	@$(BIN)/python tests/docs/programs.py build/programs
+	$(BIN)/mypy --strict --config-file= --cache-dir=.mypy_cache/programs examples build/programs
 
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports

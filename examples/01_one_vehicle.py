@@ -34,6 +34,7 @@ def main(out: Path) -> float:
     )
     plan = radmpc.plan(scenario).require()
     radmpc.save_figure(plan, out / "01_one_vehicle.png")
+    assert plan.cost is not None  # only where there is no plan
     return plan.cost
 
 

@@ -37,6 +37,7 @@ def main(out: Path) -> float:
     scenario = radmpc.Scenario("ferry", 1.0, HORIZON, 0.05, (boat,), (ferry,))
     plan = radmpc.plan(scenario).require()
     radmpc.save_figure(plan, out / "06_ferry.png")
+    assert plan.cost is not None  # only where there is no plan
     return plan.cost / (2 * WAY / (HORIZON - 1))
 
 

@@ -45,6 +45,7 @@ def main(out: Path) -> float:
     plan = radmpc.plan(scenario).require()
     radmpc.save_figure(plan, out / "07_in_space.png")
     alone = sum(2 * np.abs(np.subtract(*way)).sum() / (HORIZON - 1) for way in WAYS.values())
+    assert plan.cost is not None  # only where there is no plan
     return plan.cost / float(alone)
 
 

@@ -21,6 +21,8 @@ from radmpc.version import __version__
 
 if TYPE_CHECKING:
     from radmpc.errors import (
+        ArgumentError,
+        ArgumentTypeError,
         FileFormatError,
         NoPlanError,
         RadmpcError,
@@ -56,6 +58,8 @@ if TYPE_CHECKING:
     from radmpc.result import Result
 
 __all__ = [
+    "ArgumentError",
+    "ArgumentTypeError",
     "Certificate",
     "Coupling",
     "ExportOptions",
@@ -112,6 +116,8 @@ __all__ = [
 # second, which the shell's completion and `radmpc --version` must not wait for.
 _HOMES = {
     "errors": (
+        "ArgumentError",
+        "ArgumentTypeError",
         "FileFormatError",
         "NoPlanError",
         "RadmpcError",

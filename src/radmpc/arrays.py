@@ -7,6 +7,7 @@ from dataclasses import fields
 import numpy as np
 import numpy.typing as npt
 
+from radmpc.arguments import told
 from radmpc.errors import ScenarioError
 
 __all__ = [
@@ -16,6 +17,8 @@ __all__ = [
     "Tensor",
     "Vector",
     "as_array",
+    "as_axes",
+    "as_covariance",
     "as_matrix",
     "as_vector",
     "frozen",
@@ -25,6 +28,10 @@ Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Tensor = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
+
+
+_NUMBERS = "biufO"
+"""Kinds of numpy's types that hold numbers; objects may."""
 
 
 def frozen(array: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
@@ -57,10 +64,7 @@ def as_array(
     ScenarioError
         If the value has no such shape or is not finite everywhere.
     """
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ScenarioError(f"must be numbers of equal row length, got {value!r}", path) from error
+    array = _numbers(value, path)
     wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
     fits = array.ndim == len(shape) and all(
         n is None or n == m for n, m in zip(shape, array.shape, strict=True)
@@ -100,6 +104,59 @@ def as_matrix(
         If the value has no such shape or is not finite everywhere.
     """
     return as_array(value, shape, path)
+
+
+def _numbers(value: npt.ArrayLike, path: tuple[str | int, ...]) -> npt.NDArray[np.float64]:
+    """Return a copy as float64; texts, which numpy would read, are no numbers."""
+    try:
+        raw = np.asarray(value)
+        if raw.dtype.kind in _NUMBERS:
+            return np.array(raw, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ScenarioError(
+            f"must be numbers of equal row length, got {told(value)}", path
+        ) from error
+    raise ScenarioError(f"must be numbers, got {told(value)}", path)
+
+
+def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vector:
+    """Return a vector from one, or from a number for all axes.
+
+    Raises
+    ------
+    ScenarioError
+        If it has another size.
+    """
+    if np.asarray(value, dtype=object).ndim == 0:
+        return frozen(np.full(size, as_array(value, (), path)))
+    return as_vector(value, size, path)
+
+
+def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:
+    """Return a covariance matrix from a scalar, a diagonal or a matrix.
+
+    Raises
+    ------
+    ScenarioError
+        If it is not symmetric positive semi-definite.
+    """
+    array = np.asarray(value, dtype=object)
+    if array.ndim == 0:
+        matrix = as_array(value, (), path) * np.eye(size)  # type: ignore[arg-type] # checked there
+    elif array.ndim == 1:
+        matrix = np.diag(as_vector(value, size, path))  # type: ignore[arg-type] # checked there
+    else:
+        matrix = as_matrix(value, (size, size), path)  # type: ignore[arg-type] # checked there
+    scale = max(float(np.abs(matrix).max()), 1e-300)
+    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * scale):
+        raise ScenarioError("must be symmetric", path)
+    matrix = 0.5 * (matrix + matrix.T)
+    lowest = float(np.linalg.eigvalsh(matrix)[0])
+    if lowest < -1e-9 * scale:
+        raise ScenarioError(
+            f"must be positive semi-definite, got an eigenvalue of {lowest:.6g}", path
+        )
+    return frozen(matrix)
 
 
 class Frozen:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 __all__ = [
+    "ArgumentError",
+    "ArgumentTypeError",
     "FileFormatError",
     "NoPlanError",
     "RadmpcError",
@@ -51,6 +53,14 @@ class ScenarioError(RadmpcError, ValueError):
             With the longer path.
         """
         return type(self)(self.message, (*prefix, *self.path))
+
+
+class ArgumentError(RadmpcError, ValueError):
+    """An argument of a function that it cannot be called with: a value out of range."""
+
+
+class ArgumentTypeError(ArgumentError, TypeError):
+    """An argument of another kind than the function takes."""
 
 
 class RiskError(RadmpcError, ValueError):

@@ -12,8 +12,11 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
+from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
 from radmpc.arrays import Matrix
+from radmpc.errors import ArgumentTypeError
 from radmpc.model.dynamics import rollout
+from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.planners.centralized import plan_centralized
@@ -22,7 +25,7 @@ from radmpc.planners.distance import plan_by_distance
 from radmpc.planners.draft import Draft
 from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
 from radmpc.planners.planner import Certified, Couplings, Distance, Planner, Receding
-from radmpc.planners.presets import DEFAULT, parse_planner
+from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
 from radmpc.referee import Certificate, certify
 from radmpc.result import Result
 from radmpc.solvers.rrt import Rrt
@@ -75,13 +78,19 @@ def plan(
     ------
     ScenarioError
         If there is no such planner.
+    ArgumentTypeError
+        If an argument is of another kind; the message says what to do instead.
+    ArgumentError
+        If the time limit is negative or nan, or the seed negative.
 
     References
     ----------
     Paper, Algorithm 1 (`multi-vehicle`), Algorithm 2 (`radmpc`).
     """
     begun = time.perf_counter()
-    record = parse_planner(planner) if isinstance(planner, str) else planner
+    check_scenario(scenario)
+    record = _record(planner)
+    _check_options(rng, time_limit, executor, progress, stop)
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
     if isinstance(record.solver, Rrt):
@@ -100,6 +109,28 @@ def plan(
     seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
     judged = _plan(scenario, record, seed, draft, trajectories, certificate, seconds)
     return Result(judged, certificate, draft.steps, draft.events)
+
+
+def _record(planner: str | Planner) -> Planner:
+    """Return the record of choices that a planner is."""
+    if isinstance(planner, str):
+        return parse_planner(planner)
+    if isinstance(planner, Planner):
+        return planner
+    known = ", ".join(PRESETS)
+    raise ArgumentTypeError(f"planner must be a Planner or one of {known}, got {told(planner)}")
+
+
+def _check_options(
+    rng: object, time_limit: object, executor: object, progress: object, stop: object
+) -> None:
+    """Refuse options that planning would stumble over only after a while."""
+    check_rng(rng)
+    check_time_limit(time_limit)
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        check_kind(executor, Executor, "executor", "a concurrent.futures.Executor or None")
+    check_callable(progress, "progress")
+    check_callable(stop, "stop")
 
 
 def _silent(stage: str, done: int, total: int | None) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
-from radmpc.errors import SolverError
+from radmpc.arguments import check_integer, check_time_limit, told
+from radmpc.errors import ArgumentTypeError, SolverError
+from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.referee import Simulation, simulate
@@ -75,19 +78,41 @@ def compare(
     stop : callable or None
         Once it returns True, the planner at work returns what it has, and none follows.
 
-    Yields
-    ------
-    Comparison
-        As soon as it is there, in the order asked for.
+    Returns
+    -------
+    iterator of Comparison
+        Each as soon as it is there, in the order asked for.
 
     Raises
     ------
     ScenarioError
         If there is no such planner; before any is run.
+    ArgumentTypeError
+        If an argument is of another kind.
     """
-    records = [(name.strip(), parse_planner(name)) for name in planners]
+    check_scenario(scenario)
+    if isinstance(planners, str) or not isinstance(planners, Iterable):
+        raise ArgumentTypeError(f"planners must be a sequence of names, got {told(planners)}")
+    records = [(parse_planner(name), name.strip()) for name in planners]
+    rng = check_integer(rng, "rng", 0)
+    check_time_limit(time_limit)
+    samples = check_integer(samples, "samples", 1)
+    return _compared(scenario, records, rng, time_limit, samples, executor, progress, stop)
+
+
+def _compared(
+    scenario: Scenario,
+    records: list[tuple[Planner, str]],
+    rng: int,
+    time_limit: float | None,
+    samples: int,
+    executor: Executor | None,
+    progress: Callable[[str, int, int | None], None] | None,
+    stop: Callable[[], bool] | None,
+) -> Iterator[Comparison]:
+    """Plan and fly with one planner after the other, as `compare` tells."""
     tell = progress or (lambda stage, done, total: None)
-    for name, record in records:
+    for record, name in records:
         if stop is not None and stop():
             return
 

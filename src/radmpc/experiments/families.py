@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from radmpc.arguments import check_integer
 from radmpc.arrays import Matrix
 from radmpc.experiments.scatter import Room
 from radmpc.model.dynamics import double_integrator
@@ -33,6 +34,7 @@ def paper(num_vehicles: int, seed: int) -> Scenario:
     Scenario
         T = 10, dt = 1 s, Δ = 0.05, avoidance at the steps.
     """
+    _check_size(num_vehicles, seed)
     rng = np.random.default_rng(seed)
     obstacles = (
         Obstacle.polygon("hexagon", regular_polygon(6, (6.0, 6.0), 1.8)),
@@ -74,6 +76,7 @@ def fleet(num_vehicles: int, seed: int) -> Scenario:
     Scenario
         T = 10, dt = 1 s, Δ = 0.05, avoidance at the steps.
     """
+    _check_size(num_vehicles, seed)
     rng = np.random.default_rng(seed)
     side = 20.0 * np.sqrt(num_vehicles / 8.0)
     low, high = np.zeros(2), np.full(2, side)
@@ -123,6 +126,8 @@ def clutter(num_vehicles: int, num_boxes: int, seed: int) -> Scenario:
     Scenario
         T = 30, dt = 1 s, Δ = 0.05, avoidance along intervals.
     """
+    _check_size(num_vehicles, seed)
+    check_integer(num_boxes, "num_boxes", 0, 32 * 32)
     rng = np.random.default_rng(seed)
     cells = rng.choice(32 * 32, num_boxes, replace=False)
     corners = np.column_stack([cells % 32, cells // 32]).astype(float)
@@ -178,6 +183,7 @@ def circle(num_vehicles: int) -> Scenario:
     Scenario
         T = 10, dt = 1 s, Δ = 0.05, avoidance at the steps, no obstacles.
     """
+    _check_size(num_vehicles)
     angles = 2.0 * np.pi * np.arange(num_vehicles) / num_vehicles
     starts = 10.0 + 8.0 * np.column_stack([np.cos(angles), np.sin(angles)])
     return Scenario(
@@ -191,6 +197,12 @@ def circle(num_vehicles: int) -> Scenario:
             paper_vehicle(f"v{i + 1}", start, 20.0 - start) for i, start in enumerate(starts)
         ),
     )
+
+
+def _check_size(num_vehicles: object, seed: object = 0) -> None:
+    """Refuse numbers that make no problem."""
+    check_integer(num_vehicles, "num_vehicles", 1)
+    check_integer(seed, "seed", 0)
 
 
 def paper_vehicle(name: str, start: Matrix, goal: Matrix) -> Vehicle:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from radmpc.arguments import field_integer, field_number, told
 from radmpc.errors import ScenarioError
 from radmpc.io.ranges import check_range
 from radmpc.model.scenario import Avoidance
@@ -47,18 +48,24 @@ class ImportOptions:
             value = getattr(self, name)
             if value is not None:
                 check_range(value, unit, (name,))
+        for name in ("horizon", "agents"):
+            if getattr(self, name) is not None:
+                field_integer(getattr(self, name), (name,))
         if self.horizon is not None and not 1 <= self.horizon <= 1000:
             raise ScenarioError(f"must be 1 to 1000 steps, got {self.horizon}", ("horizon",))
         if self.agents is not None and self.agents < 1:
             raise ScenarioError(f"must be at least 1 vehicle, got {self.agents}", ("agents",))
-        if self.risk_bound is not None and not 0.0 < self.risk_bound < 0.5:
+        if (
+            self.risk_bound is not None
+            and not 0.0 < field_number(self.risk_bound, ("risk_bound",)) < 0.5
+        ):
             raise ScenarioError(
                 f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",
                 ("risk_bound",),
             )
-        if self.avoidance not in {None, "steps", "intervals"}:
+        if self.avoidance not in (None, "steps", "intervals"):
             raise ScenarioError(
-                f"must be 'steps' or 'intervals', got {self.avoidance!r}", ("avoidance",)
+                f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
             )
 
     @property

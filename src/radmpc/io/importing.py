@@ -6,7 +6,9 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import NoneType
 
+from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.decoding import decode_scenario
 from radmpc.io.document import Document, read_document
@@ -79,7 +81,11 @@ def import_scenario(
     ------
     FileFormatError
         If no importer knows the format, or with one line that names file, line and field.
+    ArgumentTypeError
+        If an argument is of another kind; the message says what to do instead.
     """
+    check_path(path)
+    check_kind(options, (ImportOptions, NoneType), "options", "ImportOptions or None")
     document = _read(path)
     for importer in _IMPORTERS:
         if importer.recognizes(document.value):

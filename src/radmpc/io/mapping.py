@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from radmpc.arguments import told
 from radmpc.errors import ScenarioError
 from radmpc.io.decoding import decode_scenario
 from radmpc.io.encoding import encode_scenario
 from radmpc.io.plan_file import decode_plan, encode_plan
 from radmpc.io.plan_schema import PLAN_FORMAT
 from radmpc.io.schema import SCENARIO_FORMAT
+from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 
@@ -34,8 +36,13 @@ def to_dict(value: Scenario | Plan) -> dict[str, object]:
     ------
     ScenarioError
         If the scenario's ``source`` is not plain.
+    ArgumentTypeError
+        If it is neither a scenario nor a plan.
     """
-    return encode_plan(value) if isinstance(value, Plan) else encode_scenario(value)
+    if isinstance(value, Plan):
+        return encode_plan(value)
+    check_scenario(value, "value")
+    return encode_scenario(value)
 
 
 def from_dict(data: Mapping[str, object]) -> Scenario | Plan:
@@ -58,12 +65,12 @@ def from_dict(data: Mapping[str, object]) -> Scenario | Plan:
         path says where in the data.
     """
     if not isinstance(data, Mapping):
-        raise ScenarioError(f"must be a mapping, got {type(data).__name__}")
+        raise ScenarioError(f"must be a mapping, got {told(data)}")
     kind = data.get("format")
     if kind == PLAN_FORMAT:
         return decode_plan(data)
     if kind == SCENARIO_FORMAT:
         return decode_scenario(data)
     raise ScenarioError(
-        f"must be {SCENARIO_FORMAT!r} or {PLAN_FORMAT!r}, got {kind!r}", ("format",)
+        f"must be {SCENARIO_FORMAT!r} or {PLAN_FORMAT!r}, got {told(kind)}", ("format",)
     )

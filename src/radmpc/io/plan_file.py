@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+from radmpc.arguments import check_path
 from radmpc.arrays import as_array, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.io.atomic import write_text
@@ -14,6 +15,7 @@ from radmpc.io.encoding import encode_scenario
 from radmpc.io.json_text import read_json, write_json
 from radmpc.io.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
 from radmpc.io.text import read_text
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
 
 __all__ = ["decode_plan", "encode_plan", "load_plan", "save_plan"]
@@ -40,6 +42,7 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     FileFormatError
         With one line that names file, line, field, value and what is allowed.
     """
+    check_path(path)
     name, text = os.fspath(path), read_text(path)
     document = Document(name, text, read_json(text, name), None)
     try:
@@ -62,11 +65,15 @@ def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
     ------
     FileFormatError
         If a number in the plan is not finite.
+    ArgumentTypeError
+        If an argument is of another kind; the message says what to do instead.
     ScenarioError
         If the scenario holds what no file can, see `encode_scenario`.
     OSError
         If the file cannot be written.
     """
+    check_plan(plan)
+    check_path(path)
     write_text(path, write_json(encode_plan(plan)))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from radmpc.arguments import field_number
 from radmpc.errors import ScenarioError
 
 __all__ = ["MOST_OBSTACLES", "MOST_VEHICLES", "check_count", "check_range"]
@@ -23,6 +24,7 @@ def check_range(value: float, unit: str, path: tuple[str | int, ...]) -> None:
     ScenarioError
         With the unit and what is allowed.
     """
+    value = field_number(value, path)
     if not value > 0.0:
         raise ScenarioError(f"must be > 0 {unit}, got {value}", path)
     if not _LEAST <= value <= _MOST:

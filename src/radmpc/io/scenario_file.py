@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from radmpc.arguments import check_path
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.atomic import write_text
 from radmpc.io.decoding import decode_scenario
@@ -12,6 +13,7 @@ from radmpc.io.document import read_document
 from radmpc.io.encoding import encode_scenario
 from radmpc.io.json_text import write_json
 from radmpc.io.yaml_writing import write_yaml
+from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
 
 __all__ = ["decode_scenario", "encode_scenario", "load_scenario", "save_scenario"]
@@ -37,6 +39,7 @@ def load_scenario(path: str | os.PathLike[str]) -> Scenario:
     FileFormatError
         With one line that names file, line, field, value and what is allowed.
     """
+    check_path(path)
     document = read_document(path)
     try:
         return decode_scenario(document.value)
@@ -58,11 +61,15 @@ def save_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:
     ------
     FileFormatError
         If the name ends otherwise.
+    ArgumentTypeError
+        If an argument is of another kind; the message says what to do instead.
     ScenarioError
         If the scenario holds what no file can, see `encode_scenario`.
     OSError
         If the file cannot be written.
     """
+    check_scenario(scenario)
+    check_path(path)
     writer = _WRITERS.get(Path(path).suffix.lower())
     if writer is None:
         raise FileFormatError(

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from radmpc.arguments import told
+from radmpc.errors import ArgumentError
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 
 if TYPE_CHECKING:
@@ -39,9 +42,12 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
     ------
     ImportError
         If pandas is not installed (extra ``pandas``).
-    ValueError
+    ArgumentError
         If there is no such table.
     """
+    check_plan(plan)
+    if not (isinstance(table, str) and table in {"trajectories", "ledger"}):
+        raise ArgumentError(f"table must be 'trajectories' or 'ledger', got {told(table)}")
     try:
         import pandas as pd  # noqa: PLC0415 - an extra
     except ImportError as error:
@@ -50,8 +56,6 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
         columns = ["cause", "vehicle", "other", "step", "risk"]
         rows = [[getattr(row, name) for name in columns] for row in plan.risk.ledger]
         return pd.DataFrame(rows, columns=columns)
-    if table != "trajectories":
-        raise ValueError(f"table must be 'trajectories' or 'ledger', got {table!r}")
     frames = [pd.DataFrame(_columns(plan, index)) for index in range(len(plan.trajectories))]
     whole = pd.concat(frames) if frames else pd.DataFrame({"vehicle": [], "step": []})
     return whole.set_index(["vehicle", "step"])
@@ -94,16 +98,17 @@ def to_xarray(plan: Plan) -> xarray.Dataset:
     ------
     ImportError
         If xarray is not installed (extra ``xarray``).
-    ValueError
+    ArgumentError
         If vehicles have different numbers of states or controls, or there is no plan.
     """
+    check_plan(plan)
     try:
         import xarray as xr  # noqa: PLC0415 - an extra
     except ImportError as error:
         raise ImportError("to_xarray needs xarray: pip install 'radmpc[xarray]'") from error
     shapes = {(t.means.shape, t.controls.shape) for t in plan.trajectories}
     if len(shapes) != 1:
-        raise ValueError(
+        raise ArgumentError(
             "to_xarray needs a plan whose vehicles have equally many states and controls, got "
             f"{len(shapes)} kinds"
         )

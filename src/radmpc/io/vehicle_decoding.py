@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector, as_matrix, as_vector
+from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.io.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
-from radmpc.model.vehicle import Goal, Vehicle, as_axes, as_covariance, as_state
+from radmpc.model.vehicle import Goal, Vehicle, as_state
 
 __all__ = ["Shared", "build_vehicle"]
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import solve_discrete_are
 
-from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_matrix
+from radmpc.arguments import check_kind, field_integer, field_number, told
+from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 
 __all__ = ["LinearSystem", "covariances", "double_integrator", "growth", "lqr_gain", "rollout"]
@@ -42,6 +46,17 @@ class LinearSystem(Frozen):
     velocity: tuple[int, ...] | None
     is_double_integrator: bool = False
 
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self,
+            A: npt.ArrayLike,
+            B: npt.ArrayLike,
+            position: Sequence[int],
+            velocity: Sequence[int] | None,
+            is_double_integrator: bool = False,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Freeze the matrices and check that the indices point into the state."""
         A = as_matrix(self.A, path=("A",))
@@ -51,12 +66,7 @@ class LinearSystem(Frozen):
         for name, indices in (("position", self.position), ("velocity", self.velocity)):
             if indices is None:
                 continue
-            object.__setattr__(self, name, tuple(int(i) for i in indices))
-            if any(not 0 <= i < n for i in indices) or len(set(indices)) != len(indices):
-                raise ScenarioError(
-                    f"must be distinct state indices from 0 to {n - 1}, got {list(indices)}",
-                    (name,),
-                )
+            object.__setattr__(self, name, _as_indices(indices, n, name))
         if len(self.position) not in (2, 3):
             raise ScenarioError(f"must name 2 or 3 axes, got {len(self.position)}", ("position",))
         if self.velocity is not None and len(self.velocity) != len(self.position):
@@ -106,6 +116,17 @@ class LinearSystem(Frozen):
         return len(self.position)
 
 
+def _as_indices(given: object, num_states: int, name: str) -> tuple[int, ...]:
+    """Return distinct indices into a state as a tuple."""
+    allowed = f"must be distinct state indices from 0 to {num_states - 1}"
+    if not isinstance(given, Iterable):
+        raise ScenarioError(f"{allowed}, got {told(given)}", (name,))
+    indices = tuple(field_integer(i, (name, k)) for k, i in enumerate(given))
+    if any(not 0 <= i < num_states for i in indices) or len(set(indices)) != len(indices):
+        raise ScenarioError(f"{allowed}, got {list(indices)}", (name,))
+    return indices
+
+
 def double_integrator(dt: float, dimension: int) -> LinearSystem:
     """Return the paper's vehicle: position and velocity, driven by acceleration (section Results).
 
@@ -120,7 +141,17 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
     -------
     LinearSystem
         State (positions, velocities), control (accelerations) [m/s²].
+
+    Raises
+    ------
+    ScenarioError
+        If the step is not above zero, or there are neither 2 nor 3 axes.
     """
+    dt = field_number(dt, ("dt",))
+    if not (np.isfinite(dt) and dt > 0.0):
+        raise ScenarioError(f"must be > 0 s, got {dt}", ("dt",))
+    if field_integer(dimension, ("dimension",)) not in (2, 3):
+        raise ScenarioError(f"must be 2 or 3, got {dimension}", ("dimension",))
     eye, zero = np.eye(dimension), np.zeros((dimension, dimension))
     return LinearSystem(
         A=np.block([[eye, dt * eye], [zero, eye]]),
@@ -154,7 +185,7 @@ def _rates(
     return tuple(velocity), step
 
 
-def lqr_gain(system: LinearSystem, Q: Matrix, R: Matrix) -> Matrix:
+def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix:
     """Return the gain K of ``u = ū + K (x − x̄)`` that minimises ``Σ xᵀQx + uᵀRu``.
 
     Parameters
@@ -176,6 +207,7 @@ def lqr_gain(system: LinearSystem, Q: Matrix, R: Matrix) -> Matrix:
     ScenarioError
         If Q or R has the wrong shape, or no stabilising gain exists.
     """
+    check_kind(system, LinearSystem, "system", "a LinearSystem")
     state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))
     control_weight = as_matrix(R, (system.num_controls, system.num_controls), ("R",))
     try:
@@ -222,7 +254,7 @@ def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
     return largest if np.isfinite(largest) else float("inf")
 
 
-def rollout(system: LinearSystem, start: Vector, controls: Matrix) -> Matrix:
+def rollout(system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike) -> Matrix:
     """Return the mean states under nominal controls.
 
     Parameters
@@ -238,16 +270,27 @@ def rollout(system: LinearSystem, start: Vector, controls: Matrix) -> Matrix:
     -------
     (T+1, n) array
         Mean states at k = 0..T.
+
+    Raises
+    ------
+    ScenarioError
+        If a shape does not fit the dynamics, or a number is not finite.
     """
-    means = np.empty((len(controls) + 1, system.num_states))
-    means[0] = start
-    for k, control in enumerate(controls):
+    check_kind(system, LinearSystem, "system", "a LinearSystem")
+    steps = as_matrix(controls, (None, system.num_controls), ("controls",))
+    means = np.empty((len(steps) + 1, system.num_states))
+    means[0] = as_vector(start, system.num_states, ("start",))
+    for k, control in enumerate(steps):
         means[k + 1] = system.A @ means[k] + system.B @ control
     return means
 
 
 def covariances(
-    system: LinearSystem, initial: Matrix, disturbance: Matrix, gain: Matrix | None, horizon: int
+    system: LinearSystem,
+    initial: npt.ArrayLike,
+    disturbance: npt.ArrayLike,
+    gain: npt.ArrayLike | None,
+    horizon: int,
 ) -> Tensor:
     """Return the state covariances, open loop or under linear feedback.
 
@@ -269,7 +312,7 @@ def covariances(
     (T+1, n, n) array
         ``Σ⁺ = F Σ Fᵀ + W`` with ``F = A + B K``.
     """
-    F = system.A if gain is None else system.A + system.B @ gain
+    F = system.A if gain is None else system.A + system.B @ np.asarray(gain)
     result = np.empty((horizon + 1, system.num_states, system.num_states))
     result[0] = initial
     for k in range(horizon):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy.typing as npt
 
+from radmpc.arguments import field_text, told
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
@@ -67,6 +68,10 @@ class Obstacle:
     name: str
     shape: Shape
     steps: tuple[tuple[Polytope, ...], ...]
+
+    def __post_init__(self) -> None:
+        """Refuse a name that is no text."""
+        field_text(self.name, ("name",))
 
     @property
     def is_moving(self) -> bool:
@@ -175,14 +180,14 @@ class Obstacle:
         return cls(name, HalfspaceShape(rows, rhs), ((halfspaces(rows, rhs),),))
 
     @classmethod
-    def moving(cls, name: str, outlines: Sequence[npt.ArrayLike]) -> Obstacle:
+    def moving(cls, name: str, outlines: Iterable[npt.ArrayLike]) -> Obstacle:
         """Make an obstacle of one convex outline per step 0..T.
 
         Parameters
         ----------
         name : str
             Unique within its scenario.
-        outlines : sequence of (v, d) array
+        outlines : iterable of (v, d) array_like
             Corners at each step [m], T + 1 of them; of each the hull counts.
 
         Returns
@@ -195,6 +200,8 @@ class Obstacle:
         ScenarioError
             If an outline encloses nothing.
         """
+        if not isinstance(outlines, Iterable):
+            raise ScenarioError(f"must be one outline per step, got {told(outlines)}", ("moving",))
         points = tuple(as_matrix(o, path=("moving", k)) for k, o in enumerate(outlines))
         if not points:
             raise ScenarioError("needs one outline per step, got none", ("moving",))

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.model.scenario import Scenario
@@ -58,6 +60,17 @@ class Trajectory(Frozen):
     means: Matrix
     covariances: Tensor
     gain: Matrix | None = None
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self,
+            name: str,
+            controls: npt.ArrayLike,
+            means: npt.ArrayLike,
+            covariances: npt.ArrayLike,
+            gain: npt.ArrayLike | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""

@@ -3,48 +3,26 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 
-from radmpc.arrays import Frozen, Vector, as_vector
+from radmpc.arguments import field_integer, field_number, field_text, one, told
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import growth
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
+from radmpc.model.workspace import Workspace
 
 __all__ = ["Avoidance", "Scenario", "Workspace"]
 
 _MOST_GROWTH = 1e12  # solvers refuse coefficients from 1e15 on
 
+_Part = TypeVar("_Part")
+
 Avoidance = Literal["steps", "intervals"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Workspace(Frozen):
-    """The box that holds every vehicle's center; leaving it counts towards the risk bound.
-
-    Attributes
-    ----------
-    lower, upper : (d,) array
-        Corners [m].
-    """
-
-    lower: Vector
-    upper: Vector
-
-    def __post_init__(self) -> None:
-        """Freeze the corners and check their order."""
-        lower = as_vector(self.lower, path=("min",))
-        object.__setattr__(self, "lower", lower)
-        object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
-        if not np.all(self.lower < self.upper):
-            raise ScenarioError(
-                f"min must be below max on every axis, got {self.lower.tolist()} "
-                f"and {self.upper.tolist()}"
-            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,14 +64,25 @@ class Scenario:
     workspace: Workspace | None = None
     source: Mapping[str, object] | None = None
 
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self,
+            name: str,
+            dt: float,
+            horizon: int,
+            risk_bound: float,
+            vehicles: Iterable[Vehicle],
+            obstacles: Iterable[Obstacle] = (),
+            avoidance: Avoidance = "intervals",
+            pair_faces: int | None = None,
+            workspace: Workspace | None = None,
+            source: Mapping[str, object] | None = None,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Run every check between the parts."""
-        put = object.__setattr__
-        put(self, "vehicles", tuple(self.vehicles))
-        put(self, "obstacles", tuple(self.obstacles))
-        if self.source is not None:
-            # A plain dict, not a proxy, would be shared and mutable; a proxy does not pickle.
-            put(self, "source", dict(self.source))
+        self._check_kinds()
         self._check_numbers()
         if not self.vehicles:
             raise ScenarioError("needs at least one vehicle, got none", ("vehicles",))
@@ -113,6 +102,29 @@ class Scenario:
             f"obstacles, {self.horizon} steps of {self.dt:g} s, risk bound {self.risk_bound:g})"
         )
 
+    def _check_kinds(self) -> None:
+        """Refuse parts of another kind; make numbers Python's and sequences tuples."""
+        put = object.__setattr__
+        field_text(self.name, ("name",))
+        for name in ("dt", "risk_bound"):
+            put(self, name, field_number(getattr(self, name), (name,)))
+        put(self, "horizon", field_integer(self.horizon, ("horizon",)))
+        if self.pair_faces is not None:
+            put(self, "pair_faces", field_integer(self.pair_faces, ("pair_faces",)))
+        put(self, "vehicles", _all_of(Vehicle, self.vehicles, "vehicles"))
+        put(self, "obstacles", _all_of(Obstacle, self.obstacles, "obstacles"))
+        if not isinstance(self.workspace, Workspace | None):
+            raise ScenarioError(
+                f"must be a Workspace or None, got {told(self.workspace)}", ("workspace",)
+            )
+        if self.source is not None:
+            if not isinstance(self.source, Mapping):
+                raise ScenarioError(
+                    f"must be a mapping or None, got {told(self.source)}", ("source",)
+                )
+            # A plain dict, not a proxy, would be shared and mutable; a proxy does not pickle.
+            put(self, "source", dict(self.source))
+
     def _check_numbers(self) -> None:
         """Check the scalars."""
         if not (np.isfinite(self.dt) and self.dt > 0.0):
@@ -124,9 +136,9 @@ class Scenario:
                 f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",
                 ("risk_bound",),
             )
-        if self.avoidance not in ("steps", "intervals"):
+        if not (isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}):
             raise ScenarioError(
-                f"must be 'steps' or 'intervals', got {self.avoidance!r}", ("avoidance",)
+                f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
             )
 
     def _check_step(self) -> None:
@@ -228,12 +240,12 @@ class Scenario:
         """Faces around a pair, the default resolved."""
         return 2 * self.dimension if self.pair_faces is None else self.pair_faces
 
-    def subset(self, indices: tuple[int, ...], risk_bound: float) -> Scenario:
+    def subset(self, indices: Iterable[int], risk_bound: float) -> Scenario:
         """Return the scenario of some of the vehicles alone, with their share of the risk.
 
         Parameters
         ----------
-        indices : tuple of int
+        indices : iterable of int
             Which vehicles, by their places in ``vehicles``.
         risk_bound : float
             Their share of Δ, 0 < share < 0.5.
@@ -245,6 +257,17 @@ class Scenario:
         """
         chosen = tuple(self.vehicles[i] for i in indices)
         return replace(self, vehicles=chosen, risk_bound=risk_bound)
+
+
+def _all_of(kind: type[_Part], given: object, field: str) -> tuple[_Part, ...]:
+    """Return parts as a tuple, all of one kind."""
+    if not isinstance(given, Iterable):
+        raise ScenarioError(f"must be a sequence of {kind.__name__}s, got {told(given)}", (field,))
+    parts = tuple(given)
+    for i, part in enumerate(parts):
+        if not isinstance(part, kind):
+            raise ScenarioError(f"must be {one(kind)}, got {told(part)}", (field, i))
+    return parts
 
 
 def _check_printable(name: str, path: tuple[str | int, ...]) -> None:

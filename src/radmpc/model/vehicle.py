@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_array, as_matrix, as_vector, frozen
+from radmpc.arguments import field_number, field_text, told
+from radmpc.arrays import (
+    Frozen,
+    Matrix,
+    Tensor,
+    Vector,
+    as_axes,
+    as_covariance,
+    as_matrix,
+    as_vector,
+    frozen,
+)
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem, covariances
 
@@ -29,6 +41,12 @@ class Goal(Frozen):
     lower: Vector
     upper: Vector
     speed: Vector | None
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self, lower: npt.ArrayLike, upper: npt.ArrayLike, speed: npt.ArrayLike | None
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         """Freeze the arrays and check their order."""
@@ -83,7 +101,9 @@ class Goal(Frozen):
         """Middle of the box [m]."""
         return 0.5 * (self.lower + self.upper)
 
-    def contains(self, position: Vector, velocity: Vector | None, tol: float = 1e-6) -> bool:
+    def contains(
+        self, position: npt.ArrayLike, velocity: npt.ArrayLike | None, tol: float = 1e-6
+    ) -> bool:
         """Whether a mean position and velocity count as arrived.
 
         Parameters
@@ -100,7 +120,8 @@ class Goal(Frozen):
         bool
             True within the box and at most at the speed.
         """
-        inside = np.all(position >= self.lower - tol) and np.all(position <= self.upper + tol)
+        place = np.asarray(position)
+        inside = np.all(place >= self.lower - tol) and np.all(place <= self.upper + tol)
         if self.speed is None or velocity is None:
             return bool(inside)
         return bool(inside and np.all(np.abs(velocity) <= self.speed + tol))
@@ -154,8 +175,27 @@ class Vehicle(Frozen):
     control_sigmas: float = 3.0
     cost_weight: float = 1.0
 
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(
+            self,
+            name: str,
+            system: LinearSystem,
+            start: npt.ArrayLike,
+            goal: Goal,
+            radius: float,
+            control_limit: npt.ArrayLike,
+            initial_covariance: npt.ArrayLike,
+            disturbance_covariance: npt.ArrayLike,
+            speed_limit: npt.ArrayLike | None = None,
+            gain: npt.ArrayLike | None = None,
+            control_sigmas: float = 3.0,
+            cost_weight: float = 1.0,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Freeze the arrays and reject what cannot be flown."""
+        self._check_kinds()
         n, m, d = self.system.num_states, self.system.num_controls, self.system.dimension
         put = object.__setattr__
         put(self, "start", as_state(self.start, self.system))
@@ -170,7 +210,7 @@ class Vehicle(Frozen):
         _check_positive(self.control_limit, "control_limit", "per axis")
         _check_positive(np.array([self.radius]), "radius", "m")
         for name in ("control_sigmas", "cost_weight"):
-            value = getattr(self, name)
+            value: float = getattr(self, name)
             if not (np.isfinite(value) and value >= 0.0):
                 raise ScenarioError(f"must be >= 0, got {value}", (name,))
         if self.goal.lower.size != d:
@@ -184,6 +224,16 @@ class Vehicle(Frozen):
                     raise ScenarioError(
                         "a speed needs dynamics whose velocity indices are given", (name,)
                     )
+
+    def _check_kinds(self) -> None:
+        """Refuse parts of another kind, and make numbers Python's."""
+        field_text(self.name, ("name",))
+        for name, kind in (("system", LinearSystem), ("goal", Goal)):
+            part = getattr(self, name)
+            if not isinstance(part, kind):
+                raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
+        for name in ("radius", "control_sigmas", "cost_weight"):
+            object.__setattr__(self, name, field_number(getattr(self, name), (name,)))
 
     @property
     def start_position(self) -> Vector:
@@ -252,46 +302,6 @@ def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
     state = np.zeros(n)
     state[list(system.position)] = given
     return frozen(state)
-
-
-def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vector:
-    """Return a vector from one, or from a number for all axes.
-
-    Raises
-    ------
-    ScenarioError
-        If it has another size.
-    """
-    if np.ndim(value) == 0:
-        return frozen(np.full(size, as_array(value, (), path)))
-    return as_vector(value, size, path)
-
-
-def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:
-    """Return a covariance matrix from a scalar, a diagonal or a matrix.
-
-    Raises
-    ------
-    ScenarioError
-        If it is not symmetric positive semi-definite.
-    """
-    array = np.asarray(value, dtype=object)
-    if array.ndim == 0:
-        matrix = as_array(value, (), path) * np.eye(size)  # type: ignore[arg-type] # checked there
-    elif array.ndim == 1:
-        matrix = np.diag(as_vector(value, size, path))  # type: ignore[arg-type] # checked there
-    else:
-        matrix = as_matrix(value, (size, size), path)  # type: ignore[arg-type] # checked there
-    scale = max(float(np.abs(matrix).max()), 1e-300)
-    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * scale):
-        raise ScenarioError("must be symmetric", path)
-    matrix = 0.5 * (matrix + matrix.T)
-    lowest = float(np.linalg.eigvalsh(matrix)[0])
-    if lowest < -1e-9 * scale:
-        raise ScenarioError(
-            f"must be positive semi-definite, got an eigenvalue of {lowest:.6g}", path
-        )
-    return frozen(matrix)
 
 
 def _check_positive(values: Vector, name: str, unit: str) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import get_args
 
+from radmpc.arguments import is_number, told
 from radmpc.errors import ScenarioError
 from radmpc.program.policy import Ira, NoRisk, Optimal, Policy, Pool, Sigmas, Uniform
 from radmpc.solvers.big_m import BigM
@@ -61,8 +63,8 @@ class Receding:
             )
         if self.arrivals not in {"once", "every_step"}:
             raise ScenarioError(f"arrivals must be 'once' or 'every_step', got {self.arrivals!r}")
-        if not 0.0 <= self.sigmas <= 10.0:
-            raise ScenarioError(f"sigmas must lie between 0 and 10, got {self.sigmas:g}")
+        if not (is_number(self.sigmas) and 0.0 <= self.sigmas <= 10.0):
+            raise ScenarioError(f"sigmas must lie between 0 and 10, got {told(self.sigmas)}")
 
     def __str__(self) -> str:
         options = [o for o in (self.covariances, self.arrivals) if o not in {"schedule", "once"}]
@@ -90,8 +92,10 @@ class Couplings:
 
     def __post_init__(self) -> None:
         """Refuse thresholds that are no probability."""
-        if not 0.0 <= self.threshold <= 1.0:
-            raise ScenarioError(f"couplings threshold must be in [0, 1], got {self.threshold}")
+        if not (is_number(self.threshold) and 0.0 <= self.threshold <= 1.0):
+            raise ScenarioError(
+                f"couplings threshold must be in [0, 1], got {told(self.threshold)}"
+            )
 
     def __str__(self) -> str:
         how = "" if self.approximation == Receding() else f", {self.approximation}"
@@ -112,8 +116,10 @@ class Distance:
 
     def __post_init__(self) -> None:
         """Refuse what is no distance."""
-        if not 0.0 <= self.meters < float("inf"):
-            raise ScenarioError(f"distance must be a number of metres >= 0, got {self.meters:g}")
+        if not (is_number(self.meters) and 0.0 <= self.meters < float("inf")):
+            raise ScenarioError(
+                f"distance must be a number of meters >= 0, got {told(self.meters)}"
+            )
 
     def __str__(self) -> str:
         return f"distance({self.meters:g})"
@@ -159,8 +165,17 @@ class Planner:
 
     def __post_init__(self) -> None:
         """Refuse choices that do not go together."""
-        if not 0.0 < self.gap < 1.0:
-            raise ScenarioError(f"gap must lie between 0 and 1, got {self.gap}")
+        for name, kinds in (
+            ("policy", Policy),
+            ("solver", SolverChoice),
+            ("decomposition", Decomposition),
+        ):
+            choice = getattr(self, name)
+            if not isinstance(choice, kinds):
+                known = ", ".join(kind.__name__ for kind in get_args(kinds))
+                raise ScenarioError(f"{name} must be one of {known}, got {told(choice)}")
+        if not (is_number(self.gap) and 0.0 < self.gap < 1.0):
+            raise ScenarioError(f"gap must lie between 0 and 1, got {told(self.gap)}")
         if isinstance(self.policy, Optimal) != isinstance(self.decomposition, Certified):
             raise ScenarioError("policy 'optimal' and decomposition 'certified' need each other")
         if isinstance(self.policy, Optimal) and not isinstance(self.solver, Branch):

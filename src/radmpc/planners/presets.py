@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from radmpc.arguments import told
 from radmpc.errors import ScenarioError
 from radmpc.planners.planner import (
     Centralized,
@@ -142,9 +143,10 @@ def parse_planner(text: str) -> Planner:
     ScenarioError
         If there is no such planner or it takes no number.
     """
-    match = re.fullmatch(r"\s*([a-z-]+)\s*(?:\(\s*([^()]*?)\s*\))?\s*", text)
+    pattern = r"\s*([a-z-]+)\s*(?:\(\s*([^()]*?)\s*\))?\s*"
+    match = re.fullmatch(pattern, text) if isinstance(text, str) else None
     if match is None or match[1] not in PRESETS:
-        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {text!r}")
+        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {told(text)}")
     preset = PRESETS[match[1]]
     if match[2] is None:
         return preset.planner

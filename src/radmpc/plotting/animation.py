@@ -12,10 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from mpl_toolkits.mplot3d import Axes3D
 
+from radmpc.arguments import check_integer
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.actors import draw_actors
 from radmpc.plotting.extent import plan_extent
-from radmpc.plotting.figure import new_axes, settle_axes, settle_layout
+from radmpc.plotting.figure import check_axes, new_axes, settle_axes, settle_layout
 from radmpc.plotting.labels import LabelBoard
 from radmpc.plotting.legend import draw_film_legend
 from radmpc.plotting.scenario import draw_surroundings
@@ -69,6 +71,13 @@ def animate_plan(
     FuncAnimation
         Not started and not saved: `save_animation` writes files, ``to_jshtml()`` shows it in a
         notebook.
+
+    Raises
+    ------
+    ArgumentError
+        If the frames are not 1 to 50, or the axes do not fit the scenario.
+    ArgumentTypeError
+        If an argument is of another kind.
     """
     film = make_film(plan, ax, frames_per_step)
     return FuncAnimation(
@@ -79,8 +88,9 @@ def animate_plan(
 
 def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
     """Return a plan as a figure that can be set to any frame; see `animate_plan`."""
-    if not 1 <= frames_per_step <= _MOST_FRAMES:
-        raise ValueError(f"frames_per_step must be 1 to {_MOST_FRAMES}, got {frames_per_step}")
+    check_plan(plan)
+    check_axes(ax, plan.scenario.dimension)
+    check_integer(frames_per_step, "frames_per_step", 1, _MOST_FRAMES)
     extent = plan_extent(plan)
     lines = num_title_lines(plan, details=False) + 1
     axes = new_axes(extent, lines) if ax is None else ax

@@ -8,8 +8,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.patheffects import withStroke
 
 from radmpc.arrays import Matrix
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, Plan
-from radmpc.plotting.figure import settle_layout
+from radmpc.plotting.figure import check_axes, settle_layout
 from radmpc.plotting.ledger_looks import new_column
 from radmpc.plotting.style import (
     COLUMN_WIDTH,
@@ -49,6 +50,8 @@ def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:
     Axes
         The axes drawn on; nothing is shown and nothing saved.
     """
+    check_plan(plan)
+    check_axes(ax, 2)
     groups = sorted(plan.sets, key=len, reverse=True)
     places, size = _layout([len(group) for group in groups])
     height = COLUMN_WIDTH * size[1] / size[0] + _FRAME

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
+from radmpc.arguments import check_integer
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.clearances import closest_clearances
+from radmpc.plotting.figure import check_axes
 from radmpc.plotting.ledger_looks import new_column, say_nothing, settle_part
 from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
 
@@ -38,6 +41,9 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     Axes
         The axes drawn on; nothing is shown and nothing saved.
     """
+    check_plan(plan)
+    check_axes(ax, 2)
+    check_integer(most, "most", 1)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
     settle_part(axes, "", "time [s]")
     axes.set_title(
@@ -46,7 +52,7 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     )  # fmt: skip
     if not plan.trajectories:
         return say_nothing(axes, plan)
-    clearances = closest_clearances(plan, min(max(most, 1), len(PALETTE)))
+    clearances = closest_clearances(plan, min(most, len(PALETTE)))
     for number, (clearance, color) in enumerate(zip(clearances, PALETTE, strict=False)):
         times, distance = clearance.times, clearance.distance
         axes.plot(

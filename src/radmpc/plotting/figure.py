@@ -11,10 +11,12 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
 
+from radmpc.arguments import told
 from radmpc.arrays import Matrix
+from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.plotting.style import COLUMN_WIDTH, LABEL_SIZE, TICK_SIZE
 
-__all__ = ["DPI", "new_axes", "settle_axes", "settle_layout"]
+__all__ = ["DPI", "check_axes", "new_axes", "settle_axes", "settle_layout"]
 
 DPI = 300  # of files and of the layout
 
@@ -52,6 +54,32 @@ def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
     # Axes in space read the grid's looks only when they are made.
     with rc_context({"grid.color": "#D0D0D0", "grid.linewidth": 0.4}):
         return figure.add_subplot(projection=None if is_flat else "3d")
+
+
+def check_axes(ax: object, dimension: int | None = None) -> None:
+    """Refuse what cannot be drawn on.
+
+    Parameters
+    ----------
+    ax : object
+        The argument; None makes a figure.
+    dimension : int or None
+        Number of coordinates that the axes must have; None is any.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is neither axes nor None.
+    ArgumentError
+        If the axes have another number of coordinates.
+    """
+    if ax is None:
+        return
+    if not isinstance(ax, Axes):
+        raise ArgumentTypeError(f"ax must be one of matplotlib's Axes or None, got {told(ax)}")
+    if dimension is not None and isinstance(ax, Axes3D) != (dimension == 3):
+        wanted = "made with projection='3d'" if dimension == 3 else "flat"
+        raise ArgumentError(f"ax must be {wanted} for a scenario in {dimension}-D")
 
 
 def settle_axes(ax: Axes, extent: Matrix) -> None:

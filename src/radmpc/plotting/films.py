@@ -10,6 +10,7 @@ from matplotlib.animation import FFMpegWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
+from radmpc.arguments import check_path
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
 from radmpc.plotting.animation import FRAMES_PER_STEP, SECONDS_PER_STEP, Film, make_film
@@ -63,6 +64,7 @@ def save_animation(
     FileFormatError
         If the name ends otherwise, or ``ffmpeg`` is missing.
     """
+    check_path(path)
     target = Path(path)
     check_film_path(target)
     film = make_film(plan, None, frames_per_step)

@@ -10,8 +10,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from radmpc.model.given import check_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
+from radmpc.plotting.figure import check_axes
 from radmpc.plotting.ledger_looks import (
     ROW,
     new_column,
@@ -45,6 +47,7 @@ def plot_ledger(plan: Plan) -> Figure:
     Figure
         One column wide, with two axes and a color bar; nothing is shown and nothing saved.
     """
+    check_plan(plan)
     heights = [_map_height(plan), shares_height(plan)]
     figure = new_column(sum(heights) + _HEADLINES)
     upper, lower = figure.subplots(2, 1, height_ratios=heights)
@@ -71,6 +74,8 @@ def plot_risk_map(plan: Plan, ax: Axes | None = None) -> Axes:
     Axes
         The axes drawn on; the color bar is below them, in the same figure.
     """
+    check_plan(plan)
+    check_axes(ax, 2)
     axes = new_column(_map_height(plan)).add_subplot() if ax is None else ax
     names, risks = map_rows(plan, _DECADES)
     settle_part(axes, "by cause and step", "step [-]")

@@ -6,8 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.model.given import check_plan
 from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Cause, Plan
+from radmpc.plotting.figure import check_axes
 from radmpc.plotting.ledger_looks import (
     ROW,
     new_column,
@@ -48,6 +50,8 @@ def plot_risk_shares(plan: Plan, ax: Axes | None = None) -> Axes:
     Axes
         The axes drawn on.
     """
+    check_plan(plan)
+    check_axes(ax, 2)
     axes = new_column(shares_height(plan)).add_subplot() if ax is None else ax
     settle_part(axes, "by vehicle", "share of Δ [%]")
     if plan.risk.certified is None:

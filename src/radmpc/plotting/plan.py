@@ -5,10 +5,11 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from mpl_toolkits.mplot3d import Axes3D
 
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.curves import confidence_ellipses, mean_path
 from radmpc.plotting.extent import plan_extent
-from radmpc.plotting.figure import new_axes, settle_axes, settle_layout
+from radmpc.plotting.figure import check_axes, new_axes, settle_axes, settle_layout
 from radmpc.plotting.flat import Color, draw_trajectory, number_steps
 from radmpc.plotting.labels import LabelBoard
 from radmpc.plotting.legend import draw_legend, num_legend_lines
@@ -45,6 +46,8 @@ def plot_plan(
     Axes
         The axes drawn on; nothing is shown and nothing saved.
     """
+    check_plan(plan)
+    check_axes(ax, plan.scenario.dimension)
     extent = plan_extent(plan)
     lines = num_title_lines(plan, details=details) + num_legend_lines(plan)
     axes = new_axes(extent, lines) if ax is None else ax

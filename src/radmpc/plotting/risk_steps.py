@@ -7,8 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from radmpc.arrays import Matrix
+from radmpc.model.given import check_plan
 from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Plan
+from radmpc.plotting.figure import check_axes
 from radmpc.plotting.ledger_looks import new_column, say_nothing, settle_part
 from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
 
@@ -32,6 +34,8 @@ def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
     Axes
         The axes drawn on; nothing is shown and nothing saved.
     """
+    check_plan(plan)
+    check_axes(ax, 2)
     axes = new_column(_HEIGHT).add_subplot() if ax is None else ax
     settle_part(axes, "", "time [s]")
     axes.set_title(

@@ -13,6 +13,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
 from radmpc.plotting.figure import DPI
@@ -68,6 +69,7 @@ def save_axes(axes: Axes, path: str | os.PathLike[str]) -> None:
     FileFormatError
         If the name ends otherwise.
     """
+    check_path(path)
     target = Path(path)
     check_figure_path(target)
     _write(_figure_of(axes), target)
@@ -88,6 +90,7 @@ def save_figure(plan: Plan, path: str | os.PathLike[str]) -> None:
     FileFormatError
         If the name ends otherwise.
     """
+    check_path(path)
     target = Path(path)
     check_figure_path(target)
     _write(_figure_of(plot_plan(plan)), target)
@@ -108,6 +111,7 @@ def save_ledger(plan: Plan, path: str | os.PathLike[str]) -> None:
     FileFormatError
         If the name ends otherwise.
     """
+    check_path(path)
     target = Path(path)
     check_figure_path(target)
     _write(plot_ledger(plan), target)
@@ -128,6 +132,7 @@ def save_panels(panels: Sequence[Panel], path: str | os.PathLike[str]) -> None:
     FileFormatError
         If the name ends otherwise.
     """
+    check_path(path)
     target = Path(path)
     check_figure_path(target)
     _write(plot_panels(panels), target)
@@ -148,6 +153,7 @@ def save_chart(chart: Chart, path: str | os.PathLike[str]) -> None:
     FileFormatError
         If the name ends otherwise.
     """
+    check_path(path)
     target = Path(path)
     check_figure_path(target)
     _write(_figure_of(plot_chart(chart)), target)
@@ -155,6 +161,7 @@ def save_chart(chart: Chart, path: str | os.PathLike[str]) -> None:
 
 def _figure_of(axes: Axes) -> Figure:
     """Return the figure that axes stand in."""
+    check_kind(axes, Axes, "axes", "one of matplotlib's Axes")
     figure = axes.get_figure(root=True)
     if figure is None:
         raise RuntimeError("axes without a figure cannot be saved")

@@ -7,9 +7,10 @@ from matplotlib.axes import Axes
 from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.arrays import Matrix
+from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.plotting.extent import scenario_extent
-from radmpc.plotting.figure import new_axes, settle_axes, settle_layout
+from radmpc.plotting.figure import check_axes, new_axes, settle_axes, settle_layout
 from radmpc.plotting.flat import Color, draw_ends, draw_workspace
 from radmpc.plotting.labels import LabelBoard
 from radmpc.plotting.obstacles import draw_obstacle
@@ -39,6 +40,8 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
     Axes
         The axes drawn on; nothing is shown and nothing saved.
     """
+    check_scenario(scenario)
+    check_axes(ax, scenario.dimension)
     extent = scenario_extent(scenario)
     axes = new_axes(extent) if ax is None else ax
     settle_axes(axes, extent)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from radmpc.arguments import is_number, told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.gaussian import clearance_for, tail_probability
@@ -54,8 +55,8 @@ class Sigmas:
 
     def __post_init__(self) -> None:
         """Refuse counts that programmes cannot keep."""
-        if not 0.0 <= self.count <= 7.0:
-            raise ScenarioError(f"sigmas must lie between 0 and 7, got {self.count:g}")
+        if not (is_number(self.count) and 0.0 <= self.count <= 7.0):
+            raise ScenarioError(f"sigmas must lie between 0 and 7, got {told(self.count)}")
 
     def __str__(self) -> str:
         return f"sigmas({self.count:g})"

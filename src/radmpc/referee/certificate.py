@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from radmpc.model.given import check_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Cause, LedgerRow, Plan
 from radmpc.model.scenario import Scenario
@@ -95,7 +96,13 @@ def certify(plan: Plan) -> Certificate:
     -------
     Certificate
         Never raises for a plan that is merely wrong: ``problems`` says what is.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no plan; of a result take ``require()``.
     """
+    check_plan(plan)
     scenario = plan.scenario
     problems = shape_problems(plan)
     if problems:

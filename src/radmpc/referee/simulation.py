@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import betaincinv
 
+from radmpc.arguments import check_callable, check_integer, check_rng
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.referee.flight import prepare
 
@@ -123,15 +125,19 @@ def simulate(
 
     Raises
     ------
-    ValueError
-        If ``samples`` is below 1.
+    ArgumentError
+        If ``samples`` is below 1 or the seed below 0.
+    ArgumentTypeError
+        If an argument is of another kind.
     NoPlanError
         If the plan holds no trajectories.
     ScenarioError
         If its vehicles or arrays do not fit its scenario, or overflow.
     """
-    if samples < 1:
-        raise ValueError(f"samples must be >= 1, got {samples}")
+    check_plan(plan)
+    samples = check_integer(samples, "samples", 1)
+    check_rng(rng)
+    check_callable(progress, "progress")
     flight = prepare(plan)
     size = max(_LEAST_CHUNK, _CHUNK_NUMBERS // max(1, flight.sampler.width))
     sizes = [size] * (samples // size) + ([samples % size] if samples % size else [])

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from radmpc.arguments import is_integer, told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.program.program import DisjunctiveProgram
@@ -47,8 +48,8 @@ class Rrt:
 
     def __post_init__(self) -> None:
         """Refuse trees without a root."""
-        if self.max_nodes < 1:
-            raise ScenarioError(f"max_nodes must be at least 1, got {self.max_nodes}")
+        if not (is_integer(self.max_nodes) and self.max_nodes >= 1):
+            raise ScenarioError(f"max_nodes must be at least 1, got {told(self.max_nodes)}")
 
     def __str__(self) -> str:
         return "rrt"

@@ -6,8 +6,10 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import NoneType
 
-from radmpc.errors import ScenarioError
+from radmpc.arguments import check_kind, check_path, is_number, told
+from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.io.atomic import write_bytes
 from radmpc.io.export.frame import Origin
 from radmpc.io.export.geojson import write_geojson
@@ -21,7 +23,7 @@ from radmpc.io.export.statements import timing_sentence
 from radmpc.io.export.table import write_table
 from radmpc.io.export.tracks import Track, tracks_of
 from radmpc.io.export.waypoints import write_waypoints
-from radmpc.io.text import shown
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 
 __all__ = [
@@ -66,6 +68,15 @@ class ExportOptions:
     origin: Origin | None = None
     altitude: float | None = None
     is_certified: bool | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse options of another kind."""
+        check_kind(self.origin, (Origin, NoneType), "origin", "an Origin or None")
+        if self.altitude is not None and not is_number(self.altitude):
+            raise ArgumentTypeError(
+                f"altitude must be a number of meters or None, got {told(self.altitude)}"
+            )
+        check_kind(self.is_certified, (bool, NoneType), "is_certified", "True, False or None")
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,9 +133,12 @@ def export_plan(
     FileFormatError
         If the format's library is missing.
     """
+    check_plan(plan)
+    check_path(path)
+    check_kind(options, (ExportOptions, NoneType), "options", "ExportOptions or None")
     options = options or ExportOptions()
     if to not in FORMATS:
-        raise ScenarioError(f"--to must be one of {', '.join(FORMATS)}, got {shown(to)}")
+        raise ScenarioError(f"--to must be one of {', '.join(FORMATS)}, got {told(to)}")
     job = _job(plan, to, options)
     target = Path(path)
     if to in _FLEET:

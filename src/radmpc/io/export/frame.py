@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from radmpc.arguments import is_number
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.io.text import shown
@@ -46,7 +47,7 @@ class Origin:
             ("height", 1e5, " m"),
         ):
             value = getattr(self, name)
-            if not abs(value) <= limit:
+            if not (is_number(value) and abs(value) <= limit):
                 raise ScenarioError(
                     f"must lie between {-limit:g} and {limit:g}{unit}, got {shown(value)}", (name,)
                 )

@@ -1,0 +1,229 @@
+"""Arguments of public functions checked at the door: one line that says what is allowed."""
+
+from __future__ import annotations
+
+import math
+import os
+import reprlib
+from numbers import Integral, Real
+from typing import TypeGuard
+
+import numpy as np
+
+from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+
+__all__ = [
+    "check_callable",
+    "check_integer",
+    "check_kind",
+    "check_path",
+    "check_rng",
+    "check_time_limit",
+    "field_integer",
+    "field_number",
+    "field_text",
+    "is_integer",
+    "is_number",
+    "one",
+    "told",
+]
+
+_LONGEST = 60
+
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
+_REPR.maxlevel = 3
+
+
+def told(value: object) -> str:
+    """Return a value for a message, in one short line: itself if it is plain, else its kind."""
+    if value is None or isinstance(value, str | bytes | bool | Real):
+        plain = value.item() if isinstance(value, np.generic) else value
+        return _REPR.repr(plain)
+    if isinstance(value, list | tuple):
+        text = " ".join(_REPR.repr(value).split())
+        return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    return one(type(value))
+
+
+def one(kind: type) -> str:
+    """Return ``a Vehicle`` for `Vehicle`, ``an Obstacle`` for `Obstacle`."""
+    return f"{'an' if kind.__name__[0] in 'aeiouAEIOU' else 'a'} {kind.__name__}"
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value is a real number, of Python's or numpy's; a bool is none, nan is one."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def is_integer(value: object) -> TypeGuard[int]:
+    """Whether a value is an integer, of Python's or numpy's; neither a bool nor 10.0 is."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def check_kind(
+    value: object, kinds: type | tuple[type, ...], name: str, allowed: str, hint: str = ""
+) -> None:
+    """Refuse what is of another kind.
+
+    Parameters
+    ----------
+    value : object
+        The argument.
+    kinds : type or tuple of type
+        What it may be.
+    name : str
+        What it is called.
+    allowed : str
+        What it may be, in words.
+    hint : str
+        What to do instead.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is none of these.
+    """
+    if not isinstance(value, kinds):
+        told_hint = f": {hint}" if hint else ""
+        raise ArgumentTypeError(f"{name} must be {allowed}, got {told(value)}{told_hint}")
+
+
+def check_callable(value: object, name: str) -> None:
+    """Refuse what can neither be called nor is None.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is anything else.
+    """
+    if value is not None and not callable(value):
+        raise ArgumentTypeError(f"{name} must be a function or None, got {told(value)}")
+
+
+def check_integer(value: object, name: str, least: int, most: float = math.inf) -> int:
+    """Return an integer within a range.
+
+    Parameters
+    ----------
+    value : object
+        The argument.
+    name : str
+        What it is called.
+    least : int
+        Smallest value allowed.
+    most : int or inf
+        Largest value allowed.
+
+    Returns
+    -------
+    int
+        Python's, also of numpy's.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no integer.
+    ArgumentError
+        If it is out of range.
+    """
+    allowed = f"an integer {f'>= {least}' if most == math.inf else f'from {least} to {most}'}"
+    if not is_integer(value):
+        # 1e4 flights are a common slip: say how to write them.
+        hint = ""
+        if is_number(value) and float(value).is_integer():
+            hint = f": write {int(value)}"
+        raise ArgumentTypeError(f"{name} must be {allowed}, got {told(value)}{hint}")
+    number = int(value)
+    if not least <= number <= most:
+        raise ArgumentError(f"{name} must be {allowed}, got {told(value)}")
+    return number
+
+
+def check_path(path: object, name: str = "path") -> None:
+    """Refuse what names no file: a number would be taken for an open file's.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is neither text nor a path.
+    """
+    check_kind(path, (str, os.PathLike), name, "the name of a file (str or Path)")
+
+
+def check_rng(rng: object) -> None:
+    """Refuse what is no source of random numbers.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is neither a generator nor an integer nor None.
+    ArgumentError
+        If it is a negative integer.
+    """
+    if rng is None or isinstance(rng, np.random.Generator):
+        return
+    allowed = "an integer >= 0, a numpy.random.Generator or None"
+    if not is_integer(rng):
+        raise ArgumentTypeError(f"rng must be {allowed}, got {told(rng)}")
+    if int(rng) < 0:
+        raise ArgumentError(f"rng must be {allowed}, got {told(rng)}")
+
+
+def check_time_limit(seconds: object) -> None:
+    """Refuse what is no time.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is neither a number nor None.
+    ArgumentError
+        If it is negative or nan.
+    """
+    if seconds is None:
+        return
+    allowed = "a number of seconds >= 0 or None"
+    if not is_number(seconds):
+        raise ArgumentTypeError(f"time_limit must be {allowed}, got {told(seconds)}")
+    if not float(seconds) >= 0.0:
+        raise ArgumentError(f"time_limit must be {allowed}, got {told(seconds)}")
+
+
+def field_number(value: object, path: tuple[str | int, ...]) -> float:
+    """Return a number of a scenario as Python's float; its range is the caller's business.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no number.
+    """
+    if not is_number(value):
+        raise ScenarioError(f"must be a number, got {told(value)}", path)
+    return float(value)
+
+
+def field_integer(value: object, path: tuple[str | int, ...]) -> int:
+    """Return an integer of a scenario as Python's.
+
+    Raises
+    ------
+    ScenarioError
+        If it is none.
+    """
+    if not is_integer(value):
+        raise ScenarioError(f"must be an integer, got {told(value)}", path)
+    return int(value)
+
+
+def field_text(value: object, path: tuple[str | int, ...]) -> None:
+    """Refuse a name that is no text.
+
+    Raises
+    ------
+    ScenarioError
+        If it is something else.
+    """
+    if not isinstance(value, str):
+        raise ScenarioError(f"must be text, got {told(value)}", path)

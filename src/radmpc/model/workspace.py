@@ -1,0 +1,43 @@
+"""Where vehicles may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arrays import Frozen, Vector, as_vector
+from radmpc.errors import ScenarioError
+
+__all__ = ["Workspace"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Workspace(Frozen):
+    """The box that holds every vehicle's center; leaving it counts towards the risk bound.
+
+    Attributes
+    ----------
+    lower, upper : (d,) array
+        Corners [m].
+    """
+
+    lower: Vector
+    upper: Vector
+
+    if TYPE_CHECKING:  # what it takes is wider than what it holds
+
+        def __init__(self, lower: npt.ArrayLike, upper: npt.ArrayLike) -> None: ...
+
+    def __post_init__(self) -> None:
+        """Freeze the corners and check their order."""
+        lower = as_vector(self.lower, path=("min",))
+        object.__setattr__(self, "lower", lower)
+        object.__setattr__(self, "upper", as_vector(self.upper, lower.size, ("max",)))
+        if not np.all(self.lower < self.upper):
+            raise ScenarioError(
+                f"min must be below max on every axis, got {self.lower.tolist()} "
+                f"and {self.upper.tolist()}"
+            )
