@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 
-__all__ = ["Facets", "facets", "frame"]
+__all__ = ["Facets", "facets", "frame", "surface"]
 
 # Relative to the largest coordinate: below, a width is rounding. Qhull gives up from 1e-14 on.
 _FLAT = 1e-12
@@ -30,12 +31,15 @@ class Facets:
         Which points are corners; in the plane counter-clockwise.
     edges : (e, 2) int array
         Which points edges join; the sides of a polygon. A point alone is an edge without length.
+    dimension : int
+        3 of a body, 2 of a polygon or plate, 1 of a segment, 0 of a point.
     """
 
     normals: Matrix
     offsets: Vector
     corners: Indices
     edges: Indices
+    dimension: int
 
 
 def facets(points: Matrix) -> Facets:
@@ -62,6 +66,32 @@ def facets(points: Matrix) -> Facets:
     if not len(across) and len(along) > 1:
         return _of_body(points)
     return _of_flat(points, moves @ along.T, along, across)
+
+
+def surface(points: Matrix) -> Tensor:
+    """Return the surface of the hull of points in space as triangles, (t, 3, 3) [m].
+
+    Those of a body are seen counter-clockwise from outside. A plate has one side of them, a segment
+    or a point none.
+
+    Parameters
+    ----------
+    points : (p, 3) array
+        At least one [m].
+    """
+    found = facets(points)
+    if len(found.corners) < 3:
+        return np.zeros((0, 3, 3))
+    if found.dimension == 2:
+        first, *rest = points[found.corners]
+        return np.array([[first, second, third] for second, third in pairwise(rest)])
+    hull = ConvexHull(points)
+    first, second, third = points[hull.simplices.T]
+    # Qhull gives no order; the plane's normal points outward.
+    normals = np.cross(second - first, third - first)
+    is_inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0.0
+    second[is_inward], third[is_inward] = third[is_inward], second[is_inward]
+    return np.asarray(np.stack([first, second, third], axis=1))
 
 
 def frame(vectors: Matrix, least: float) -> tuple[Matrix, Matrix]:
@@ -117,6 +147,7 @@ def _of_body(points: Matrix) -> Facets:
         offsets=np.ascontiguousarray(-equations[:, -1]),
         corners=hull.vertices.astype(np.int64),
         edges=_edges(hull, face.ravel()),
+        dimension=points.shape[1],
     )
 
 
@@ -153,4 +184,4 @@ def _of_flat(points: Matrix, places: Matrix, along: Matrix, across: Matrix) -> F
         own = _of_body(places)
         normals = np.concatenate([own.normals @ along, sides])
         corners, edges = own.corners, own.edges
-    return Facets(normals, (normals @ points.T).max(axis=1), corners, edges)
+    return Facets(normals, (normals @ points.T).max(axis=1), corners, edges, len(along))

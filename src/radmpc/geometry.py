@@ -19,7 +19,15 @@ from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
 from radmpc.facets import facets, frame
 
-__all__ = ["Polytope", "box", "convex_pieces", "halfspaces", "hull", "sphere_directions"]
+__all__ = [
+    "Polytope",
+    "box",
+    "convex_pieces",
+    "halfspaces",
+    "hull",
+    "planar",
+    "sphere_directions",
+]
 
 _UNBOUNDED = "normals and offsets must describe a bounded set"
 # Radius of the largest ball up to which a set of half-spaces has no inner points [m]; below what
@@ -182,7 +190,7 @@ def _lowest(direction: Vector, normals: Matrix, offsets: Vector) -> float:
     """Return the least ``direction @ x`` over a set, -inf where there is none."""
     free = [(None, None)] * normals.shape[1]
     answer = linprog(direction, A_ub=normals, b_ub=offsets, bounds=free)
-    return float(answer.fun) if answer.status == 0 else -np.inf
+    return -np.inf if answer.fun is None else float(answer.fun)
 
 
 def _chebyshev_ball(normals: Matrix, offsets: Vector) -> tuple[Vector, float]:
@@ -199,6 +207,14 @@ def _chebyshev_ball(normals: Matrix, offsets: Vector) -> tuple[Vector, float]:
     if answer.x is None:
         raise ScenarioError("normals and offsets describe an empty set")
     return np.asarray(answer.x[:-1]), float(answer.x[-1])
+
+
+def planar(piece: Polytope) -> shapely.Geometry:
+    """Return a set in the plane as shapely has it: a polygon, a line or a point."""
+    corners = piece.vertices
+    if len(corners) == 1:
+        return shapely.Point(corners[0])
+    return shapely.LineString(corners) if len(corners) == 2 else shapely.Polygon(corners)
 
 
 def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
