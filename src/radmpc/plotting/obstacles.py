@@ -18,6 +18,7 @@ from radmpc.plotting.style import (
     NUMBER_SIZE,
     OBSTACLE_EDGE,
     OBSTACLE_FILL,
+    POST_SIZE,
     WALL_WIDTH,
     numbered_steps,
 )
@@ -67,7 +68,7 @@ def _draw_wall(ax: Axes, name: str, ends: Matrix, alpha: float) -> None:
         color=OBSTACLE_EDGE,
         linewidth=WALL_WIDTH,
         marker="o",
-        markersize=WALL_WIDTH,
+        markersize=POST_SIZE if len(ends) == 1 else 0.0,
         markeredgewidth=0.0,
         alpha=alpha,
         zorder=2,

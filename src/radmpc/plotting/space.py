@@ -24,6 +24,7 @@ from radmpc.plotting.style import (
     NUMBER_SIZE,
     OBSTACLE_EDGE,
     OBSTACLE_FILL,
+    POST_SIZE,
     STAR_SIZE,
     WALL_WIDTH,
     Dashes,
@@ -74,6 +75,9 @@ def _draw_piece_3d(ax: Axes3D, name: str, corners: Matrix, alpha: float) -> None
     """Draw a convex piece: its surface and edges, a wire as a line, a post as a dot."""
     # A facet's corners in order would need more than its triangles do; their edges would show.
     triangles, gid = surface(corners), f"obstacle:{name}"
+    if len(corners) == 1:
+        ax.plot(*corners.T, color=OBSTACLE_EDGE, marker="o", markersize=POST_SIZE, gid=gid)
+        return
     has_surface = len(triangles) > 0
     if has_surface:
         ax.add_collection3d(

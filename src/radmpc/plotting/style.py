@@ -18,6 +18,7 @@ __all__ = [
     "OBSTACLE_EDGE",
     "OBSTACLE_FILL",
     "PALETTE",
+    "POST_SIZE",
     "STAR_SIZE",
     "TICK_SIZE",
     "TITLE_SIZE",
@@ -42,6 +43,7 @@ TITLE_SIZE = 8.0  # [pt]
 LABEL_SIZE = 6.5  # [pt]
 TICK_SIZE = 6.0  # [pt]
 WALL_WIDTH = 1.4  # [pt]: of obstacles without thickness
+POST_SIZE = 3.0  # [pt]: of those that are a point
 NUMBER_SIZE = 4.8  # of step numbers [pt]
 STAR_SIZE = 5.5  # [pt]
 

@@ -159,6 +159,5 @@ def _nearest(places: Matrix, times: Vector, solid: TurningSolid) -> tuple[Vector
     height, normal = heights[rows, face], solid.normals[face]
     excess = heights - height[:, None] * (normal @ solid.normals.T)
     lands = excess.max(axis=1) <= 1e-9 * (1.0 + np.abs(height))
-    return np.where(lands, np.maximum(height, 0.0), distance), np.where(
-        lands[:, None], normal, away
-    )
+    distance = np.where(lands, np.maximum(height, 0.0), distance)
+    return distance, np.where(lands[:, None], normal, away)
