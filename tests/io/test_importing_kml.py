@@ -110,11 +110,11 @@ def test_names_in_a_namespace_are_the_same_names(tmp_path: Path) -> None:
             "</outerBoundaryIs></Polygon>",
             r"bay.kml:7: Placemark\[0\].Polygon 1: must have 1 outerBoundaryIs, got 2",
         ),
-        ("Polygon>", "LineString>", r"bay.kml:7: must be Points and Polygons only, got a LineStr"),
+        ("Polygon>", "Track>", r"bay.kml:7: must be Points, LineStrings and Polygons only, got a Tr"),
         (
             "<Folder><Folder>",
             "<NetworkLink/><Folder><Folder>",
-            r"bay.kml:16: must be Points and Polygons only, got a NetworkLink",
+            r"bay.kml:16: must be Points, LineStrings and Polygons only, got a NetworkLink",
         ),
         (
             " 1.5 ",
@@ -147,7 +147,7 @@ def test_a_drawing_that_cannot_be_meant_is_one_line(
 def test_files_that_are_none_are_one_line(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match=r"bay.kml:1: is empty"):
         import_scenario(written(tmp_path, " \n"))
-    with pytest.raises(FileFormatError, match=r"bay.kml:1: needs Points and Polygons, got none"):
+    with pytest.raises(FileFormatError, match=r"bay.kml:1: needs Points and Polygons or LineStr"):
         import_scenario(written(tmp_path, "<kml/>"))
     with pytest.raises(FileFormatError, match=r"bay.kmz: is a packed KMZ: unpack it"):
         import_scenario(written(tmp_path, "PK", "bay.kmz"))

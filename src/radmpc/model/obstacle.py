@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,7 +131,7 @@ class Obstacle:
         ScenarioError
             If there is no corner, or the outline crosses itself.
         """
-        points = as_matrix(vertices, path=("vertices",))
+        points = _places(vertices, ("vertices",))
         try:
             pieces = convex_pieces(points) if points.shape[1] == 2 else (hull(points),)
         except ScenarioError as error:
@@ -159,9 +159,7 @@ class Obstacle:
         ScenarioError
             If there is no point.
         """
-        places = as_matrix(points, path=("line",))
-        if not places.size:
-            raise ScenarioError("needs at least one point, got none", ("line",))
+        places = _places(points, ("line",))
         moves = np.any(places[1:] != places[:-1], axis=1)
         parts = [places[i : i + 2] for i in np.flatnonzero(moves)] or [places[:1]]
         return cls(name, LineShape(places), (tuple(hull(part) for part in parts),))
@@ -240,7 +238,7 @@ class Obstacle:
         ScenarioError
             If there is no outline, or one has no point.
         """
-        points = tuple(as_matrix(o, path=("moving", k)) for k, o in enumerate(outlines))
+        points = tuple(_places(o, ("moving", k)) for k, o in enumerate(outlines))
         if not points:
             raise ScenarioError("needs one outline per step, got none", ("moving",))
         steps = []
@@ -250,3 +248,10 @@ class Obstacle:
             except ScenarioError as error:
                 raise error.under("moving", k) from error
         return cls(name, MovingShape(points), tuple(steps))
+
+
+def _places(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:
+    """Return points (p, d) [m], at least one."""
+    if isinstance(value, Sized) and not len(value):
+        raise ScenarioError("needs at least one point, got none", path)
+    return as_matrix(value, path=path)
