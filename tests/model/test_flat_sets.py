@@ -10,7 +10,6 @@ from radmpc.facets import facets, surface
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull, planar
 from radmpc.model.obstacle import Obstacle
 
-ANGLES = np.linspace(0.0, 2.0 * np.pi, 37)
 WALL = [[4.0, -1.0], [6.0, 2.0]]
 PLATE = [[4.0, 0.0, 0.0], [4.0, 3.0, 0.0], [4.0, 3.0, 2.0], [4.0, 0.0, 2.0], [4.0, 1.0, 1.0]]
 
@@ -54,7 +53,12 @@ def test_a_wall_far_away_and_askew_is_still_flat() -> None:
 
 @pytest.mark.parametrize(
     ("low", "high", "corners"),
-    [([5, -1], [5, 2], 2), ([5, 2], [5, 2], 1), ([5, 0, 0], [5, 1, 2], 4), ([1, 0, 0], [1, 0, 2], 2)],
+    [
+        ([5, -1], [5, 2], 2),
+        ([5, 2], [5, 2], 1),
+        ([5, 0, 0], [5, 1, 2], 4),
+        ([1, 0, 0], [1, 0, 2], 2),
+    ],
 )
 def test_a_flat_box_is_a_wall_a_plate_a_wire_or_a_post(
     low: list[int], high: list[int], corners: int
