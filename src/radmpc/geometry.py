@@ -13,17 +13,35 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 from scipy.optimize import linprog
-from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+from scipy.spatial import HalfspaceIntersection, QhullError
 
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
+from radmpc.facets import facets, frame
 
-__all__ = ["Polytope", "box", "convex_pieces", "halfspaces", "hull", "sphere_directions"]
+__all__ = [
+    "Polytope",
+    "box",
+    "convex_pieces",
+    "halfspaces",
+    "hull",
+    "planar",
+    "sphere_directions",
+]
+
+_UNBOUNDED = "normals and offsets must describe a bounded set"
+# Radius of the largest ball up to which a set of half-spaces has no inner points [m]; below what
+# coordinates are given to, above what the linear programme's solver gets wrong.
+_THIN = 1e-9
+# Sine of the angle from which two normals differ.
+_TURNED = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Polytope(Frozen):
-    """A bounded convex set with inner points, ``normals @ x <= offsets``.
+    """A bounded convex set, ``normals @ x <= offsets``: a body, a plate, a segment or a point.
+
+    Sets without inner points have faces both ways, so that each face moved out bounds what is near.
 
     Attributes
     ----------
@@ -32,7 +50,7 @@ class Polytope(Frozen):
     offsets : (f,) array
         Distances of the faces from the origin [m].
     vertices : (v, d) array
-        Corners [m]; counter-clockwise in the plane.
+        Corners [m]; counter-clockwise in the plane. A segment has two, a point one.
     """
 
     normals: Matrix
@@ -50,24 +68,25 @@ class Polytope(Frozen):
 
 
 def box(lower: npt.ArrayLike, upper: npt.ArrayLike) -> Polytope:
-    """Return the axis-parallel box between two corners.
+    """Return the axis-parallel box between two corners; it may be flat along any axis.
 
     Raises
     ------
     ScenarioError
-        If the box is flat or inverted along some axis.
+        If the box is inverted along some axis.
     """
     low = as_vector(lower)
     high = as_vector(upper, low.size)
-    if not np.all(low < high):
+    if not np.all(low <= high):
         raise ScenarioError(
-            f"min must be below max on every axis, got {low.tolist()} and {high.tolist()}"
+            f"min must not be above max on any axis, got {low.tolist()} and {high.tolist()}"
         )
     identity = np.eye(low.size)
-    if low.size == 2:
+    if low.size == 2 and np.all(low < high):
         corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
     else:
-        grid = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
+        ends = [np.unique(pair) for pair in np.stack([low, high], axis=1)]
+        grid = np.meshgrid(*ends, indexing="ij")
         corners = np.stack([axis.ravel() for axis in grid], axis=1)
     return Polytope(
         frozen(np.vstack([identity, -identity])),
@@ -82,7 +101,8 @@ def hull(points: npt.ArrayLike) -> Polytope:
     Parameters
     ----------
     points : (p, d) array_like
-        At least d + 1 points that do not lie in one plane [m].
+        At least one; all in one plane, on one line or at one place make a plate, a segment or a
+        point [m].
 
     Returns
     -------
@@ -92,33 +112,27 @@ def hull(points: npt.ArrayLike) -> Polytope:
     Raises
     ------
     ScenarioError
-        If the points span no volume.
+        If there is no point, or points lie too far apart to tell what they enclose.
     """
     cloud = as_matrix(points)
+    if not cloud.size:
+        raise ScenarioError("needs at least one point, got none")
     try:
-        qhull = ConvexHull(cloud)
+        found = facets(cloud)
     except (QhullError, ValueError) as error:
-        raise ScenarioError(
-            f"needs at least {cloud.shape[1] + 1} points that enclose a volume"
-        ) from error
-    # Qhull cuts facets into simplices: equal planes up to rounding are one face.
-    equations = qhull.equations
-    _, keep = np.unique(np.round(equations, 9), axis=0, return_index=True)
-    equations = equations[np.sort(keep)]
-    return Polytope(
-        frozen(np.ascontiguousarray(equations[:, :-1])),
-        frozen(np.ascontiguousarray(-equations[:, -1])),
-        frozen(cloud[qhull.vertices]),
-    )
+        raise ScenarioError("has points too far apart to tell what they enclose") from error
+    return Polytope(frozen(found.normals), frozen(found.offsets), frozen(cloud[found.corners]))
 
 
 def halfspaces(normals: npt.ArrayLike, offsets: npt.ArrayLike) -> Polytope:
     """Return the set ``normals @ x <= offsets``, normals scaled to unit length.
 
+    A set without inner points is the hull of its corners.
+
     Raises
     ------
     ScenarioError
-        If a normal is zero, or the set is empty, flat or unbounded.
+        If a normal is zero, or the set is empty or unbounded.
     """
     raw = as_matrix(normals)
     rhs = as_vector(offsets, raw.shape[0])
@@ -126,21 +140,61 @@ def halfspaces(normals: npt.ArrayLike, offsets: npt.ArrayLike) -> Polytope:
     if not np.all(lengths >= 1e-9):
         raise ScenarioError("every normal must be different from zero")
     unit, rhs = raw / lengths[:, None], rhs / lengths
-    inner = _chebyshev_center(unit, rhs)
-    try:
-        # Corners at infinity are refused below.
-        with np.errstate(all="ignore"):
-            corners = HalfspaceIntersection(np.column_stack([unit, -rhs]), inner).intersections
-    except QhullError as error:
-        raise ScenarioError("normals and offsets must describe a bounded set") from error
-    if not np.all(np.isfinite(corners)):
-        raise ScenarioError("normals and offsets must describe a bounded set")
-    outline = hull(np.unique(np.round(corners, 12), axis=0))
+    center, radius = _chebyshev_ball(unit, rhs)
+    if radius <= _THIN:
+        return hull(np.round(_flat_corners(unit, rhs, center), 12))
+    outline = hull(np.unique(np.round(_corners(unit, rhs, center), 12), axis=0))
     return Polytope(frozen(unit), frozen(rhs), outline.vertices)
 
 
-def _chebyshev_center(normals: Matrix, offsets: Vector) -> Vector:
-    """Return the center of the largest ball inside, or refuse sets that hold or bound none."""
+def _corners(normals: Matrix, offsets: Vector, inner: Vector) -> Matrix:
+    """Return the corners of a set around an inner point, or refuse one that is unbounded."""
+    if normals.shape[1] == 1:
+        ends = offsets / normals[:, 0]
+        above, below = ends[normals[:, 0] > 0.0], ends[normals[:, 0] < 0.0]
+        if not (above.size and below.size):
+            raise ScenarioError(_UNBOUNDED)
+        return np.array([[below.max()], [above.min()]])
+    try:
+        # Corners at infinity are refused below.
+        with np.errstate(all="ignore"):
+            found = HalfspaceIntersection(np.column_stack([normals, -offsets]), inner).intersections
+    except QhullError as error:
+        raise ScenarioError(_UNBOUNDED) from error
+    if not np.all(np.isfinite(found)):
+        raise ScenarioError(_UNBOUNDED)
+    return np.asarray(found)
+
+
+def _flat_corners(normals: Matrix, offsets: Vector, point: Vector) -> Matrix:
+    """Return the corners of a set without inner points, found in the plane or line it lies in."""
+    lowest = [_lowest(row, normals, offsets) for row in normals]
+    tight = np.array(lowest) >= offsets - _THIN * (1.0 + np.abs(offsets))
+    across, along = frame(normals[tight], _TURNED)
+    # A solver's point misses the faces by its tolerance.
+    fitted, *_ = np.linalg.lstsq(normals[tight], offsets[tight] - normals[tight] @ point)
+    point = point + across.T @ (across @ fitted)
+    slopes, left = normals[~tight] @ along.T, offsets[~tight] - normals[~tight] @ point
+    lengths = np.linalg.norm(slopes, axis=1)
+    bounds = lengths > _TURNED
+    if not len(along):
+        return point[None]
+    if not bounds.any():
+        raise ScenarioError(_UNBOUNDED)
+    slopes, left = slopes[bounds] / lengths[bounds, None], left[bounds] / lengths[bounds]
+    center, _ = _chebyshev_ball(slopes, left)
+    return np.asarray(point + _corners(slopes, left, center) @ along)
+
+
+def _lowest(direction: Vector, normals: Matrix, offsets: Vector) -> float:
+    """Return the least ``direction @ x`` over a set, -inf where there is none."""
+    free = [(None, None)] * normals.shape[1]
+    answer = linprog(direction, A_ub=normals, b_ub=offsets, bounds=free)
+    return -np.inf if answer.fun is None else float(answer.fun)
+
+
+def _chebyshev_ball(normals: Matrix, offsets: Vector) -> tuple[Vector, float]:
+    """Return the largest ball inside, or refuse sets that hold no point or bound no ball."""
     dimension = normals.shape[1]
     answer = linprog(
         np.append(np.zeros(dimension), -1.0),
@@ -149,10 +203,18 @@ def _chebyshev_center(normals: Matrix, offsets: Vector) -> Vector:
         bounds=[(None, None)] * dimension + [(0.0, None)],
     )
     if answer.status == 3:
-        raise ScenarioError("normals and offsets must describe a bounded set")
-    if answer.x is None or answer.x[-1] <= 1e-9:
-        raise ScenarioError("normals and offsets describe a set without inner points")
-    return np.asarray(answer.x[:-1])
+        raise ScenarioError(_UNBOUNDED)
+    if answer.x is None:
+        raise ScenarioError("normals and offsets describe an empty set")
+    return np.asarray(answer.x[:-1]), float(answer.x[-1])
+
+
+def planar(piece: Polytope) -> shapely.Geometry:
+    """Return a set in the plane as shapely has it: a polygon, a line or a point."""
+    corners = piece.vertices
+    if len(corners) == 1:
+        return shapely.Point(corners[0])
+    return shapely.LineString(corners) if len(corners) == 2 else shapely.Polygon(corners)
 
 
 def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
@@ -161,7 +223,7 @@ def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
     Parameters
     ----------
     vertices : (v, 2) array_like
-        Corners in order, either way round [m].
+        Corners in order, either way round; all on one line make a segment [m].
 
     Returns
     -------
@@ -171,17 +233,18 @@ def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
     Raises
     ------
     ScenarioError
-        If the outline crosses itself or has no area.
+        If there is no corner, or the outline crosses itself.
     """
     outline = as_matrix(vertices, (None, 2))
-    if len(outline) < 3:
-        raise ScenarioError(f"needs at least 3 vertices, got {len(outline)}")
+    around = hull(outline)
+    if len(around.vertices) < 3:
+        return (around,)
     polygon = shapely.Polygon(outline)
     if not polygon.is_valid or polygon.area <= 0.0:
         why = shapely.is_valid_reason(polygon)
         raise ScenarioError(f"must be a simple polygon with an area, got one with: {why}")
     if _is_convex(polygon):
-        return (hull(outline),)
+        return (around,)
     pieces = list(shapely.constrained_delaunay_triangles(polygon).geoms)
     return tuple(hull(np.array(piece.exterior.coords)[:-1]) for piece in _merge_convex(pieces))
 

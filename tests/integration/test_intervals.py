@@ -57,6 +57,27 @@ def thin_wall_in_space() -> Scenario:
     return scenario(vehicle("a", [0, 0, 0], [9, 0, 0]), obstacles=(wall,))
 
 
+def fence() -> Scenario:
+    """A wall without thickness."""
+    wall = Obstacle.line("fence", [[4.0, -3.0], [4.0, 2.0]])
+    return scenario(vehicle("a", [0, 0], [9, 0]), obstacles=(wall,))
+
+
+def plate() -> Scenario:
+    """The same with a height, askew."""
+    wall = [[3.8, -3.0, -3.0], [4.2, 3.0, -3.0], [4.2, 3.0, 2.0], [3.8, -3.0, 2.0]]
+    return scenario(
+        vehicle("a", [0, 0, 0], [9, 0, 0]), obstacles=(Obstacle.polygon("plate", wall),)
+    )
+
+
+def sliding_gate() -> Scenario:
+    """A wall without thickness that crosses the way from one step to the next."""
+    sides = [2.5, 2.5, 2.5, -2.5, -2.5, -2.5]
+    places = [[[4.2, side - 1.0], [4.8, side + 1.0]] for side in sides]
+    return scenario(vehicle("a", [0, 0], [9, 0]), obstacles=(Obstacle.moving("gate", places),))
+
+
 def moving_wall() -> Scenario:
     """A wall that comes towards the vehicle as fast as the vehicle goes."""
     outline = np.array([[0.0, -3.0], [0.1, -3.0], [0.1, 2.0], [0.0, 2.0]])
@@ -94,6 +115,9 @@ QUESTIONS = [
     pytest.param(swap, MULTI, id="swap-multi-vehicle"),
     pytest.param(thin_wall, CENTRAL, id="wall"),
     pytest.param(thin_wall_in_space, CENTRAL, id="wall-in-space"),
+    pytest.param(fence, CENTRAL, id="fence"),
+    pytest.param(plate, CENTRAL, id="plate"),
+    pytest.param(sliding_gate, CENTRAL, id="sliding-gate"),
     pytest.param(moving_wall, CENTRAL, id="moving-wall"),
     pytest.param(crossing_ferry, CENTRAL, id="ferry"),
 ]

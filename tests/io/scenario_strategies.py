@@ -37,16 +37,21 @@ def covariances(size: int) -> st.SearchStrategy[np.ndarray]:
 def obstacles(draw: st.DrawFn, name: str, d: int, horizon: int) -> Obstacle:
     corner = np.array(draw(st.lists(st.floats(-100.0, 100.0), min_size=d, max_size=d)))
     size = draw(st.floats(0.1, 50.0))
-    kind = draw(st.sampled_from(["box", "polygon", "halfspaces", "moving"]))
+    kind = draw(st.sampled_from(["box", "polygon", "line", "halfspaces", "moving"]))
+    # Bodies, plates, walls and posts.
+    flat = np.eye(d)[draw(st.integers(0, d - 1))] * draw(st.booleans())
     points = np.vstack([np.zeros(d), np.eye(d)])
     if kind == "box":
-        return Obstacle.box(name, corner, corner + size)
+        return Obstacle.box(name, corner, corner + size * (1.0 - flat))
+    if kind == "line":
+        return Obstacle.line(name, corner + size * np.eye(d)[: draw(st.integers(1, d))])
     if kind == "polygon" and d == 2 and draw(st.booleans()):
         points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 1.0]])
     if kind == "polygon":
         return Obstacle.polygon(name, corner + size * points)
     if kind == "moving":
-        return Obstacle.moving(name, [corner + k + size * points for k in range(horizon + 1)])
+        places = size * points * (1.0 - flat)
+        return Obstacle.moving(name, [corner + k + places for k in range(horizon + 1)])
     normals = np.vstack([np.eye(d), -3.0 * np.eye(d)])
     return Obstacle.halfspaces(name, normals, np.concatenate([corner + size, -3.0 * corner]))
 

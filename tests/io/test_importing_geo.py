@@ -216,7 +216,62 @@ def test_unknown_properties_and_heights_are_told(tmp_path: Path) -> None:
 def test_long_sides_are_told(tmp_path: Path) -> None:
     far = polygon([(-60, 10), (60, 10), (60, 20)])
     result = import_scenario(written(tmp_path, drawing(far)))
-    assert "sides of polygons are straight in the plane" in result.warnings[0]
+    assert "sides of polygons and lines are straight in the plane" in result.warnings[0]
+
+
+def line(shape: str, coordinates: object, **properties: object) -> dict[str, Any]:
+    return {
+        "type": "Feature",
+        "properties": properties,
+        "geometry": {"type": shape, "coordinates": coordinates},
+    }
+
+
+FENCE = [place(0.2, -0.2), place(0.2, 0.0), place(0.2, 0.0), place(0.3, 0.2)]
+BOOM = [place(0.4, -0.2), place(0.4, 0.2)]
+
+
+def test_lines_become_walls_without_thickness(tmp_path: Path) -> None:
+    scenario = imported(
+        tmp_path,
+        line("LineString", FENCE, role="obstacle", name="fence"),
+        line("MultiLineString", [BOOM, FENCE[2:]], role="obstacle"),
+    )
+    _, fence, *booms = scenario.obstacles
+    assert [fence.name, *(o.name for o in booms)] == ["fence", "line3", "line4"]
+    # The position that stands twice is passed over.
+    assert [len(o.at(0)) for o in (fence, *booms)] == [2, 1, 1]
+    lengths = [float(np.linalg.norm(np.diff(p.vertices, axis=0))) for p in fence.at(0)]
+    assert lengths == pytest.approx([22.26, 23.19], abs=0.1)
+    assert plan(scenario, time_limit=20.0).is_certified
+
+
+def test_a_point_may_be_a_post(tmp_path: Path) -> None:
+    *_, post = imported(tmp_path, point(0.2, 0.0, role="obstacle", name="buoy")).obstacles
+    assert (post.name, post.at(0)[0].vertices.shape) == ("buoy", (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("feature", "message"),
+    [
+        (line("LineString", FENCE), r"\.role: must be stated of a LineString: 'obstacle'"),
+        (line("LineString", FENCE, role="area"), r"\.role: must be 'obstacle' of a LineString"),
+        (line("LineString", FENCE[1:3], role="obstacle"), "must have at least 2 different pos"),
+        (line("LineString", [], role="obstacle"), "must be a list of at least one entry"),
+        (line("LineString", [1.0, 2.0], role="obstacle"), r"must be \[longitude, latitude\]"),
+        (line("MultiLineString", FENCE, role="obstacle"), r"must be \[longitude, latitude\]"),
+        (
+            line("LineString", [place(i, 0) for i in range(300)], role="obstacle"),
+            "must have at most 200 corners, got 300",
+        ),
+    ],
+)
+def test_a_line_that_cannot_be_meant_is_one_line(
+    tmp_path: Path, feature: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(FileFormatError, match=message) as caught:
+        imported(tmp_path, feature)
+    assert "\n" not in str(caught.value)
 
 
 def test_options_hold_for_drawings_too(tmp_path: Path) -> None:
@@ -321,8 +376,8 @@ TURNED = [place(*c) for c in [(0, 0), (0.1, 0.1), (0.1, 0), (0, 0.1), (0, 0)]]
             r"\d+: features\[0\].geometry.coordinates\[0\]: must be a list of at least one entry",
         ),
         (
-            change(0, "geometry", "type", to="LineString"),
-            r"\d+: features\[0\].geometry.type: must be 'Point', 'Polygon' or 'MultiPolygon'",
+            change(0, "geometry", "type", to="MultiPoint"),
+            r"\d+: features\[0\].geometry.type: must be 'Point', .* or 'MultiPolygon', got 'Mul",
         ),
         (
             change(0, "geometry", to=None),

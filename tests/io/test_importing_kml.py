@@ -110,11 +110,15 @@ def test_names_in_a_namespace_are_the_same_names(tmp_path: Path) -> None:
             "</outerBoundaryIs></Polygon>",
             r"bay.kml:7: Placemark\[0\].Polygon 1: must have 1 outerBoundaryIs, got 2",
         ),
-        ("Polygon>", "LineString>", r"bay.kml:7: must be Points and Polygons only, got a LineStr"),
+        (
+            "Polygon>",
+            "Track>",
+            r"bay.kml:7: must be Points, LineStrings and Polygons only, got a Track",
+        ),
         (
             "<Folder><Folder>",
             "<NetworkLink/><Folder><Folder>",
-            r"bay.kml:16: must be Points and Polygons only, got a NetworkLink",
+            r"bay.kml:16: must be Points, LineStrings and Polygons only, got a NetworkLink",
         ),
         (
             " 1.5 ",
@@ -144,10 +148,35 @@ def test_a_drawing_that_cannot_be_meant_is_one_line(
         import_scenario(written(tmp_path, BAY.replace(old, new)))
 
 
+BOOM = """\
+<Placemark>
+<ExtendedData><Data name="role"><value>obstacle</value></Data></ExtendedData>
+<MultiGeometry>
+<LineString><coordinates>10.145,54.331 10.146,54.331 10.146,54.332</coordinates></LineString>
+<Point><coordinates>10.144,54.331</coordinates></Point>
+</MultiGeometry>
+</Placemark>
+"""
+
+
+def test_lines_and_points_may_be_obstacles(tmp_path: Path) -> None:
+    text = BAY.replace("<Folder><Folder>", BOOM + "<Folder><Folder>")
+    obstacles = import_scenario(written(tmp_path, text)).scenario.obstacles
+    assert [o.name for o in obstacles] == ["pier", "line2", "post3"]
+    assert [len(o.at(0)) for o in obstacles] == [1, 2, 1]
+
+
+def test_a_line_without_places_is_refused(tmp_path: Path) -> None:
+    line = "<LineString><coordinates>10.145,54.331 10.146,54.331 10.146,54.332</coordinates>"
+    text = BAY.replace("<Folder><Folder>", BOOM.replace(line, "<LineString>") + "<Folder><Folder>")
+    with pytest.raises(FileFormatError, match=r"bay.kml:19: .*must have at least 2 different pos"):
+        import_scenario(written(tmp_path, text))
+
+
 def test_files_that_are_none_are_one_line(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match=r"bay.kml:1: is empty"):
         import_scenario(written(tmp_path, " \n"))
-    with pytest.raises(FileFormatError, match=r"bay.kml:1: needs Points and Polygons, got none"):
+    with pytest.raises(FileFormatError, match=r"bay.kml:1: needs Points and Polygons or LineStr"):
         import_scenario(written(tmp_path, "<kml/>"))
     with pytest.raises(FileFormatError, match=r"bay.kmz: is a packed KMZ: unpack it"):
         import_scenario(written(tmp_path, "PK", "bay.kmz"))

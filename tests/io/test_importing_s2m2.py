@@ -149,7 +149,7 @@ def test_noise_that_is_asked_for_is_not_made_to_fit() -> None:
         (", [1, 1, 20], [0, -1, 0]", "", r":10: obstacles\[0\]: normals and offsets must desc"),
         ("[[-1, 1, 5], [1, 1, 20], [0, -1, 0]]", "[]", r":10: obstacles\[0\]: must have rows of 3"),
         ("[-1, 0, -30], ", "", r":5: goals\[0\]: normals and offsets must describe a bounded set"),
-        ("[-1, 0, -30]", "[-1, 0, -35]", r":5: goals\[0\]: normals and offsets describe a set wi"),
+        ("[-1, 0, -30]", "[-1, 0, -35]", r":5: goals\[0\]: normals and offsets describe an empty"),
         ("name: two", "name: 2", r":8: name: must be text, got 2"),
     ],
 )

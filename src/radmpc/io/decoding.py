@@ -16,7 +16,13 @@ from radmpc.model.vehicle import Vehicle
 
 __all__ = ["decode_scenario"]
 
-_OBSTACLE_KINDS = (("vertices",), ("min", "max"), ("normals", "offsets"), ("moving",))
+_OBSTACLE_KINDS = (
+    ("vertices",),
+    ("line",),
+    ("min", "max"),
+    ("normals", "offsets"),
+    ("moving",),
+)
 
 
 def decode_scenario(data: object) -> Scenario:
@@ -104,6 +110,8 @@ def _obstacle(index: int, spec: ObstacleSpec) -> Obstacle:
     try:
         if spec.vertices is not None and given == ["vertices"]:
             return Obstacle.polygon(spec.name, spec.vertices)
+        if spec.line is not None and given == ["line"]:
+            return Obstacle.line(spec.name, spec.line)
         if spec.min is not None and spec.max is not None and given == ["min", "max"]:
             return Obstacle.box(spec.name, spec.min, spec.max)
         if spec.normals is not None and spec.offsets is not None and len(given) == 2:

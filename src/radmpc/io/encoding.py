@@ -11,7 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.io.plain import plain_mapping
 from radmpc.io.schema import SCENARIO_FORMAT
 from radmpc.model.dynamics import LinearSystem, double_integrator
-from radmpc.model.obstacle import BoxShape, HalfspaceShape, Obstacle, PolygonShape
+from radmpc.model.obstacle import BoxShape, HalfspaceShape, LineShape, Obstacle, PolygonShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 
@@ -86,6 +86,8 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
     shape = obstacle.shape
     if isinstance(shape, PolygonShape):
         return {"name": obstacle.name, "vertices": shape.vertices.tolist()}
+    if isinstance(shape, LineShape):
+        return {"name": obstacle.name, "line": shape.points.tolist()}
     if isinstance(shape, BoxShape):
         return {"name": obstacle.name, "min": shape.lower.tolist(), "max": shape.upper.tolist()}
     if isinstance(shape, HalfspaceShape):

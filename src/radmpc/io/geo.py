@@ -27,6 +27,7 @@ from radmpc.model.obstacle import Obstacle
 
 __all__ = ["geo_problem"]
 
+_UNNAMED = {"Polygon": "polygon", "LineString": "line", "Point": "post"}
 _DIGITS = 6  # of the origin's degrees: 0.1 m
 
 
@@ -56,7 +57,7 @@ def geo_problem(document: Document, name: str, features: Sequence[Feature]) -> F
         If they do not fit together; its path says which.
     """
     if not features:
-        raise ScenarioError("needs Points and Polygons, got none of them")
+        raise ScenarioError("needs Points and Polygons or LineStrings, got none of them")
     by_role: dict[str, list[Feature]] = {}
     for feature in features:
         by_role.setdefault(feature.role, []).append(feature)
@@ -176,7 +177,7 @@ def _vehicle(name: str, ends: _Ends, placed: Placed, area: Area) -> ForeignVehic
 
 
 def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
-    """Return obstacles under their names; polygon1, polygon2, … where they have none."""
+    """Return obstacles under their names; polygon1, line2, … where they have none."""
     obstacles: list[Obstacle] = []
     taken: dict[str, Feature] = {}
     counts: dict[str, int] = {}
@@ -187,17 +188,18 @@ def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
                 "polygons",
                 feature.shape_path,
             )
-        name = feature.name or f"polygon{i + 1}"
+        name = feature.name or f"{_UNNAMED[feature.kind]}{i + 1}"
         if taken.setdefault(name, feature).path != feature.path:
             raise ScenarioError(
                 f"must be unique among obstacles, got {shown(name)} twice",
                 (*feature.properties_path, "name"),
             )
-        # The polygons of one feature share its name.
+        # The parts of one feature share its name.
         count = counts[name] = counts.get(name, 0) + 1
         full = name if count == 1 else f"{name} ({count})"
         try:
-            obstacles.append(Obstacle.polygon(full, placed.outlines(feature)[0]))
+            make = Obstacle.line if feature.kind == "LineString" else Obstacle.polygon
+            obstacles.append(make(full, placed.outlines(feature)[0]))
         except ScenarioError as error:
             raise ScenarioError(error.message, feature.shape_path) from error
     return obstacles

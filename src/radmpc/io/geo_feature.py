@@ -1,4 +1,4 @@
-"""What operators draw on a map, whatever its format: points and polygons with properties."""
+"""What operators draw on a map, whatever its format: points, lines and polygons."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from radmpc.errors import ScenarioError
 from radmpc.io.ranges import check_range
 from radmpc.io.text import shown
 
-__all__ = ["SETTINGS", "Feature", "Path", "drawn_ring", "position"]
+__all__ = ["SETTINGS", "Feature", "Path", "drawn_line", "drawn_ring", "position"]
 
 Path = tuple[str | int, ...]
 
@@ -37,21 +37,26 @@ _STYLES = re.compile(
     re.IGNORECASE,
 )
 _NAMED = re.compile(r"(start|goal)[\s:_-]+(.+)", re.IGNORECASE)
-_ROLES = {"Point": ("start", "goal", "origin"), "Polygon": ("obstacle", "area")}
+_ROLES = {
+    "Point": ("start", "goal", "origin", "obstacle"),
+    "LineString": ("obstacle",),
+    "Polygon": ("obstacle", "area"),
+}
 _MOST_CORNERS = 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Feature:
-    """A point or a polygon.
+    """A point, a line or a polygon.
 
     Attributes
     ----------
     kind : str
-        ``Point`` or ``Polygon``.
+        ``Point``, ``LineString`` or ``Polygon``.
     rings : tuple of (r, 3) array
         Longitude [°], latitude [°], height [m]; of a polygon the outline first, then holes, each
-        without the repeated last position. A point is one ring of one position.
+        without the repeated last position. A point is one ring of one position, a line one of its
+        positions.
     properties : mapping
         As the file states them.
     path, shape_path, properties_path : tuple of str or int
@@ -81,6 +86,12 @@ class Feature:
         """
         key = "kind" if "role" not in self.properties and "kind" in self.properties else "role"
         role, allowed = self._text(key), _ROLES[self.kind]
+        if role is None and self.kind == "LineString":
+            # It may have been meant as a way, or as a border.
+            raise ScenarioError(
+                "must be stated of a LineString: 'obstacle'; it might be a way or a border",
+                (*self.properties_path, key),
+            )
         if role is None:
             role = self._role_by_name()
         role = role.lower()
@@ -200,6 +211,30 @@ def position(value: object, path: Path) -> list[float]:
     return numbers
 
 
+def drawn_line(positions: Sequence[object], path: Path) -> Matrix:
+    """Return a line's positions, (r, 3), without those that repeat the one before.
+
+    Raises
+    ------
+    ScenarioError
+        If it has too few or too many.
+    """
+    given = [position(value, (*path, i)) for i, value in enumerate(positions)]
+    corners = given[:1] + [two for one, two in pairwise(given) if one[:2] != two[:2]]
+    _check_count(len(corners), path)
+    if len(corners) < 2:
+        raise ScenarioError(f"must have at least 2 different positions, got {len(corners)}", path)
+    return as_matrix(corners, path=path)
+
+
+def _check_count(corners: int, path: Path) -> None:
+    """Refuse what has too many corners."""
+    if corners > _MOST_CORNERS:
+        raise ScenarioError(
+            f"must have at most {_MOST_CORNERS} corners, got {corners}: simplify it", path
+        )
+
+
 def drawn_ring(positions: Sequence[object], path: Path) -> Matrix:
     """Return a polygon's ring, (r, 3), without its repeated last position.
 
@@ -220,10 +255,7 @@ def drawn_ring(positions: Sequence[object], path: Path) -> Matrix:
             (*path, len(given) - 1),
         )
     corners = [one for one, two in pairwise(given) if one[:2] != two[:2]]
-    if len(corners) > _MOST_CORNERS:
-        raise ScenarioError(
-            f"must have at most {_MOST_CORNERS} corners, got {len(corners)}: simplify it", path
-        )
+    _check_count(len(corners), path)
     ring = as_matrix(corners or given[:1], path=path)
     if len(ring) < 3:
         raise ScenarioError(f"must have at least 3 different corners, got {len(ring)}", path)

@@ -1,4 +1,4 @@
-"""GeoJSON (RFC 7946): a FeatureCollection of points and polygons."""
+"""GeoJSON (RFC 7946): a FeatureCollection of points, lines and polygons."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from radmpc.errors import ScenarioError
 from radmpc.io.document import Document
 from radmpc.io.foreign import ForeignProblem
 from radmpc.io.geo import geo_problem
-from radmpc.io.geo_feature import Feature, Path, drawn_ring, position
+from radmpc.io.geo_feature import Feature, Path, drawn_line, drawn_ring, position
 from radmpc.io.json_text import read_json
 from radmpc.io.text import read_text, shown
 
 __all__ = ["geojson_document", "is_geojson", "read_geojson"]
 
-_SHAPES = ("Point", "Polygon", "MultiPolygon")
+_SHAPES = ("Point", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
 _TYPES = ("FeatureCollection", "Feature", "GeometryCollection", *_SHAPES)
 _WGS84 = ("CRS84", "EPSG::4326", "EPSG:4326")
 
@@ -63,7 +63,7 @@ def read_geojson(document: Document) -> ForeignProblem:
 
 
 def _features(entry: object, path: Path) -> Iterator[Feature]:
-    """Yield the points or polygons of one feature."""
+    """Yield the point, lines or polygons of one feature."""
     if not isinstance(entry, Mapping) or entry.get("type") != "Feature":
         raise ScenarioError("must be a mapping with type 'Feature'", path)
     properties = entry.get("properties")
@@ -77,18 +77,23 @@ def _features(entry: object, path: Path) -> Iterator[Feature]:
     kind, coordinates = geometry.get("type"), geometry.get("coordinates")
     where = (*inner, "coordinates")
     if kind not in _SHAPES:
-        # A line left out may have been meant as a border.
+        # A shape left out may have been meant as an obstacle.
+        *first, last = map(repr, _SHAPES)
         raise ScenarioError(
-            f"must be 'Point', 'Polygon' or 'MultiPolygon', got {shown(kind)}", (*inner, "type")
+            f"must be {', '.join(first)} or {last}, got {shown(kind)}", (*inner, "type")
         )
     if kind == "Point":
         rings = (as_matrix([position(coordinates, where)]),)
         yield Feature("Point", rings, properties, path, where, (*path, "properties"))
         return
-    polygons = [(coordinates, where)]
-    if kind == "MultiPolygon":
-        polygons = [(part, (*where, i)) for i, part in enumerate(_list(coordinates, where))]
-    for part, place in polygons:
+    parts = [(coordinates, where)]
+    if kind in {"MultiPolygon", "MultiLineString"}:
+        parts = [(part, (*where, i)) for i, part in enumerate(_list(coordinates, where))]
+    for part, place in parts:
+        if kind in {"LineString", "MultiLineString"}:
+            line = drawn_line(_list(part, place), place)
+            yield Feature("LineString", (line,), properties, path, place, (*path, "properties"))
+            continue
         outlines = [
             drawn_ring(_list(ring, (*place, i)), (*place, i))
             for i, ring in enumerate(_list(part, place))

@@ -1,4 +1,4 @@
-"""KML: Placemarks with Points or Polygons."""
+"""KML: Placemarks with Points, LineStrings or Polygons."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.document import Document
 from radmpc.io.foreign import ForeignProblem
 from radmpc.io.geo import geo_problem
-from radmpc.io.geo_feature import Feature, Path, drawn_ring, position
+from radmpc.io.geo_feature import Feature, Path, drawn_line, drawn_ring, position
 from radmpc.io.geo_kml_xml import Placemark, Shape, read_placemarks
 from radmpc.io.lines import Place
 from radmpc.io.text import one_line, read_text
@@ -31,7 +31,7 @@ def kml_document(path: str | os.PathLike[str]) -> Document:
     Raises
     ------
     FileFormatError
-        If the file cannot be read, is no KML, or holds shapes that are neither points nor
+        If the file cannot be read, is no KML, or holds shapes other than points, lines and
         polygons.
     """
     name, text = os.fspath(path), read_text(path)
@@ -63,19 +63,24 @@ def read_kml(document: Document) -> ForeignProblem:
 
 
 def _features(placemark: Placemark, path: Path) -> Iterator[Feature]:
-    """Yield the points and polygons of one Placemark."""
+    """Yield the points, lines and polygons of one Placemark."""
     for i, shape in enumerate(placemark.shapes):
         where = (*path, f"{shape.kind} {i + 1}")
-        rings = (_point(shape, where),) if shape.kind == "Point" else _polygon(shape, where)
+        rings = _RINGS[shape.kind](shape, where)
         yield Feature(shape.kind, rings, placemark.properties, path, where, path)
 
 
-def _point(shape: Shape, path: Path) -> Matrix:
+def _point(shape: Shape, path: Path) -> tuple[Matrix, ...]:
     """Return the position of a Point, (1, 3)."""
     places = shape.outer[0] if len(shape.outer) == 1 else []
     if len(places) != 1:
         raise ScenarioError(f"must have 1 position, got {len(places)}", path)
-    return as_matrix([position(places[0], path)])
+    return (as_matrix([position(places[0], path)]),)
+
+
+def _line(shape: Shape, path: Path) -> tuple[Matrix, ...]:
+    """Return the positions of a LineString, (r, 3)."""
+    return (drawn_line(shape.outer[0] if len(shape.outer) == 1 else [], path),)
 
 
 def _polygon(shape: Shape, path: Path) -> tuple[Matrix, ...]:
@@ -85,6 +90,9 @@ def _polygon(shape: Shape, path: Path) -> tuple[Matrix, ...]:
     return tuple(
         drawn_ring(ring, (*path, i)) for i, ring in enumerate([*shape.outer, *shape.inner])
     )
+
+
+_RINGS = {"Point": _point, "LineString": _line, "Polygon": _polygon}
 
 
 def _place(placemark: Placemark) -> Place:

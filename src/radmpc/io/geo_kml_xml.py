@@ -12,7 +12,8 @@ from radmpc.io.text import one_line, shown
 
 __all__ = ["Placemark", "Shape", "read_placemarks"]
 
-_OTHER_SHAPES = frozenset({"LineString", "Model", "Track", "MultiTrack", "NetworkLink"})
+_OTHER_SHAPES = frozenset({"Model", "Track", "MultiTrack", "NetworkLink"})
+_SHAPES = frozenset({"Point", "LineString", "Polygon"})
 _VALUES = frozenset({"value", "SimpleData"})
 _BOUNDARIES = ("outerBoundaryIs", "innerBoundaryIs")
 _WORD = re.compile(r"\S+")
@@ -20,7 +21,7 @@ _WORD = re.compile(r"\S+")
 
 @dataclass(slots=True)
 class Shape:
-    """A Point or a Polygon: lists of positions, and the lines on which these stand."""
+    """A Point, LineString or Polygon: lists of positions, and the lines on which these stand."""
 
     kind: str
     line: int
@@ -98,15 +99,15 @@ class _Reader:
         if len(self._open) >= MAX_DEPTH:
             raise self._failure(f"must not be nested deeper than {MAX_DEPTH} levels")
         if tag in _OTHER_SHAPES or (tag == "LinearRing" and self._open[-1] not in _BOUNDARIES):
-            # A line left out may have been meant as a border, a link may lead to obstacles.
-            raise self._failure(f"must be Points and Polygons only, got a {tag}")
+            # A track left out may have been meant as a border, a link may lead to obstacles.
+            raise self._failure(f"must be Points, LineStrings and Polygons only, got a {tag}")
         self._line = self.parser.CurrentLineNumber
         self._text = []
         if tag == "Placemark":
             self.placemarks.append(Placemark(self._line))
         elif tag in {"Data", "SimpleData"}:
             self._key = attributes.get("name", "")
-        elif tag in {"Point", "Polygon"} and "Placemark" in self._open:
+        elif tag in _SHAPES and "Placemark" in self._open:
             self.placemarks[-1].shapes.append(Shape(tag, self._line))
         self._open.append(tag)
 
@@ -136,7 +137,7 @@ class _Reader:
         placemark.lines[key] = self._line
 
     def _coordinates(self, text: str) -> None:
-        """Take the positions of a Point or of a ring: words of numbers with commas between."""
+        """Take the positions of a Point, a line or a ring: words of numbers with commas between."""
         positions: list[object] = []
         lines: list[int] = []
         line, seen = self._line, 0

@@ -69,16 +69,22 @@ class Placed:
             )
 
     def longest_side(self, features: Sequence[Feature]) -> float:
-        """Return the longest side of any polygon [m]."""
+        """Return the longest side of any polygon or line [m]."""
         return max(
             (
-                float(np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1).max())
+                float(np.linalg.norm(np.diff(ring, axis=0), axis=1).max())
                 for feature in features
-                if feature.kind == "Polygon"
-                for ring in self.outlines(feature)
+                if feature.kind != "Point"
+                for ring in self._closed(feature)
             ),
             default=0.0,
         )
+
+    def _closed(self, feature: Feature) -> tuple[Matrix, ...]:
+        """Return a line, or a polygon's rings with the first corner repeated [m]."""
+        rings = self.outlines(feature)
+        is_open = feature.kind == "LineString"
+        return rings if is_open else tuple(np.vstack([ring, ring[:1]]) for ring in rings)
 
 
 def told_choices(
@@ -135,7 +141,7 @@ def told_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
     bow = placed.longest_side(features) ** 2 * slope / (8.0 * _EARTH)
     if bow > _VISIBLE_BOW:
         warnings.append(
-            f"sides of polygons are straight in the plane, up to {bow:.2g} m beside a line of "
-            "equal latitude: give long ones more corners"
+            f"sides of polygons and lines are straight in the plane, up to {bow:.2g} m beside a "
+            "line of equal latitude: give long ones more corners"
         )
     return tuple(warnings)

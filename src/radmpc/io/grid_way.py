@@ -15,6 +15,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.geometry import planar
 from radmpc.io.foreign import ForeignProblem, ForeignVehicle
 
 __all__ = ["Lattice", "Way", "lattice_of"]
@@ -184,7 +185,7 @@ def lattice_of(problem: ForeignProblem) -> Lattice | None:
     vehicles = problem.vehicles
     if vehicles[0].start.size != 2 or not problem.obstacles:
         return None
-    pieces = [shapely.Polygon(p.vertices) for o in problem.obstacles for p in o.at(0)]
+    pieces = [planar(p) for o in problem.obstacles for p in o.at(0)]
     low, high = _bounds(problem, pieces)
     radius = min(vehicle.radius for vehicle in vehicles)
     most = min(_MOST_POINTS, _MOST_POINTS_OF_ALL // len(vehicles))
@@ -213,7 +214,7 @@ def lattice_of(problem: ForeignProblem) -> Lattice | None:
     return Lattice(origin, spacing, distances)
 
 
-def _bounds(problem: ForeignProblem, pieces: Sequence[shapely.Polygon]) -> tuple[Vector, Vector]:
+def _bounds(problem: ForeignProblem, pieces: Sequence[shapely.Geometry]) -> tuple[Vector, Vector]:
     """Return the corners of what a way may use, starts and goals included."""
     points = np.array([p for v in problem.vehicles for p in (v.start, v.goal)])
     low, high = points.min(axis=0), points.max(axis=0)

@@ -44,10 +44,11 @@ class WorkspaceSpec(FileModel):
 
 
 class ObstacleSpec(FileModel):
-    """A name and one of four descriptions; which, is checked when it is built."""
+    """A name and one of five descriptions; which, is checked when it is built."""
 
     name: Text
     vertices: Annotated[Matrix, Field(max_length=_MOST_CORNERS)] | None = None
+    line: Annotated[Matrix, Field(max_length=_MOST_CORNERS)] | None = None
     min: Vector | None = None
     max: Vector | None = None
     normals: Matrix | None = None

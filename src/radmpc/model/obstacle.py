@@ -1,10 +1,11 @@
-"""What stands or moves in the way, as convex pieces."""
+"""What stands or moves in the way, as convex pieces: bodies, plates, walls, wires and posts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence, Sized
 from dataclasses import dataclass
 
+import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import field_text, told
@@ -12,7 +13,15 @@ from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
 
-__all__ = ["BoxShape", "HalfspaceShape", "MovingShape", "Obstacle", "PolygonShape", "Shape"]
+__all__ = [
+    "BoxShape",
+    "HalfspaceShape",
+    "LineShape",
+    "MovingShape",
+    "Obstacle",
+    "PolygonShape",
+    "Shape",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,8 +32,15 @@ class PolygonShape(Frozen):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class LineShape(Frozen):
+    """A wall or wire without thickness along an open line through points (p, d) [m]."""
+
+    points: Matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class BoxShape(Frozen):
-    """An axis-parallel box between two corners, each (d,) [m]."""
+    """An axis-parallel box between two corners, each (d,) [m]; it may be flat."""
 
     lower: Vector
     upper: Vector
@@ -40,12 +56,12 @@ class HalfspaceShape(Frozen):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MovingShape(Frozen):
-    """One convex polygon (the hull of its points) per step, each (v, d) [m]."""
+    """One convex outline (the hull of its points) per step, each (v, d) [m]."""
 
     outlines: tuple[Matrix, ...]
 
 
-Shape = PolygonShape | BoxShape | HalfspaceShape | MovingShape
+Shape = PolygonShape | LineShape | BoxShape | HalfspaceShape | MovingShape
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +123,8 @@ class Obstacle:
         name : str
             Unique within its scenario.
         vertices : (v, d) array
-            Corners [m], either way round; in the plane the outline need not be convex.
+            Corners [m], either way round; in the plane the outline need not be convex. Corners
+            on one line make a wall, in space those in one plane a plate; one is a post.
 
         Returns
         -------
@@ -117,14 +134,40 @@ class Obstacle:
         Raises
         ------
         ScenarioError
-            If the outline crosses itself or encloses nothing.
+            If there is no corner, or the outline crosses itself.
         """
-        points = as_matrix(vertices, path=("vertices",))
+        points = _places(vertices, ("vertices",))
         try:
             pieces = convex_pieces(points) if points.shape[1] == 2 else (hull(points),)
         except ScenarioError as error:
             raise error.under("vertices") from error
         return cls(name, PolygonShape(points), (pieces,))
+
+    @classmethod
+    def line(cls, name: str, points: npt.ArrayLike) -> Obstacle:
+        """Make an obstacle of a line without thickness: a fence, a boom, in space a wire.
+
+        Parameters
+        ----------
+        name : str
+            Unique within its scenario.
+        points : (p, d) array
+            Points in order [m]; the line may cross itself, and is closed if it ends where it began.
+
+        Returns
+        -------
+        Obstacle
+            One piece per straight part.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no point.
+        """
+        places = _places(points, ("line",))
+        moves = np.any(places[1:] != places[:-1], axis=1)
+        parts = [places[i : i + 2] for i in np.flatnonzero(moves)] or [places[:1]]
+        return cls(name, LineShape(places), (tuple(hull(part) for part in parts),))
 
     @classmethod
     def box(cls, name: str, lower: npt.ArrayLike, upper: npt.ArrayLike) -> Obstacle:
@@ -135,7 +178,7 @@ class Obstacle:
         name : str
             Unique within its scenario.
         lower, upper : (d,) array
-            Corners [m], ``lower < upper``.
+            Corners [m], ``lower <= upper``; a box flat along some axis is a wall or plate.
 
         Returns
         -------
@@ -145,7 +188,7 @@ class Obstacle:
         Raises
         ------
         ScenarioError
-            If min is not below max on every axis.
+            If min is above max on some axis.
         """
         low, high = as_vector(lower, path=("min",)), as_vector(upper, path=("max",))
         if low.size != high.size:
@@ -188,7 +231,7 @@ class Obstacle:
         name : str
             Unique within its scenario.
         outlines : iterable of (v, d) array_like
-            Corners at each step [m], T + 1 of them; of each the hull counts.
+            Corners at each step [m], T + 1 of them; of each the hull counts, which may be flat.
 
         Returns
         -------
@@ -198,11 +241,11 @@ class Obstacle:
         Raises
         ------
         ScenarioError
-            If an outline encloses nothing.
+            If there is no outline, or one has no point.
         """
         if not isinstance(outlines, Iterable):
             raise ScenarioError(f"must be one outline per step, got {told(outlines)}", ("moving",))
-        points = tuple(as_matrix(o, path=("moving", k)) for k, o in enumerate(outlines))
+        points = tuple(_places(o, ("moving", k)) for k, o in enumerate(outlines))
         if not points:
             raise ScenarioError("needs one outline per step, got none", ("moving",))
         steps = []
@@ -212,3 +255,10 @@ class Obstacle:
             except ScenarioError as error:
                 raise error.under("moving", k) from error
         return cls(name, MovingShape(points), tuple(steps))
+
+
+def _places(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:
+    """Return points (p, d) [m], at least one."""
+    if isinstance(value, Sized) and not len(value):
+        raise ScenarioError("needs at least one point, got none", path)
+    return as_matrix(value, path=path)

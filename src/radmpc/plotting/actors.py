@@ -10,15 +10,15 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.patheffects import withStroke
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
-from scipy.spatial import ConvexHull
 
 from radmpc.arrays import Matrix
+from radmpc.facets import surface
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.flat import Color
 from radmpc.plotting.moments import Way, moving_outline, way_of
-from radmpc.plotting.style import LABEL_SIZE, MAX_LABELS, OBSTACLE_EDGE, OBSTACLE_FILL
+from radmpc.plotting.style import LABEL_SIZE, MAX_LABELS, OBSTACLE_EDGE, OBSTACLE_FILL, WALL_WIDTH
 
 __all__ = ["Actor", "draw_actors"]
 
@@ -163,6 +163,10 @@ class _FlatObstacle:
             zorder=2, gid=f"obstacle:{obstacle.name}",
         )  # fmt: skip
         ax.add_patch(self.patch)
+        (self.wall,) = ax.plot(
+            [], [], color=OBSTACLE_EDGE, linewidth=WALL_WIDTH, marker="o", markersize=WALL_WIDTH,
+            markeredgewidth=0.0, zorder=2,
+        )  # fmt: skip
         self.name = ax.text(
             0.0, 0.0, obstacle.name, fontsize=LABEL_SIZE, color=OBSTACLE_EDGE, ha="center",
             va="center", zorder=2.1, clip_on=True,
@@ -173,6 +177,8 @@ class _FlatObstacle:
         del frame
         outline = moving_outline(self.obstacle, time)
         self.patch.set_xy(outline)
+        # What has no area would show as a hairline, or not at all.
+        self.wall.set_data(*(outline if len(outline) < 3 else outline[:0]).T)
         self.name.set_position(tuple(outline.mean(axis=0)))
 
 
@@ -183,16 +189,20 @@ class _SolidObstacle:
         self.obstacle = obstacle
         self.faces = Poly3DCollection(
             _triangles(moving_outline(obstacle, 0.0)), facecolors=OBSTACLE_FILL, alpha=0.5,
-            linewidths=0.0, gid=f"obstacle:{obstacle.name}",
+            edgecolors=OBSTACLE_EDGE, linewidths=0.0, capstyle="round",
+            gid=f"obstacle:{obstacle.name}",
         )  # fmt: skip
         ax.add_collection3d(self.faces)
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
         del frame
-        self.faces.set_verts(_triangles(moving_outline(self.obstacle, time)))
+        outline = moving_outline(self.obstacle, time)
+        self.faces.set_verts(_triangles(outline))
+        self.faces.set_linewidth(WALL_WIDTH if len(outline) < 3 else 0.0)
 
 
 def _triangles(corners: Matrix) -> Matrix:
-    """Return the hull's surface."""
-    return np.asarray(corners[ConvexHull(corners).simplices])
+    """Return the hull's surface; of a wire or post a triangle without area."""
+    triangles = surface(corners)
+    return triangles if len(triangles) else corners[None, [0, -1, -1]]

@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 from scipy.spatial import cKDTree
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.geometry import Polytope, hull
+from radmpc.geometry import Polytope, hull, planar
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.plotting.curves import mean_path
@@ -193,7 +193,7 @@ def _nearest_of(points: Matrix, piece: Polytope) -> tuple[Vector, Matrix]:
 def _feet(points: Matrix, piece: Polytope) -> Matrix:
     """Return the points of a convex piece that are nearest to points outside."""
     if points.shape[1] == 2:
-        lines = shapely.shortest_line(shapely.Polygon(piece.vertices), shapely.points(points))
+        lines = shapely.shortest_line(planar(piece), shapely.points(points))
         return np.asarray(shapely.get_coordinates(shapely.get_point(lines, 0)))
     # Least squares over weights of the corners; a heavy row makes the weights sum to one.
     corners = piece.vertices - piece.vertices.mean(axis=0)

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from radmpc.arrays import Matrix
+from radmpc.geometry import planar
 from radmpc.model.obstacle import Obstacle
 from radmpc.plotting.labels import LabelBoard
 from radmpc.plotting.style import (
@@ -17,6 +18,8 @@ from radmpc.plotting.style import (
     NUMBER_SIZE,
     OBSTACLE_EDGE,
     OBSTACLE_FILL,
+    POST_SIZE,
+    WALL_WIDTH,
     numbered_steps,
 )
 
@@ -32,12 +35,14 @@ def draw_obstacle(
     numbers of some steps, and its name where it is first.
     """
     last = len(obstacle.steps) - 1
-    outlines = [
-        shapely.union_all([shapely.Polygon(piece.vertices) for piece in pieces])
-        for pieces in obstacle.steps
-    ]
+    outlines = [shapely.union_all([planar(p) for p in pieces]) for pieces in obstacle.steps]
     for step, outline in enumerate(outlines):
         alpha = 1.0 if last == 0 else 0.12 + 0.58 * (step / last) ** 2
+        if outline.area == 0.0:
+            for piece in obstacle.at(step):
+                _draw_wall(ax, obstacle.name, piece.vertices, alpha)
+                board.avoid(along_lines(np.vstack([piece.vertices, piece.vertices[:1]])))
+            continue
         ax.add_patch(
             Polygon(
                 _ring(outline),
@@ -54,6 +59,21 @@ def draw_obstacle(
         _name_obstacle(obstacle, board)
     if last > 0:
         _draw_way(ax, obstacle.name, np.array([_center(outline) for outline in outlines]), board)
+
+
+def _draw_wall(ax: Axes, name: str, ends: Matrix, alpha: float) -> None:
+    """Draw a wall without thickness as a line, a post as a dot."""
+    ax.plot(
+        *ends.T,
+        color=OBSTACLE_EDGE,
+        linewidth=WALL_WIDTH,
+        marker="o",
+        markersize=POST_SIZE if len(ends) == 1 else 0.0,
+        markeredgewidth=0.0,
+        alpha=alpha,
+        zorder=2,
+        gid=f"obstacle:{name}",
+    )
 
 
 def _draw_way(ax: Axes, name: str, centers: Matrix, board: LabelBoard) -> None:
@@ -82,13 +102,13 @@ def _draw_way(ax: Axes, name: str, centers: Matrix, board: LabelBoard) -> None:
 
 def _name_obstacle(obstacle: Obstacle, board: LabelBoard) -> None:
     """Write the name inside the first step's largest piece, upright or turned, else beside it."""
-    largest = max(obstacle.steps[0], key=lambda p: shapely.Polygon(p.vertices).area)
+    largest = max(obstacle.steps[0], key=lambda p: (planar(p).area, planar(p).length))
     width, height = np.ptp(largest.vertices, axis=0)
     center = largest.vertices.mean(axis=0)
-    is_moving = len(obstacle.steps) > 1
-    if board.fits(obstacle.name, width, height) and not is_moving:
+    has_room = len(obstacle.steps) == 1 and len(largest.vertices) > 2
+    if has_room and board.fits(obstacle.name, width, height):
         board.put(obstacle.name, center, MUTED)
-    elif board.fits(obstacle.name, height, width) and not is_moving:
+    elif has_room and board.fits(obstacle.name, height, width):
         board.put(obstacle.name, center, MUTED, rotation=90.0)
     else:
         board.beside(obstacle.name, center, 0.5 * np.array([width, height]), MUTED)

@@ -9,9 +9,9 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
-from scipy.spatial import ConvexHull
 
 from radmpc.arrays import Matrix
+from radmpc.facets import facets, surface
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
@@ -24,7 +24,9 @@ from radmpc.plotting.style import (
     NUMBER_SIZE,
     OBSTACLE_EDGE,
     OBSTACLE_FILL,
+    POST_SIZE,
     STAR_SIZE,
+    WALL_WIDTH,
     Dashes,
     numbered_steps,
 )
@@ -61,26 +63,7 @@ def draw_obstacle_3d(ax: Axes3D, obstacle: Obstacle, *, is_named: bool = True) -
     for step, pieces in enumerate(obstacle.steps):
         alpha = 0.45 if last == 0 else 0.03 + 0.3 * (step / last) ** 2
         for piece in pieces:
-            # A facet's corners in order would need more than its triangles do; edges are left
-            # out because those of the triangles would show.
-            triangles = piece.vertices[ConvexHull(piece.vertices).simplices]
-            ax.add_collection3d(
-                Poly3DCollection(
-                    triangles,
-                    facecolors=OBSTACLE_FILL,
-                    alpha=alpha,
-                    linewidths=0.0,
-                    gid=f"obstacle:{obstacle.name}",
-                )
-            )
-            ax.add_collection3d(
-                Line3DCollection(
-                    _edges(piece.normals, piece.offsets, piece.vertices),
-                    colors=OBSTACLE_EDGE,
-                    linewidths=0.5,
-                    alpha=min(1.0, 2.0 * alpha),
-                )
-            )
+            _draw_piece_3d(ax, obstacle.name, piece.vertices, alpha)
     if not is_named:
         return
     top = np.vstack([piece.vertices for piece in obstacle.steps[-1]])
@@ -88,16 +71,30 @@ def draw_obstacle_3d(ax: Axes3D, obstacle: Obstacle, *, is_named: bool = True) -
     draw_name_3d(ax, obstacle.name, np.asarray(place), MUTED)
 
 
-def _edges(normals: Matrix, offsets: Matrix, vertices: Matrix) -> list[Matrix]:
-    """Return the segments between corners that lie on two faces at once."""
-    scale = max(float(np.abs(vertices).max()), 1.0)
-    on_face = np.abs(vertices @ normals.T - offsets) <= 1e-7 * scale
-    return [
-        np.stack([vertices[i], vertices[j]])
-        for i in range(len(vertices))
-        for j in range(i + 1, len(vertices))
-        if np.count_nonzero(on_face[i] & on_face[j]) >= 2
-    ]
+def _draw_piece_3d(ax: Axes3D, name: str, corners: Matrix, alpha: float) -> None:
+    """Draw a convex piece: its surface and edges, a wire as a line, a post as a dot."""
+    # A facet's corners in order would need more than its triangles do; their edges would show.
+    triangles, gid = surface(corners), f"obstacle:{name}"
+    if len(corners) == 1:
+        ax.plot(*corners.T, color=OBSTACLE_EDGE, marker="o", markersize=POST_SIZE, gid=gid)
+        return
+    has_surface = len(triangles) > 0
+    if has_surface:
+        ax.add_collection3d(
+            Poly3DCollection(
+                triangles, facecolors=OBSTACLE_FILL, alpha=alpha, linewidths=0.0, gid=gid
+            )
+        )
+    edges = Line3DCollection(
+        corners[facets(corners).edges],
+        colors=OBSTACLE_EDGE,
+        linewidths=0.5 if has_surface else WALL_WIDTH,
+        alpha=min(1.0, 2.0 * alpha),
+        capstyle="round",
+    )
+    if not has_surface:
+        edges.set_gid(gid)
+    ax.add_collection3d(edges)
 
 
 def draw_ends_3d(ax: Axes3D, vehicle: Vehicle, color: Color) -> None:

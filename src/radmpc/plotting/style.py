@@ -18,9 +18,11 @@ __all__ = [
     "OBSTACLE_EDGE",
     "OBSTACLE_FILL",
     "PALETTE",
+    "POST_SIZE",
     "STAR_SIZE",
     "TICK_SIZE",
     "TITLE_SIZE",
+    "WALL_WIDTH",
     "Dashes",
     "numbered_steps",
     "vehicle_colors",
@@ -40,6 +42,8 @@ COLUMN_WIDTH = 3.5  # [in]
 TITLE_SIZE = 8.0  # [pt]
 LABEL_SIZE = 6.5  # [pt]
 TICK_SIZE = 6.0  # [pt]
+WALL_WIDTH = 1.4  # [pt]: of obstacles without thickness
+POST_SIZE = 3.0  # [pt]: of those that are a point
 NUMBER_SIZE = 4.8  # of step numbers [pt]
 STAR_SIZE = 5.5  # [pt]
 

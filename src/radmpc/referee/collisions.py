@@ -19,6 +19,7 @@ from radmpc.model.scenario import Workspace
 from radmpc.referee.contact import origin_distances, solid_distances
 from radmpc.referee.halfspace import CONTACT_TOL
 from radmpc.referee.sweep import SweepPart
+from radmpc.referee.turning import TurningSolid, comes_within
 
 __all__ = ["Flags", "leaves_workspace", "meets_origin", "meets_solid"]
 
@@ -39,7 +40,7 @@ def meets_origin(begin: Matrix, end: Matrix, bows: Matrix, reaches: Vector) -> F
     reaches : (M,) array
         Sums of radii [m].
     """
-    return _curves_hit(begin, end, bows, reaches, origin_distances, (0.0, 1.0))
+    return _curves_hit(begin, end, bows, reaches, origin_distances)
 
 
 def meets_solid(
@@ -56,18 +57,36 @@ def meets_solid(
     reaches : (M,) array
         Radii [m].
     parts : sequence of SweepPart
-        The solid at rest, or in the frames it moves with.
+        The solid at rest, in the frame it moves with, or turning.
     """
     hits = np.zeros(len(begin), dtype=bool)
     for part in parts:
         left = np.flatnonzero(~hits)
-        hits[left] = _curves_hit(
-            begin[left],
-            end[left] - part.drift,
-            bows[left],
-            reaches[left],
-            partial(solid_distances, solid=part.solid),
-            (part.begin, part.end),
+        ways = (begin[left], end[left] - part.drift, bows[left], reaches[left])
+        if isinstance(part.solid, TurningSolid):
+            hits[left] = _curves_hit_turning(*ways, part.solid)
+        else:
+            hits[left] = _curves_hit(*ways, partial(solid_distances, solid=part.solid))
+    return hits
+
+
+def _curves_hit_turning(
+    begin: Matrix, end: Matrix, bows: Matrix, reaches: Vector, solid: TurningSolid
+) -> Flags:
+    """Return which curves come closer to a turning solid than their reach, chord by chord."""
+    sags = np.linalg.norm(bows, axis=1)
+    hits = np.zeros(len(begin), dtype=bool)
+    # One chord for the whole curve, its bow in reserve, rules most of them out.
+    near = np.flatnonzero(comes_within(begin, end, reaches + sags, solid))
+    count = max(1, int(np.ceil(np.sqrt(sags[near].max(initial=0.0) / _FINENESS))))
+    for here, there in pairwise(np.linspace(0.0, 1.0, count + 1).tolist()):
+        left = near[~hits[near]]
+        chord = (begin[left], end[left], bows[left])
+        hits[left] = comes_within(
+            _on_curve(*chord, here),
+            _on_curve(*chord, there),
+            reaches[left] - CONTACT_TOL,
+            solid.during(here, there),
         )
     return hits
 
@@ -78,17 +97,15 @@ def _curves_hit(
     bows: Matrix,
     reaches: Vector,
     distances: Callable[[Matrix, Matrix], Vector],
-    share: tuple[float, float],
 ) -> Flags:
     """Return which curves come closer than their reach, chord by chord."""
-    first, last = share
     sag = float(np.linalg.norm(bows, axis=1).max(initial=0.0))
-    count = max(1, int(np.ceil((last - first) * np.sqrt(sag / _FINENESS))))
-    times = np.linspace(first, last, count + 1)
+    count = max(1, int(np.ceil(np.sqrt(sag / _FINENESS))))
+    times = np.linspace(0.0, 1.0, count + 1)
     hits = np.zeros(len(begin), dtype=bool)
     if count > 1:
         # One chord for the whole curve, its bow in reserve, rules most of them out.
-        whole = distances(_on_curve(begin, end, bows, first), _on_curve(begin, end, bows, last))
+        whole = distances(begin, end)
         near = np.flatnonzero(whole < reaches + np.linalg.norm(bows, axis=1))
         begin, end, bows, reaches = begin[near], end[near], bows[near], reaches[near]
     else:

@@ -8,16 +8,21 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.facets import facets
 from radmpc.geometry import Polytope
 
-__all__ = ["Solid", "origin_distances", "solid_distances", "solid_of"]
+__all__ = ["Solid", "clipped", "origin_distances", "solid_distances", "solid_of"]
 
 Flags = npt.NDArray[np.bool_]
+
+# What a crossing may miss by, per meter of the largest height: a wall without thickness is left
+# where it is entered, and both are rounded.
+_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
-    """A convex polytope with everything a nearest point can lie on.
+    """A convex polytope, flat or not, with everything a nearest point can lie on.
 
     Attributes
     ----------
@@ -28,7 +33,7 @@ class Solid:
     vertices : (v, d) array
         Corners [m].
     edges : (e, 2, d) array
-        Ends of the edges; the sides of a polygon [m].
+        Ends of the edges; the sides of a polygon; of a point it and itself [m].
     """
 
     normals: Matrix
@@ -38,16 +43,9 @@ class Solid:
 
 
 def solid_of(piece: Polytope) -> Solid:
-    """Return a polytope with its edges: corners that share a side, or two faces in space.
-
-    A pair too many is harmless, because the segment between two corners is part of the solid.
-    """
-    scale = 1.0 + float(np.abs(piece.vertices).max())
-    on_face = np.abs(piece.vertices @ piece.normals.T - piece.offsets) <= 1e-7 * scale
-    shared = on_face.astype(np.int64) @ on_face.T.astype(np.int64)
-    i, j = np.nonzero(np.triu(shared >= piece.dimension - 1, 1))
-    edges = np.stack([piece.vertices[i], piece.vertices[j]], axis=1)
-    return Solid(piece.normals, piece.offsets, piece.vertices, edges)
+    """Return a polytope with its edges."""
+    found = facets(piece.vertices)
+    return Solid(piece.normals, piece.offsets, piece.vertices, piece.vertices[found.edges])
 
 
 def origin_distances(begin: Tensor, end: Tensor) -> Vector:
@@ -107,15 +105,34 @@ def solid_distances(begin: Matrix, end: Matrix, solid: Solid) -> Vector:
 
 def _meets(begin: Matrix, end: Matrix, solid: Solid) -> Flags:
     """Whether segments reach into a solid: clip them by all faces."""
-    before = begin @ solid.normals.T - solid.offsets
-    after = end @ solid.normals.T - solid.offsets
+    enters, leaves = clipped(
+        begin @ solid.normals.T - solid.offsets, end @ solid.normals.T - solid.offsets
+    )
+    inside: Flags = enters <= leaves
+    return inside
+
+
+def clipped(before: Matrix, after: Matrix) -> tuple[Vector, Vector]:
+    """Return from when to when points are below all faces, as shares of their way.
+
+    Parameters
+    ----------
+    before, after : (M, f) array
+        Heights above each face at both ends; linear in between [m].
+
+    Returns
+    -------
+    enters, leaves : (M,) array
+        Shares from 0 to 1; one that is never below all enters after it leaves.
+    """
+    slack = _ROUNDING * np.maximum(np.abs(before), np.abs(after)).max(axis=1, keepdims=True)
+    before, after = before - slack, after - slack
     drop = before - after
     crossing = before / np.where(drop == 0.0, 1.0, drop)
     # Outside a face all along: enter after the end.
     enters = np.where(before > 0.0, np.where(after > 0.0, 2.0, crossing), 0.0)
     leaves = np.where((before <= 0.0) & (after > 0.0), crossing, 1.0)
-    inside: Flags = enters.max(axis=1) <= leaves.min(axis=1)
-    return inside
+    return np.asarray(enters.max(axis=1)), np.asarray(leaves.min(axis=1))
 
 
 def _between_lines(begin: Matrix, end: Matrix, solid: Solid) -> Tensor:

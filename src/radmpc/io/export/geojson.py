@@ -10,7 +10,7 @@ from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope
 from radmpc.io.export.job import Job
 from radmpc.io.export.origin import Placement
-from radmpc.io.export.outlines import footprint, goal_outline, outline
+from radmpc.io.export.outlines import Kind, footprint, goal_outline, outline
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track
 from radmpc.io.json_text import write_json
@@ -97,8 +97,9 @@ def _obstacles(job: Job) -> Iterator[Feature]:
         for step in steps:
             time = {"time": step * job.plan.scenario.dt} if obstacle.is_moving else {}
             if obstacle.dimension == 2:
-                ring = _ring(outline(obstacle, step), job.place)
-                yield _feature("obstacle", obstacle.name, "Polygon", [ring], **time)
+                kind, corners = outline(obstacle, step)
+                places = _shape(kind, corners, job.place)
+                yield _feature("obstacle", obstacle.name, kind, places, **time)
                 continue
             for piece in obstacle.at(step):
                 yield _body(obstacle.name, piece, job.place, time)
@@ -107,8 +108,9 @@ def _obstacles(job: Job) -> Iterator[Feature]:
 def _body(name: str, piece: Polytope, place: Placement, time: dict[str, float]) -> Feature:
     """Return an obstacle in space: seen from above, with its lowest and highest point."""
     low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
-    ring = _ring(_raised(footprint(piece), float(low[2]), 3), place)
-    return _feature("obstacle", name, "Polygon", [ring], **_heights(place, low, high), **time)
+    kind, corners = footprint(piece)
+    places = _shape(kind, _raised(corners, float(low[2]), 3), place)
+    return _feature("obstacle", name, kind, places, **_heights(place, low, high), **time)
 
 
 def _heights(place: Placement, low: Matrix, high: Matrix) -> dict[str, float]:
@@ -124,6 +126,14 @@ def _raised(corners: Matrix, height: float, dimension: int) -> Matrix:
     if dimension == 2:
         return corners
     return np.column_stack([corners, np.full(len(corners), height)])
+
+
+def _shape(kind: Kind, corners: Matrix, place: Placement) -> object:
+    """Return the coordinates of what has corners."""
+    if kind == "Polygon":
+        return [_ring(corners, place)]
+    positions = _positions(corners, place)
+    return positions[0] if kind == "Point" else positions
 
 
 def _ring(corners: Matrix, place: Placement) -> list[list[float]]:

@@ -12,7 +12,7 @@ from radmpc.arrays import Matrix
 from radmpc.io.export.job import Job
 from radmpc.io.export.names import xml_text
 from radmpc.io.export.origin import Placement
-from radmpc.io.export.outlines import goal_outline, outline, triangles
+from radmpc.io.export.outlines import Kind, goal_outline, kind_of, outline, triangles
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track, check_duration
 from radmpc.model.obstacle import Obstacle
@@ -115,12 +115,26 @@ def _obstacle(parent: Element, obstacle: Obstacle, job: Job) -> None:
             # The schema wants the time before the style.
             mark.insert(1, span)
         if obstacle.dimension == 2:
-            _polygon(mark, outline(obstacle, step), job.place)
+            _shape(mark, *outline(obstacle, step), job.place)
             continue
         surface = SubElement(mark, "MultiGeometry")
         for piece in obstacle.at(step):
+            if len(piece.vertices) < 3:
+                _shape(surface, kind_of(piece.vertices), piece.vertices, job.place)
             for face in triangles(piece).reshape(-1, 3, 3):
                 _polygon(surface, face, job.place)
+
+
+def _shape(parent: Element, kind: Kind, corners: Matrix, place: Placement) -> None:
+    """Add what has corners."""
+    if kind == "Polygon":
+        _polygon(parent, corners, place)
+    elif kind == "Point":
+        _point(parent, corners, place)
+    else:
+        line = SubElement(parent, "LineString")
+        _text(line, "altitudeMode", "relativeToGround")
+        _text(line, "coordinates", " ".join(",".join(p) for p in _points(corners, place)))
 
 
 def _placemark(parent: Element, name: str, style: str) -> Element:

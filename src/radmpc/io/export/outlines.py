@@ -1,31 +1,48 @@
-"""Obstacles and goals as outlines and triangles in local coordinates."""
+"""Obstacles and goals as outlines, lines and triangles in local coordinates."""
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from radmpc.arrays import Matrix
+from radmpc.facets import facets, surface
 from radmpc.geometry import Polytope
-from radmpc.model.obstacle import Obstacle, PolygonShape
+from radmpc.model.obstacle import LineShape, Obstacle, PolygonShape
 from radmpc.model.vehicle import Goal
 
-__all__ = ["footprint", "goal_outline", "outline", "triangles"]
+__all__ = ["Kind", "footprint", "goal_outline", "kind_of", "outline", "triangles"]
+
+Kind = Literal["Polygon", "LineString", "Point"]
+"""What maps call what has an area, a length, or neither."""
 
 
-def outline(obstacle: Obstacle, step: int) -> Matrix:
-    """Return the corners of a plane obstacle at a step, counter-clockwise, (v, 2) [m]."""
-    if isinstance(obstacle.shape, PolygonShape):
+def outline(obstacle: Obstacle, step: int) -> tuple[Kind, Matrix]:
+    """Return what a plane obstacle is at a step, and its corners (v, 2) [m].
+
+    Those of a polygon are counter-clockwise, those of a line in order.
+    """
+    # All plane obstacles but polygons and lines are convex: one piece.
+    corners = obstacle.at(step)[0].vertices
+    if len(corners) > 2 and isinstance(obstacle.shape, PolygonShape):
         vertices = obstacle.shape.vertices
-        return vertices if _area(vertices) > 0.0 else vertices[::-1]
-    # All other plane obstacles are convex: one piece.
-    return obstacle.at(step)[0].vertices
+        corners = vertices if _area(vertices) > 0.0 else vertices[::-1]
+    if len(corners) > 1 and isinstance(obstacle.shape, LineShape):
+        return "LineString", obstacle.shape.points
+    return kind_of(corners), corners
 
 
-def footprint(piece: Polytope) -> Matrix:
-    """Return the outline of a body seen from above, counter-clockwise, (v, 2) [m]."""
+def kind_of(corners: Matrix) -> Kind:
+    """Return what the corners of a convex set (v, d) make."""
+    return "Point" if len(corners) == 1 else "LineString" if len(corners) == 2 else "Polygon"
+
+
+def footprint(piece: Polytope) -> tuple[Kind, Matrix]:
+    """Return what a body is as seen from above, and its corners (v, 2) [m]."""
     shadow = piece.vertices[:, :2]
-    return np.asarray(shadow[ConvexHull(shadow).vertices])
+    corners = shadow[facets(shadow).corners]
+    return kind_of(corners), corners
 
 
 def goal_outline(goal: Goal) -> Matrix | None:
@@ -42,19 +59,14 @@ def goal_outline(goal: Goal) -> Matrix | None:
 def triangles(piece: Polytope) -> Matrix:
     """Return a convex piece as triangles, their corners in a row, (3 k, d) [m].
 
-    In space they are its surface, seen counter-clockwise from outside.
+    In space they are its surface, seen counter-clockwise from outside. Of what has no area there
+    are none.
     """
     corners = piece.vertices
-    if piece.dimension == 2:
-        fan = [(0, i, i + 1) for i in range(1, len(corners) - 1)]
-        return np.asarray(corners[np.array(fan).ravel()])
-    hull = ConvexHull(corners)
-    first, second, third = corners[hull.simplices.T]
-    # Qhull gives no order; the plane's normal points outward.
-    normals = np.cross(second - first, third - first)
-    is_inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0.0
-    second[is_inward], third[is_inward] = third[is_inward], second[is_inward]
-    return np.asarray(np.stack([first, second, third], axis=1).reshape(-1, 3))
+    if piece.dimension == 3:
+        return surface(corners).reshape(-1, 3)
+    fan = [(0, i, i + 1) for i in range(1, len(corners) - 1)]
+    return np.asarray(corners[np.array(fan, dtype=np.int64).ravel()])
 
 
 def _area(corners: Matrix) -> float:

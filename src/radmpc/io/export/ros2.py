@@ -22,6 +22,7 @@ from radmpc.io.export.ros2_definitions import (
 )
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track, check_duration
+from radmpc.model.obstacle import Obstacle
 
 __all__ = ["FRAME", "OBSTACLE_TOPIC", "path_topics", "write_mcap"]
 
@@ -29,7 +30,8 @@ FRAME = "map"
 OBSTACLE_TOPIC = "/radmpc/obstacles"
 
 _LONGEST = 2.0**31 - 1.0  # [s]: a stamp's seconds are an int32
-_TRIANGLES = 11
+_TRIANGLES, _LINES, _BALLS = 11, 5, 7
+_WALL_WIDTH = 0.05  # [m]: lines without one are not shown
 _GRAY = {"r": 0.5, "g": 0.5, "b": 0.5, "a": 0.8}
 _NO_TURN = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
 
@@ -120,41 +122,38 @@ def _path(track: Track, altitude: float) -> Message:
 
 def _markers(job: Job, step: int) -> list[Message]:
     """Return the obstacles at a step."""
-    time = step * job.plan.scenario.dt
     return [
-        _marker(
-            number,
-            obstacle.name,
-            time,
-            [
-                point
-                for piece in obstacle.at(step)
-                for point in _points(triangles(piece), job.altitude)
-            ],
-        )
+        _marker(number, obstacle, step, job)
         for number, obstacle in enumerate(job.plan.scenario.obstacles)
     ]
 
 
-def _marker(number: int, name: str, time: float, corners: list[Message]) -> Message:
-    """Return an obstacle as a list of triangles."""
+def _marker(number: int, obstacle: Obstacle, step: int, job: Job) -> Message:
+    """Return an obstacle as triangles; a wall or wire as lines, a post as a ball."""
+    pieces = obstacle.at(step)
+    corners = [triangles(piece) for piece in pieces]
+    kind, width = _TRIANGLES, 1.0
+    if not any(len(found) for found in corners):
+        corners = [piece.vertices for piece in pieces]
+        kind = _BALLS if len(corners[0]) == 1 else _LINES
+        width = _WALL_WIDTH
     return {
-        "header": _header(time),
+        "header": _header(step * job.plan.scenario.dt),
         "ns": "obstacles",
         "id": number,
-        "type": _TRIANGLES,
+        "type": kind,
         "action": 0,
         "pose": {"position": {"x": 0.0, "y": 0.0, "z": 0.0}, "orientation": _NO_TURN},
-        "scale": {"x": 1.0, "y": 1.0, "z": 1.0},
+        "scale": {"x": width, "y": width, "z": width},
         "color": _GRAY,
         "lifetime": {"sec": 0, "nanosec": 0},
         "frame_locked": False,
-        "points": corners,
+        "points": _points(np.concatenate(corners), job.altitude),
         "colors": [],
         "texture_resource": "",
         "texture": {"header": _header(0.0), "format": "", "data": b""},
         "uv_coordinates": [],
-        "text": name,
+        "text": obstacle.name,
         "mesh_resource": "",
         "mesh_file": {"filename": "", "data": b""},
         "mesh_use_embedded_materials": False,
