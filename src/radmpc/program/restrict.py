@@ -125,10 +125,9 @@ def restrict_around(
         + rows.normals.minimum(0.0) @ program.output_lower
     )
     is_kept = rows.offsets - most >= _SETTLED * rows.deviations
-    is_safe = np.logical_and.reduceat(
-        is_kept[program.alternative_rows], program.alternative_starts[:-1]
-    )
-    settled = np.logical_or.reduceat(is_safe, program.avoidance_starts[:-1])
+    # Counted, not by `reduceat`: that lends an avoidance without alternatives its neighbor's.
+    left = _counts(program.alternative_starts, ~is_kept[program.alternative_rows])
+    settled = _counts(program.avoidance_starts, left == 0.0) > 0.0
     return _with_avoidances(whole, part, avoidances[~settled])
 
 
@@ -224,6 +223,14 @@ def _runs(starts: Indices, chosen: Indices) -> Indices:
     if chosen.size == 0:
         return np.zeros(0, dtype=np.int64)
     return np.concatenate([np.arange(starts[i], starts[i + 1]) for i in chosen])
+
+
+def _counts(starts: Indices, marked: np.ndarray) -> Vector:
+    """Return how many members of each run are marked; 0 for an empty one."""
+    owners = np.repeat(np.arange(starts.size - 1), np.diff(starts))
+    counts: Vector = np.zeros(starts.size - 1)
+    np.add.at(counts, owners, marked)
+    return counts
 
 
 def _starts(sizes: Indices) -> Indices:

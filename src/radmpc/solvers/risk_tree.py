@@ -160,6 +160,8 @@ class RiskTree:
         """
         share = min(1.0, self.price / price)
         self._open, self._parked = [], []
+        if self.rater.is_hopeless:
+            return
         for bound, chosen in frontier:
             known = bound if share == 1.0 else share * bound + (1.0 - share) * base
             self._push(known, chosen)
@@ -182,7 +184,7 @@ class RiskTree:
             top = self._top()
             if top is None or top.bound >= self._cutoff():
                 break
-            self._dive(heapq.heappop(self._open), last)
+            self._dive(self._popped(), last)
         if self.rater.is_hopeless:
             return
         top = self._top()
@@ -200,8 +202,7 @@ class RiskTree:
             node.is_open = False
             if self.nodes >= last or self.limits.reached:
                 self.is_limited = True
-                node.is_open = True
-                heapq.heappush(self._open, node)
+                self._queue(node)
                 return
             if not node.is_solved:
                 self._solve(node)
@@ -221,8 +222,21 @@ class RiskTree:
     def _top(self) -> Node | None:
         """Return the open node of least bound; those taken by a dive are dropped on the way."""
         while self._open and not self._open[0].is_open:
-            heapq.heappop(self._open)
+            self._popped()
         return self._open[0] if self._open else None
+
+    def _popped(self) -> Node:
+        """Take the first node off the heap."""
+        node = heapq.heappop(self._open)
+        node.is_queued = False
+        return node
+
+    def _queue(self, node: Node) -> None:
+        """Open a node, in the heap once."""
+        node.is_open = True
+        if not node.is_queued:
+            node.is_queued = True
+            heapq.heappush(self._open, node)
 
     def _expand(self, node: Node) -> Node | None:
         """Solve a node's children one after the other; return the best that is left open.
@@ -238,7 +252,7 @@ class RiskTree:
                 children.append(child)
         children.sort()
         for child in children:
-            heapq.heappush(self._open, child)
+            self._queue(child)
         self._trail += children[:0:-1]
         return children[0] if children else None
 
@@ -338,7 +352,7 @@ class RiskTree:
 
     def _push(self, bound: float, chosen: tuple[int, ...]) -> None:
         """Open a node that is yet to be solved."""
-        heapq.heappush(self._open, self._node(bound, chosen))
+        self._queue(self._node(bound, chosen))
 
     def _node(self, bound: float, chosen: tuple[int, ...]) -> Node:
         """Return a new node."""

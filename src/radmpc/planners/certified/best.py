@@ -123,7 +123,9 @@ def take(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> None:
     elif best.has_failed:
         # The referee finds more in these sides: nearer to Δ, where it cannot.
         best.too_much = min(best.too_much, fleet.budget)
-        fleet.set_budget(_BACK_OFF * (fleet.budget * (granted - fleet.initial)) ** 0.5)
+        # Where the starts alone run more by simple bounds, what is left is the referee's leave.
+        nearer = max(granted - fleet.initial, _BACK_OFF * 0.25 * fleet.budget)
+        fleet.set_budget(_BACK_OFF * (fleet.budget * nearer) ** 0.5)
 
 
 def _left_by_referee(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> float:

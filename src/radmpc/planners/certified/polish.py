@@ -53,6 +53,8 @@ def polish(
     tuple of (n,) array or None
         Points whose true risks stay within the budget; None where these sides do not allow it.
     """
+    if budget <= 0.0:
+        return None
     points = [incumbent.z for incumbent in found]
     is_free = [True] * len(points)
     best, least = None, float("inf")
