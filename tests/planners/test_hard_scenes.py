@@ -52,6 +52,11 @@ def test_starts_that_risk_more_than_is_granted_are_named(name):
     assert "start" in result.explanation
 
 
+@pytest.mark.parametrize("name", ["crash-highs-unknown.json", "highs-unknown-tiny-bound.yaml"])
+def test_programmes_that_highs_gives_up_on_twice_are_planned(name):
+    assert answered(name, 4.0).is_certified
+
+
 def contradictory():
     """Return a programme with a vehicle's avoidance that no side keeps, and its blocks."""
     clash = scene("starts-clash.yaml")

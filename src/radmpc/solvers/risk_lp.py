@@ -114,8 +114,9 @@ class RiskLp:
             parts = [frozenset(c) for size in (1, 2) for c in combinations(members, size)]
             for part in parts:
                 if part not in rests:
+                    # The budget's row holds it to one unit anyway; said here, it is finite.
                     rests[part] = self._lp.add_column(
-                        self.price, _INF, np.array([self._budget_row], dtype=np.int32), np.ones(1)
+                        self.price, 1.0, np.array([self._budget_row], dtype=np.int32), np.ones(1)
                     )
             inner = [rests[part] for part in parts]
             columns = np.flatnonzero(np.isin(program.blocks, members))

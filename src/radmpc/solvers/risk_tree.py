@@ -79,7 +79,7 @@ class RiskTree:
     nodes : int
         Work done.
     is_limited : bool
-        Whether a limit ended the last run.
+        Whether a limit ended the last run, or a linear programme that matters was not solved.
     """
 
     def __init__(
@@ -111,6 +111,7 @@ class RiskTree:
         self._open: list[Node] = []
         self._parked: list[Node] = []
         self._trail: list[Node] = []
+        self._unsolved: list[Node] = []
         self._created = 0
         self._choice = BranchingChoice(program, self.rater)
         self._noisy = program.rows.deviations > 0.0
@@ -191,6 +192,8 @@ class RiskTree:
         bounds = [n.bound for n in self._parked]
         if top is not None:
             bounds.append(top.bound)
+        # Parked where HiGHS failed, a node is work left over unless its bound is good enough.
+        self.is_limited |= any(node.bound < self._cutoff() for node in self._unsolved)
         # The incumbent is below no node's bound by more than rounding.
         self.bound = min([*bounds, self.value])
 
@@ -266,7 +269,8 @@ class RiskTree:
                 outcome = self._relax(node)
                 if outcome is LpOutcome.INFEASIBLE:
                     return
-                if outcome is LpOutcome.CUTOFF:
+                if outcome is not LpOutcome.OPTIMAL:
+                    self._unsolved += [node] * (outcome is LpOutcome.FAILED)
                     break
                 point = self.lp.point()
                 z = point[: self.program.num_columns]

@@ -121,9 +121,12 @@ class Tree:
         if self._is_hopeless:
             return
         self._lp.activate(self.program.selected_rows(selection))
-        outcome, cost = self._lp.solve()
-        if outcome is LpOutcome.OPTIMAL and cost < self.cost:
-            self.cost, self.z = cost, self._lp.point()
+        outcome, _ = self._lp.solve()
+        if outcome is LpOutcome.OPTIMAL:
+            z = self._lp.point()
+            cost = float(self.program.cost @ z)
+            if cost < self.cost:
+                self.cost, self.z = cost, z
 
     def try_point(self, z: Vector) -> None:
         """Make an incumbent of a point, if it satisfies the programme."""
@@ -206,7 +209,8 @@ class Tree:
         if outcome is LpOutcome.INFEASIBLE:
             return None
         bound = max(bound, node.bound)
-        if outcome is LpOutcome.CUTOFF:
+        if outcome is not LpOutcome.OPTIMAL:
+            # Cut off; or HiGHS failed: a limit like any other, its bound stays.
             self._close(bound)
             return None
         z = self._lp.point()

@@ -15,6 +15,9 @@ MORE_EFFORT = 3
 OVERDRAWN = 1.2
 """Multiple of the budget from which on a price is too low to search at."""
 
+_MOST_EFFORT = 10_000
+"""Effort at which more no longer helps: what is left are programmes that no solver solves."""
+
 _MAX_PRICES = 6
 _MOST = 12.0
 _LITTLE = 1e-3
@@ -33,7 +36,7 @@ def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
     fleet.solve(fleet.singles, price, 1, is_rough=True)
     effort = 1
     while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
-        if fleet.limits.reached or fleet.without_plan() is not None:
+        if fleet.limits.reached or fleet.without_plan() is not None or effort > _MOST_EFFORT:
             return price
         effort *= MORE_EFFORT
         fleet.solve(missing, price, effort)
