@@ -12,6 +12,7 @@ import pytest
 from radmpc import load_scenario
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
+from radmpc.planners.certified.pricing import next_price
 from radmpc.planning import plan
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.restrict import avoidance_blocks, restrict_around
@@ -55,6 +56,27 @@ def test_starts_that_risk_more_than_is_granted_are_named(name):
 @pytest.mark.parametrize("name", ["crash-highs-unknown.json", "highs-unknown-tiny-bound.yaml"])
 def test_programmes_that_highs_gives_up_on_twice_are_planned(name):
     assert answered(name, 4.0).is_certified
+
+
+@pytest.mark.parametrize("name", ["tiny-risk-bound.json", "price-without-end.json"])
+def test_a_risk_bound_of_one_in_a_trillion_is_planned_to_its_optimum(name):
+    found = [
+        plan(replace(scene(name), risk_bound=bound), "certified", time_limit=10.0)
+        for bound in (1e-8, 1e-10, 1e-12)
+    ]
+    for result in found:
+        assert result.status is Status.OPTIMAL
+        assert result.is_certified
+        assert result.lower_bound <= result.cost <= result.lower_bound * (1.0 + 1.1e-3)
+    costs = [result.cost for result in found]
+    assert costs == sorted(costs)
+
+
+def test_a_risk_that_no_price_moves_does_not_drive_the_price_without_end():
+    tried = [(0.02, 1e-3)]
+    for _ in range(60):
+        tried.append((next_price(tried, 1e-5), 1e-3))
+    assert tried[-1][0] == tried[-2][0] <= 0.02 * 1e7
 
 
 def contradictory():

@@ -8,12 +8,13 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
-from radmpc.program.program import ChanceRows, DisjunctiveProgram
+from radmpc.gaussian import clearance_for
+from radmpc.program.program import SETTLED_SHARE, ChanceRows, DisjunctiveProgram
 
 __all__ = ["Restriction", "along", "avoidance_blocks", "restrict", "restrict_around"]
 
 _SETTLED = 7.0
-"""Standard deviations beyond which an avoidance counts as kept (1e-12)."""
+"""Standard deviations beyond which an avoidance counts as kept (1e-12); more where Δ is tiny."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +125,8 @@ def restrict_around(
         rows.normals.maximum(0.0) @ program.output_upper
         + rows.normals.minimum(0.0) @ program.output_lower
     )
-    is_kept = rows.offsets - most >= _SETTLED * rows.deviations
+    enough = max(_SETTLED, float(clearance_for(SETTLED_SHARE * program.risk_bound)))
+    is_kept = rows.offsets - most >= enough * rows.deviations
     # Counted, not by `reduceat`: that lends an avoidance without alternatives its neighbor's.
     left = _counts(program.alternative_starts, ~is_kept[program.alternative_rows])
     settled = _counts(program.avoidance_starts, left == 0.0) > 0.0

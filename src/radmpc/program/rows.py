@@ -8,11 +8,9 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.gaussian import clearance_for, tail_probability
-from radmpc.program.program import SETTLED_RISK
+from radmpc.program.program import SETTLED_RISK, SETTLED_SHARE
 
 __all__ = ["Body", "RowBlock", "Windows", "danger_rows"]
-
-_SETTLED_CLEARANCE = float(clearance_for(SETTLED_RISK))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,12 +109,12 @@ class _End:
     best: Vector
 
 
-def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
+def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock | None:
     """Return the rows of one danger, or its settled risk alone.
 
     A window some face of which holds for every admissible control with a risk of at most
-    `SETTLED_RISK` is settled: it is charged that risk and needs no choice. A face that no
-    admissible control satisfies even without noise is no alternative.
+    `SETTLED_RISK` (less where Δ is tiny) is settled: it is charged that risk and needs no choice.
+    A face that no admissible control satisfies even without noise is no alternative.
 
     Parameters
     ----------
@@ -124,6 +122,8 @@ def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
         What is kept apart.
     windows : Windows
         From what, when.
+    risk_bound : float
+        Δ: what counts as settled is small against it.
 
     Returns
     -------
@@ -139,7 +139,8 @@ def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
     worst = np.minimum.reduce([end.worst for end in ends])
     best = np.minimum.reduce([end.best for end in ends])
     safest = worst.argmax(axis=1)
-    settled = worst.max(axis=1) >= _SETTLED_CLEARANCE
+    enough = float(clearance_for(min(SETTLED_RISK, SETTLED_SHARE * risk_bound)))
+    settled = worst.max(axis=1) >= enough
     risks = sum(tail_probability(end.worst[np.arange(num_windows), safest]) for end in ends)
     settled_risk = float(np.sum(np.asarray(risks)[settled]))
     if np.all(settled):

@@ -28,6 +28,9 @@ _INF = float("inf")
 _FIRST_TANGENTS = (2.1, 2.6, 3.1)
 """Clearances near which optimal plans of few vehicles keep, beside the floor."""
 
+_DEAR = 1e6
+"""Price from which on rows with prices in them are scaled down: HiGHS refuses entries of 1e15."""
+
 _CROWD = 400
 """Rows beyond which switched-off ones are dropped."""
 
@@ -83,6 +86,7 @@ class RiskLp:
         self.unit = unit
         self.price = price
         self.floor = float(clearance_for(unit))
+        self._row_scale = min(1.0, _DEAR / price)
         self.dropped_solves = 0
         rows = program.rows
         self._right = rows.offsets - rows.normals @ program.constant
@@ -122,8 +126,8 @@ class RiskLp:
             columns = np.flatnonzero(np.isin(program.blocks, members))
             row = self._lp.add_row(
                 np.append(columns, inner).astype(np.int32),
-                np.append(program.cost[columns], np.full(len(inner), self.price)),
-                bound.value,
+                self._row_scale * np.append(program.cost[columns], np.full(len(inner), self.price)),
+                self._row_scale * bound.value,
                 _INF,
             )
             self._bound_rows.append((bound.blocks, row))
@@ -171,7 +175,7 @@ class RiskLp:
             int(b) for b in np.unique(self.program.blocks[self._row_coefficients(row)[0]])
         )
         rows = [number for blocks, number in self._bound_rows if touched <= blocks]
-        values = [self.price] * len(rows)
+        values = [self._row_scale * self.price] * len(rows)
         rows.append(self._budget_row)
         values.append(1.0)
         self._risk_columns[event] = self._lp.add_column(

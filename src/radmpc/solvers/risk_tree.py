@@ -19,6 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Vector
+from radmpc.gaussian import clearance_for
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import LpOutcome
 from radmpc.solvers.risk_branching import BranchingChoice
@@ -34,8 +35,8 @@ _EPSILON = 0.3
 """Share of the gap within which a node's bound and its point's true value count as equal."""
 
 _ROUNDS = 8
-_FLAT = 5.5
-"""Clearance beyond which a tangent (2e-8) is no better than t >= 0."""
+_FLAT = 1e-7
+"""Share of the unit below which a tangent is no better than t >= 0."""
 
 _ROUNDING = 1e-6
 """How far a row held at the whole unit may exceed it by the linear solver's tolerance. Such a point
@@ -106,6 +107,7 @@ class RiskTree:
         self.nodes = 0
         self.is_limited = False
         self.rater = Rater(program, unit) if rater is None else rater
+        self._flat = float(clearance_for(_FLAT * unit))
         self._bounds = tuple(bounds)
         self._lp: RiskLp | None = None
         self._open: list[Node] = []
@@ -321,7 +323,7 @@ class RiskTree:
         added = False
         for row, error in zip(rows, missing, strict=True):
             clearance = float(rating.clearances[row])
-            if error > tolerance / (4.0 * rows.size) and clearance < _FLAT:
+            if error > tolerance / (4.0 * rows.size) and clearance < self._flat:
                 added |= self.lp.add_tangent(int(row), max(clearance, self.lp.floor))
         return added
 
