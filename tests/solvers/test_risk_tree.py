@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -200,3 +201,21 @@ def test_a_node_limit_leaves_a_bound_and_a_way_to_go_on():
     tree.run(20_000)
     assert not tree.is_limited
     assert early <= tree.bound <= tree.value
+
+
+@pytest.mark.parametrize("unit", [1e-8, 1e-12])
+def test_the_priced_search_closes_its_gap_where_risks_are_tiny(unit):
+    scenario = tiny(0, unit)
+    quiet = replace(scenario.vehicles[0], initial_covariance=1e-4, disturbance_covariance=1e-4)
+    tree = search(program_of(replace(scenario, vehicles=(quiet,))), unit, 0.3)
+    assert tree.value < np.inf
+    assert tree.value - tree.bound <= 1.001 * GAP * tree.value
+
+
+@pytest.mark.parametrize("price", [1e3, 1e12, 1e17])
+def test_bounds_of_parts_enter_at_any_price(price):
+    program = program_of(paper(8, 0).subset((0, 1), 0.05))
+    bounds = (SetBound(frozenset({0}), 1.0),)
+    tree = RiskTree(program, 0.05, price, gap=GAP, scale=price, limits=Limits(), bounds=bounds)
+    tree.run(200)
+    assert tree.bound <= tree.value

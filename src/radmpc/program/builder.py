@@ -133,7 +133,7 @@ class ProgramBuilder:
         self, body: Body, windows: Windows, cause: Cause, vehicle: str, other: str | None
     ) -> None:
         """Add one danger: its rows, and the risk it carries already."""
-        block = danger_rows(body, windows)
+        block = danger_rows(body, windows, self.scenario.risk_bound)
         if block is None:
             return
         self.settled_risk += block.settled_risk

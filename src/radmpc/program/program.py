@@ -19,11 +19,14 @@ from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import tail_probability
 from radmpc.model.plan import Cause
 
-__all__ = ["SETTLED_RISK", "ChanceRows", "DisjunctiveProgram", "Exposure"]
+__all__ = ["SETTLED_RISK", "SETTLED_SHARE", "ChanceRows", "DisjunctiveProgram", "Exposure"]
 
 SETTLED_RISK = 1e-12
 """Avoidances that no admissible control violates with more chance than this are charged at that
-chance and leave the programme."""
+chance and leave the programme; where Δ is below 1e-4, with more than `SETTLED_SHARE` of it."""
+
+SETTLED_SHARE = 1e-8
+"""Share of Δ that one settled avoidance may take: thousands of them leave Δ as it is."""
 
 
 class Exposure(NamedTuple):

@@ -8,12 +8,13 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
-from radmpc.program.program import ChanceRows, DisjunctiveProgram
+from radmpc.gaussian import clearance_for
+from radmpc.program.program import SETTLED_SHARE, ChanceRows, DisjunctiveProgram
 
 __all__ = ["Restriction", "along", "avoidance_blocks", "restrict", "restrict_around"]
 
 _SETTLED = 7.0
-"""Standard deviations beyond which an avoidance counts as kept (1e-12)."""
+"""Standard deviations beyond which an avoidance counts as kept (1e-12); more where Δ is tiny."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,11 +125,11 @@ def restrict_around(
         rows.normals.maximum(0.0) @ program.output_upper
         + rows.normals.minimum(0.0) @ program.output_lower
     )
-    is_kept = rows.offsets - most >= _SETTLED * rows.deviations
-    is_safe = np.logical_and.reduceat(
-        is_kept[program.alternative_rows], program.alternative_starts[:-1]
-    )
-    settled = np.logical_or.reduceat(is_safe, program.avoidance_starts[:-1])
+    enough = max(_SETTLED, float(clearance_for(SETTLED_SHARE * program.risk_bound)))
+    is_kept = rows.offsets - most >= enough * rows.deviations
+    # Counted, not by `reduceat`: that lends an avoidance without alternatives its neighbor's.
+    left = _counts(program.alternative_starts, ~is_kept[program.alternative_rows])
+    settled = _counts(program.avoidance_starts, left == 0.0) > 0.0
     return _with_avoidances(whole, part, avoidances[~settled])
 
 
@@ -224,6 +225,14 @@ def _runs(starts: Indices, chosen: Indices) -> Indices:
     if chosen.size == 0:
         return np.zeros(0, dtype=np.int64)
     return np.concatenate([np.arange(starts[i], starts[i + 1]) for i in chosen])
+
+
+def _counts(starts: Indices, marked: np.ndarray) -> Vector:
+    """Return how many members of each run are marked; 0 for an empty one."""
+    owners = np.repeat(np.arange(starts.size - 1), np.diff(starts))
+    counts: Vector = np.zeros(starts.size - 1)
+    np.add.at(counts, owners, marked)
+    return counts
 
 
 def _starts(sizes: Indices) -> Indices:

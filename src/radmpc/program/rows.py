@@ -8,12 +8,10 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import clearance_for, tail_probability
-from radmpc.program.program import SETTLED_RISK
+from radmpc.program.program import SETTLED_RISK, SETTLED_SHARE
 from radmpc.program.reserve import shares_of_reserve
 
 __all__ = ["Body", "Part", "RowBlock", "Windows", "danger_rows"]
-
-_SETTLED_CLEARANCE = float(clearance_for(SETTLED_RISK))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,12 +121,12 @@ class _End:
     most: Vector
 
 
-def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
+def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock | None:
     """Return the rows of one danger, or its settled risk alone.
 
     A window some face of which holds for every admissible control with a risk of at most
-    `SETTLED_RISK` is settled: it is charged that risk and needs no choice. A face that no
-    admissible control satisfies even without noise is no alternative.
+    `SETTLED_RISK` (less where Δ is tiny) is settled: it is charged that risk and needs no choice.
+    A face that no admissible control satisfies even without noise is no alternative.
 
     Parameters
     ----------
@@ -136,6 +134,8 @@ def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
         What is kept apart.
     windows : Windows
         From what, when.
+    risk_bound : float
+        Δ: what counts as settled is small against it.
 
     Returns
     -------
@@ -143,6 +143,7 @@ def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
         None where every window is settled at a risk of exactly 0.
     """
     num_windows = len(windows.near)
+    enough = float(clearance_for(min(SETTLED_RISK, SETTLED_SHARE * risk_bound)))
     after = 1 + np.arange(num_windows)
     if not windows.intervals:
         ends = [_end(body, windows.normals, windows.near, after, body.covariances[after])]
@@ -156,12 +157,12 @@ def danger_rows(body: Body, windows: Windows) -> RowBlock | None:
             ends.append(_end(*here, body.bent[before], kind=1))
         ends.append(_end(*there, body.covariances[after], is_near=False))
         bow = _worst_bow(body, windows)
-        near = np.minimum.reduce([_spare(end) for end in ends[:-1]])
-        shares = shares_of_reserve(near, _spare(ends[-1]), bow)
+        near = np.minimum.reduce([_spare(end, enough) for end in ends[:-1]])
+        shares = shares_of_reserve(near, _spare(ends[-1], enough), bow)
     worst = [_worst(ends, bow, share) for share in shares]
     best = np.minimum.reduce([_in_deviations(end.most, end.deviations) for end in ends])
     settled_by = worst[0].max(axis=1)
-    settled = settled_by >= _SETTLED_CLEARANCE
+    settled = settled_by >= enough
     safest = worst[0].argmax(axis=1)
     every = np.arange(num_windows)
     risks = sum(
@@ -205,9 +206,9 @@ def _end(
     )
 
 
-def _spare(end: _End) -> Vector:
+def _spare(end: _End, enough: float) -> Vector:
     """Return what an end keeps beyond being settled, wherever the body may be [m]."""
-    return end.least - _SETTLED_CLEARANCE * end.deviations
+    return end.least - enough * end.deviations
 
 
 def _clearance(end: _End, bow: Vector, share: Vector) -> Vector:

@@ -16,6 +16,9 @@ from radmpc.referee.halfspace import unit
 
 __all__ = ["tangent_directions"]
 
+_LEVEL = 1e-24
+"""Slope, as a share of the steepest, up to which a Newton step changes nothing, or overflows."""
+
 _NEWTON_STEPS = 12
 
 
@@ -77,7 +80,8 @@ def _ball_normals(gaps: Tensor, covariances: Tensor, radii: Vector) -> Tensor:
         length = np.sqrt(y2.sum(axis=2))
         slope = (y2 * values / shrink).sum(axis=2)
         # Newton on 1/|y| - 1/r: concave in the multiplier, so it never jumps over the root.
-        moves = (length > r) & (slope > 0.0)
+        # Where the gap has next to nothing along the noise, no multiplier turns the normal.
+        moves = (length > r) & (slope > _LEVEL * np.square(length) * values.max(axis=2))
         step = np.square(length) * (length / r - 1.0) / np.where(moves, slope, 1.0)
         multiplier += np.where(moves, step, 0.0)
     y = g / (1.0 + multiplier[:, :, None] * values)

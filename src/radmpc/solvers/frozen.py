@@ -33,10 +33,11 @@ def solve_selection(program: DisjunctiveProgram, margins: Vector, selection: Ind
     begun = time.perf_counter()
     lp = WarmLp(program, margins)
     lp.activate(program.selected_rows(selection))
-    outcome, cost = lp.solve()
+    outcome, bound = lp.solve()
     seconds = time.perf_counter() - begun
     if outcome is not LpOutcome.OPTIMAL:
-        return Solution(
-            Outcome.INFEASIBLE, None, None, float("inf"), float("inf"), 1, lp.solves, seconds
-        )
-    return Solution(Outcome.OPTIMAL, lp.point(), selection, cost, cost, 1, lp.solves, seconds)
+        ended = Outcome.INFEASIBLE if outcome is LpOutcome.INFEASIBLE else Outcome.LIMIT
+        return Solution(ended, None, None, float("inf"), bound, 1, lp.solves, seconds)
+    z = lp.point()
+    cost = float(program.cost @ z)
+    return Solution(Outcome.OPTIMAL, z, selection, cost, min(bound, cost), 1, lp.solves, seconds)

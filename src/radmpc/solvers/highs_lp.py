@@ -1,7 +1,12 @@
-"""One linear programme kept alive in HiGHS: grown by rows and columns, solved warm."""
+"""One linear programme kept alive in HiGHS: grown by rows and columns, solved warm.
+
+What HiGHS reports is not taken for proven: bounds and infeasibility are what its dual values prove
+of a copy of the programme.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from enum import Enum
 
 import highspy
@@ -11,6 +16,7 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import SolverError
+from radmpc.solvers.safe_bound import LpRecord
 
 __all__ = ["FEASIBILITY_TOL", "HighsLp", "LpOutcome", "Numbers", "quiet_highs"]
 
@@ -30,7 +36,17 @@ _DUAL_SIMPLEX = (
     ("simplex_dual_edge_weight_strategy", 0),
     ("primal_feasibility_tolerance", FEASIBILITY_TOL),
     ("dual_feasibility_tolerance", FEASIBILITY_TOL),
+    # Tangents far out in the tail are flat, and still count where risk bounds are small.
+    ("small_matrix_value", 1e-12),
 )
+
+_BEYOND = 1e-7
+"""Share of the cutoff by which HiGHS goes beyond it, so that rounding leaves it proven."""
+
+_WEAK = 1e-6
+"""Relative difference of what HiGHS reports and what is proven, above which it tries again."""
+
+_Status = highspy.HighsModelStatus
 
 
 class LpOutcome(Enum):
@@ -39,6 +55,7 @@ class LpOutcome(Enum):
     OPTIMAL = "optimal"
     INFEASIBLE = "infeasible"
     CUTOFF = "worse than the cutoff"
+    FAILED = "the solver found no answer"
 
 
 def quiet_highs() -> highspy.Highs:
@@ -59,7 +76,7 @@ class HighsLp:
     Parameters
     ----------
     cost, lower, upper : (n,) array
-        Of the first columns.
+        Of the first columns; an infinite bound leaves nothing to be proven.
     """
 
     def __init__(self, cost: Vector, lower: Vector, upper: Vector) -> None:
@@ -67,6 +84,8 @@ class HighsLp:
         self.num_columns = int(cost.size)
         self.num_rows = 0
         self._cutoff = float("inf")
+        self._record = LpRecord(cost, lower, upper)
+        self._point = np.zeros(0)
         self._highs = quiet_highs()
         for name, value in _DUAL_SIMPLEX:
             self._highs.setOptionValue(name, value)
@@ -87,6 +106,7 @@ class HighsLp:
                 matrix.data,
             )
         )
+        self._record.add_rows(matrix.indptr, matrix.indices, matrix.data, lower, upper)
         first = self.num_rows
         self.num_rows += int(matrix.shape[0])
         return first
@@ -95,17 +115,11 @@ class HighsLp:
         """Append rows of equal length, bounded below or (None) free; return the first's number."""
         count, width = values.shape
         infinite = np.full(count, np.inf)
-        _check(
-            self._highs.addRows(
-                count,
-                -infinite if lower is None else lower,
-                infinite,
-                count * width,
-                np.arange(0, count * width, width, dtype=np.int32),
-                columns.ravel(),
-                values.ravel(),
-            )
-        )
+        lower = -infinite if lower is None else lower
+        starts = np.arange(0, (count + 1) * width, width, dtype=np.int32)
+        flat = columns.ravel(), values.ravel()
+        _check(self._highs.addRows(count, lower, infinite, count * width, starts[:-1], *flat))
+        self._record.add_rows(starts, *flat, lower, infinite)
         first = self.num_rows
         self.num_rows += count
         return first
@@ -113,6 +127,7 @@ class HighsLp:
     def add_row(self, columns: Numbers, values: Vector, lower: float, upper: float) -> int:
         """Append one row; return its number."""
         _check(self._highs.addRow(lower, upper, len(columns), columns, values))
+        self._record.add_rows(np.array([0, len(columns)]), columns, values, lower, upper)
         self.num_rows += 1
         return self.num_rows - 1
 
@@ -121,6 +136,7 @@ class HighsLp:
     ) -> int:
         """Append one column, at least 0; return its number."""
         _check(self._highs.addCol(cost, 0.0, upper, len(rows), rows, values))
+        self._record.add_column(cost, upper, rows, values)
         self.num_columns += 1
         return self.num_columns - 1
 
@@ -129,45 +145,85 @@ class HighsLp:
         if rows:
             numbers = np.array(rows, dtype=np.int32)
             _check(self._highs.changeRowsBounds(len(rows), numbers, lower, upper))
+            self._record.bound_rows(numbers, lower, upper)
 
     def solve(self, cutoff: float = float("inf")) -> tuple[LpOutcome, float]:
-        """Minimise.
+        """Minimise: warm, else from scratch, else in a fresh HiGHS with options of its own.
 
         Parameters
         ----------
         cutoff : float
-            Give up as soon as the cost is known to be above this.
+            Give up as soon as the cost is proven to be at least this.
 
         Returns
         -------
         (LpOutcome, float)
-            The outcome and the least cost (inf where infeasible).
-
-        Raises
-        ------
-        SolverError
-            If HiGHS fails twice, the second time from scratch.
+            The outcome and a proven lower bound on the cost: near the least where optimal, inf
+            where infeasible, at least the cutoff where cut off; where HiGHS failed, what is known.
         """
+        if self._record.is_contradictory:
+            return LpOutcome.INFEASIBLE, float("inf")
+        known, proven = LpOutcome.FAILED, -float("inf")
+        for highs in self._tries(cutoff):
+            outcome, bound, reported = self._run(highs, cutoff)
+            proven = max(proven, bound)
+            if outcome is not LpOutcome.FAILED:
+                known = outcome
+                if reported <= bound + _WEAK * max(1.0, abs(reported)):
+                    return known, proven
+        return known, max(proven, self._record.least(np.zeros(self.num_rows)))
+
+    def _tries(self, cutoff: float) -> Iterator[highspy.Highs]:
+        """Return HiGHS as it stands; asked again, from scratch; then a fresh one."""
+        self._stop_at(cutoff)
+        yield self._highs
+        self._highs.clearSolver()
+        self._stop_at(float("inf"))
+        yield self._highs
+        self._highs.clearSolver()
+        fresh = quiet_highs()
+        fresh.passModel(self._highs.getLp())
+        yield fresh
+        # What presolve takes for infeasible comes without a proof.
+        fresh.setOptionValue("presolve", "off")
+        fresh.clearSolver()
+        yield fresh
+
+    def _stop_at(self, cutoff: float) -> None:
+        """Let HiGHS stop a little beyond a cutoff."""
         if cutoff != self._cutoff:
-            self._highs.setOptionValue("objective_bound", cutoff)
             self._cutoff = cutoff
-        for attempt in range(2):
-            self.solves += 1
-            self._highs.run()
-            status = self._highs.getModelStatus()
-            if status == highspy.HighsModelStatus.kOptimal:
-                return LpOutcome.OPTIMAL, float(self._highs.getInfo().objective_function_value)
-            if status == highspy.HighsModelStatus.kInfeasible:
-                return LpOutcome.INFEASIBLE, float("inf")
-            if status == highspy.HighsModelStatus.kObjectiveBound:
-                return LpOutcome.CUTOFF, cutoff
-            if attempt == 0:
-                self._highs.clearSolver()
-        raise SolverError(f"HiGHS stopped with {self._highs.modelStatusToString(status)}")
+            beyond = cutoff + _BEYOND * abs(cutoff)
+            self._highs.setOptionValue("objective_bound", beyond)
+
+    def _run(self, highs: highspy.Highs, cutoff: float) -> tuple[LpOutcome, float, float]:
+        """Solve once; return the outcome, what is proven of the cost, and what is reported."""
+        self.solves += 1
+        highs.run()
+        status = highs.getModelStatus()
+        if status in {_Status.kInfeasible, _Status.kUnboundedOrInfeasible}:
+            _, has_ray, ray = highs.getDualRay()
+            if has_ray and self._record.has_no_point(np.asarray(ray)):
+                return LpOutcome.INFEASIBLE, float("inf"), float("inf")
+            return LpOutcome.FAILED, -float("inf"), float("inf")
+        solution = highs.getSolution()
+        bound = -float("inf")
+        if solution.dual_valid:
+            bound = self._record.least(np.array(solution.row_dual))
+        if status == _Status.kOptimal:
+            self._point = np.array(solution.col_value)
+            return LpOutcome.OPTIMAL, bound, self._record.cost_at(self._point)
+        if bound >= cutoff:
+            return LpOutcome.CUTOFF, bound, bound
+        if status == _Status.kObjectiveBound:
+            # Stopped, but not proven to be beyond the cutoff: to the end, then.
+            self._stop_at(float("inf"))
+            return self._run(highs, cutoff)
+        return LpOutcome.FAILED, bound, float("inf")
 
     def point(self) -> Vector:
         """Return the columns of the last optimal solve."""
-        return np.array(self._highs.getSolution().col_value)
+        return self._point
 
 
 def _check(status: highspy.HighsStatus) -> None:

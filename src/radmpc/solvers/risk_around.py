@@ -62,6 +62,8 @@ def search_around(
     Incumbent or None
         No worse than the plan given.
     """
+    if rater.is_hopeless:
+        return best
     held = _held(rater, slacks, move, is_rigid=is_rigid)
     tree = RiskTree(rater.program, unit, price, gap=_GAP, scale=scale, limits=limits, rater=rater)
     tree.resume(((-np.inf, held),), price, best)

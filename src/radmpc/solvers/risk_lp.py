@@ -28,6 +28,9 @@ _INF = float("inf")
 _FIRST_TANGENTS = (2.1, 2.6, 3.1)
 """Clearances near which optimal plans of few vehicles keep, beside the floor."""
 
+_DEAR = 1e6
+"""Price from which on rows with prices in them are scaled down: HiGHS refuses entries of 1e15."""
+
 _CROWD = 400
 """Rows beyond which switched-off ones are dropped."""
 
@@ -83,6 +86,7 @@ class RiskLp:
         self.unit = unit
         self.price = price
         self.floor = float(clearance_for(unit))
+        self._row_scale = min(1.0, _DEAR / price)
         self.dropped_solves = 0
         rows = program.rows
         self._right = rows.offsets - rows.normals @ program.constant
@@ -114,15 +118,16 @@ class RiskLp:
             parts = [frozenset(c) for size in (1, 2) for c in combinations(members, size)]
             for part in parts:
                 if part not in rests:
+                    # The budget's row holds it to one unit anyway; said here, it is finite.
                     rests[part] = self._lp.add_column(
-                        self.price, _INF, np.array([self._budget_row], dtype=np.int32), np.ones(1)
+                        self.price, 1.0, np.array([self._budget_row], dtype=np.int32), np.ones(1)
                     )
             inner = [rests[part] for part in parts]
             columns = np.flatnonzero(np.isin(program.blocks, members))
             row = self._lp.add_row(
                 np.append(columns, inner).astype(np.int32),
-                np.append(program.cost[columns], np.full(len(inner), self.price)),
-                bound.value,
+                self._row_scale * np.append(program.cost[columns], np.full(len(inner), self.price)),
+                self._row_scale * bound.value,
                 _INF,
             )
             self._bound_rows.append((bound.blocks, row))
@@ -170,7 +175,7 @@ class RiskLp:
             int(b) for b in np.unique(self.program.blocks[self._row_coefficients(row)[0]])
         )
         rows = [number for blocks, number in self._bound_rows if touched <= blocks]
-        values = [self.price] * len(rows)
+        values = [self._row_scale * self.price] * len(rows)
         rows.append(self._budget_row)
         values.append(1.0)
         self._risk_columns[event] = self._lp.add_column(

@@ -174,6 +174,9 @@ class Neighborhood:
     ) -> Vector | None:
         """Return the point with some blocks planned anew; None if no way was found."""
         part = self._around(z, free, placed)
+        rater = Rater(part.program, self.unit)
+        if rater.is_hopeless:
+            return None
         tree = RiskTree(
             part.program,
             self.unit,
@@ -181,7 +184,7 @@ class Neighborhood:
             gap=_ROUGH_GAP,
             scale=self.scale,
             limits=self.limits,
-            rater=Rater(part.program, self.unit),
+            rater=rater,
         )
         tree.consider(z[part.columns])
         least = sum(self.least[b] for b in free)

@@ -34,12 +34,17 @@ class Incumbent:
 
 @dataclass(order=True, slots=True)
 class Node:
-    """An open node, ordered by its bound, then deeper first, then older first."""
+    """A node, ordered by its bound, then deeper first, then older first.
+
+    A dive takes its nodes without looking for them in the heap: they stay there, no longer open,
+    until they come to the top. A node that is opened again is queued still, or pushed.
+    """
 
     bound: float
     depth: int
     number: int
     chosen: tuple[int, ...] = field(compare=False)
     is_open: bool = field(compare=False, default=True)
+    is_queued: bool = field(compare=False, default=False)
     is_solved: bool = field(compare=False, default=False)
     sides: tuple[int, ...] = field(compare=False, default=())

@@ -81,7 +81,7 @@ class Rater:
             self._row_table = np.where(self._blank, 0, self._rows[self.table])
 
     def rate(self, z: Vector) -> Rating:
-        """Return the rating of a point."""
+        """Return the rating of a point; where some avoidance has no side left, an infinite risk."""
         program = self.program
         slacks = program.slacks(z)
         clearances = slacks * self._inverse
@@ -89,10 +89,11 @@ class Rater:
             # A hard row holds up to the solver's own feasibility tolerance.
             clearances[self._certain] = np.where(slacks[self._certain] >= -1e-8, np.inf, -np.inf)
         risks: Vector = np.asarray(tail_probability(clearances))
-        if program.num_avoidances == 0:
+        if program.num_avoidances == 0 or self.is_hopeless:
+            risk = np.inf if self.is_hopeless else 0.0
             none = np.zeros(0)
             return Rating(
-                clearances, risks, none, none.astype(np.int64), none.reshape(0, 1), 0.0, 0.0
+                clearances, risks, none, none.astype(np.int64), none.reshape(0, 1), risk, risk
             )
         misses = self._reference - slacks
         if self._is_single:

@@ -19,6 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Vector
+from radmpc.gaussian import clearance_for
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import LpOutcome
 from radmpc.solvers.risk_branching import BranchingChoice
@@ -34,8 +35,8 @@ _EPSILON = 0.3
 """Share of the gap within which a node's bound and its point's true value count as equal."""
 
 _ROUNDS = 8
-_FLAT = 5.5
-"""Clearance beyond which a tangent (2e-8) is no better than t >= 0."""
+_FLAT = 1e-7
+"""Share of the unit below which a tangent is no better than t >= 0."""
 
 _ROUNDING = 1e-6
 """How far a row held at the whole unit may exceed it by the linear solver's tolerance. Such a point
@@ -79,7 +80,7 @@ class RiskTree:
     nodes : int
         Work done.
     is_limited : bool
-        Whether a limit ended the last run.
+        Whether a limit ended the last run, or a linear programme that matters was not solved.
     """
 
     def __init__(
@@ -106,11 +107,13 @@ class RiskTree:
         self.nodes = 0
         self.is_limited = False
         self.rater = Rater(program, unit) if rater is None else rater
+        self._flat = float(clearance_for(_FLAT * unit))
         self._bounds = tuple(bounds)
         self._lp: RiskLp | None = None
         self._open: list[Node] = []
         self._parked: list[Node] = []
         self._trail: list[Node] = []
+        self._unsolved: list[Node] = []
         self._created = 0
         self._choice = BranchingChoice(program, self.rater)
         self._noisy = program.rows.deviations > 0.0
@@ -160,6 +163,8 @@ class RiskTree:
         """
         share = min(1.0, self.price / price)
         self._open, self._parked = [], []
+        if self.rater.is_hopeless:
+            return
         for bound, chosen in frontier:
             known = bound if share == 1.0 else share * bound + (1.0 - share) * base
             self._push(known, chosen)
@@ -182,13 +187,15 @@ class RiskTree:
             top = self._top()
             if top is None or top.bound >= self._cutoff():
                 break
-            self._dive(heapq.heappop(self._open), last)
+            self._dive(self._popped(), last)
         if self.rater.is_hopeless:
             return
         top = self._top()
         bounds = [n.bound for n in self._parked]
         if top is not None:
             bounds.append(top.bound)
+        # Parked where HiGHS failed, a node is work left over unless its bound is good enough.
+        self.is_limited |= any(node.bound < self._cutoff() for node in self._unsolved)
         # The incumbent is below no node's bound by more than rounding.
         self.bound = min([*bounds, self.value])
 
@@ -200,8 +207,7 @@ class RiskTree:
             node.is_open = False
             if self.nodes >= last or self.limits.reached:
                 self.is_limited = True
-                node.is_open = True
-                heapq.heappush(self._open, node)
+                self._queue(node)
                 return
             if not node.is_solved:
                 self._solve(node)
@@ -221,8 +227,21 @@ class RiskTree:
     def _top(self) -> Node | None:
         """Return the open node of least bound; those taken by a dive are dropped on the way."""
         while self._open and not self._open[0].is_open:
-            heapq.heappop(self._open)
+            self._popped()
         return self._open[0] if self._open else None
+
+    def _popped(self) -> Node:
+        """Take the first node off the heap."""
+        node = heapq.heappop(self._open)
+        node.is_queued = False
+        return node
+
+    def _queue(self, node: Node) -> None:
+        """Open a node, in the heap once."""
+        node.is_open = True
+        if not node.is_queued:
+            node.is_queued = True
+            heapq.heappush(self._open, node)
 
     def _expand(self, node: Node) -> Node | None:
         """Solve a node's children one after the other; return the best that is left open.
@@ -238,7 +257,7 @@ class RiskTree:
                 children.append(child)
         children.sort()
         for child in children:
-            heapq.heappush(self._open, child)
+            self._queue(child)
         self._trail += children[:0:-1]
         return children[0] if children else None
 
@@ -252,7 +271,8 @@ class RiskTree:
                 outcome = self._relax(node)
                 if outcome is LpOutcome.INFEASIBLE:
                     return
-                if outcome is LpOutcome.CUTOFF:
+                if outcome is not LpOutcome.OPTIMAL:
+                    self._unsolved += [node] * (outcome is LpOutcome.FAILED)
                     break
                 point = self.lp.point()
                 z = point[: self.program.num_columns]
@@ -303,7 +323,7 @@ class RiskTree:
         added = False
         for row, error in zip(rows, missing, strict=True):
             clearance = float(rating.clearances[row])
-            if error > tolerance / (4.0 * rows.size) and clearance < _FLAT:
+            if error > tolerance / (4.0 * rows.size) and clearance < self._flat:
                 added |= self.lp.add_tangent(int(row), max(clearance, self.lp.floor))
         return added
 
@@ -338,7 +358,7 @@ class RiskTree:
 
     def _push(self, bound: float, chosen: tuple[int, ...]) -> None:
         """Open a node that is yet to be solved."""
-        heapq.heappush(self._open, self._node(bound, chosen))
+        self._queue(self._node(bound, chosen))
 
     def _node(self, bound: float, chosen: tuple[int, ...]) -> Node:
         """Return a new node."""

@@ -35,7 +35,11 @@ _PATIENCE = 100
 
 @dataclass(order=True, slots=True)
 class _Node:
-    """An open node, ordered by its bound, then deeper first, then older first."""
+    """A node, ordered by its bound, then deeper first, then older first.
+
+    A dive takes its nodes without looking for them in the heap: they stay there, no longer open,
+    until they come to the top. A node that is opened again is queued still, or pushed.
+    """
 
     bound: float
     depth: int
@@ -43,6 +47,7 @@ class _Node:
     chosen: tuple[int, ...] = field(compare=False)
     excluded: tuple[int, ...] = field(compare=False)
     is_open: bool = field(compare=False, default=True)
+    is_queued: bool = field(compare=False, default=False)
 
 
 class Tree:
@@ -116,9 +121,12 @@ class Tree:
         if self._is_hopeless:
             return
         self._lp.activate(self.program.selected_rows(selection))
-        outcome, cost = self._lp.solve()
-        if outcome is LpOutcome.OPTIMAL and cost < self.cost:
-            self.cost, self.z = cost, self._lp.point()
+        outcome, _ = self._lp.solve()
+        if outcome is LpOutcome.OPTIMAL:
+            z = self._lp.point()
+            cost = float(self.program.cost @ z)
+            if cost < self.cost:
+                self.cost, self.z = cost, z
 
     def try_point(self, z: Vector) -> None:
         """Make an incumbent of a point, if it satisfies the programme."""
@@ -141,7 +149,7 @@ class Tree:
         while self._top() is not None and not self.is_limited:
             if relative_gap(self.cost, self._open[0].bound) <= self.gap:
                 break
-            self._dive(heapq.heappop(self._open), last)
+            self._dive(self._popped(), last)
         left = self._top()
         self.bound = min(self._closed, float("inf") if left is None else left.bound, self.cost)
 
@@ -153,8 +161,7 @@ class Tree:
             node.is_open = False
             if self.nodes >= last or self.limits.reached:
                 self.is_limited = True
-                node.is_open = True
-                heapq.heappush(self._open, node)
+                self._queue(node)
                 return
             node = self._expand(node)
             if node is None and self.z is None and patience > 0:
@@ -172,8 +179,21 @@ class Tree:
     def _top(self) -> _Node | None:
         """Return the open node of least bound; those taken by a dive are dropped on the way."""
         while self._open and not self._open[0].is_open:
-            heapq.heappop(self._open)
+            self._popped()
         return self._open[0] if self._open else None
+
+    def _popped(self) -> _Node:
+        """Take the first node off the heap."""
+        node = heapq.heappop(self._open)
+        node.is_queued = False
+        return node
+
+    def _queue(self, node: _Node) -> None:
+        """Open a node, in the heap once."""
+        node.is_open = True
+        if not node.is_queued:
+            node.is_queued = True
+            heapq.heappush(self._open, node)
 
     def _expand(self, node: _Node) -> _Node | None:
         """Solve a node; return the child to dive into, if it has any."""
@@ -189,7 +209,8 @@ class Tree:
         if outcome is LpOutcome.INFEASIBLE:
             return None
         bound = max(bound, node.bound)
-        if outcome is LpOutcome.CUTOFF:
+        if outcome is not LpOutcome.OPTIMAL:
+            # Cut off; or HiGHS failed: a limit like any other, its bound stays.
             self._close(bound)
             return None
         z = self._lp.point()
@@ -253,5 +274,5 @@ class Tree:
         """Open a node."""
         self._created += 1
         node = _Node(bound, -len(chosen), self._created, chosen, excluded)
-        heapq.heappush(self._open, node)
+        self._queue(node)
         return node

@@ -26,6 +26,8 @@ _STRETCH = 3.0
 _CLOSE = 0.03
 """Relative difference below which two budgets are one."""
 
+_NOTHING = 1e-300
+
 RiskOf = Callable[[tuple[Matrix, ...]], float]
 """The referee's certificate of every vehicle's controls."""
 
@@ -110,7 +112,7 @@ def take(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> None:
             low = max(low, budget)
             if risk >= _SPENT * granted:
                 break
-        following = budget * min(_STRETCH, _AIM * granted / max(risk, 1e-12))
+        following = budget * min(_STRETCH, _AIM * granted / max(risk, _NOTHING))
         if low and high < float("inf"):
             following = (low * high) ** 0.5
         following = min(following, fleet.most_budget)
@@ -123,7 +125,9 @@ def take(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> None:
     elif best.has_failed:
         # The referee finds more in these sides: nearer to Δ, where it cannot.
         best.too_much = min(best.too_much, fleet.budget)
-        fleet.set_budget(_BACK_OFF * (fleet.budget * (granted - fleet.initial)) ** 0.5)
+        # Where the starts alone run more by simple bounds, what is left is the referee's leave.
+        nearer = max(granted - fleet.initial, _BACK_OFF * 0.25 * fleet.budget)
+        fleet.set_budget(_BACK_OFF * (fleet.budget * nearer) ** 0.5)
 
 
 def _left_by_referee(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> float:
@@ -131,7 +135,7 @@ def _left_by_referee(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) ->
     spent = found.risk + found.cross
     raw = [plan.z for plan in found.plans]
     risk = _keep(fleet, found, raw, best, risk_of, spent)
-    return min(spent * _AIM * fleet.scenario.risk_bound / max(risk, 1e-12), fleet.most_budget)
+    return min(spent * _AIM * fleet.scenario.risk_bound / max(risk, _NOTHING), fleet.most_budget)
 
 
 def _keep(

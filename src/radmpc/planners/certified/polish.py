@@ -21,8 +21,8 @@ _ROUNDS = 4
 _LEAST = 1e-9
 """Share of the budget that every row is granted at least."""
 
-_NEAR = 6.0
-"""Clearance beyond which a side is not worth holding on to when the price rises (1e-9)."""
+_NEAR = 5e-9
+"""Share of the unit below which a side is not worth holding on to when the price rises."""
 
 _FAR = 12.0
 """Clearance beyond which a row is not held while risks are fitted."""
@@ -53,6 +53,8 @@ def polish(
     tuple of (n,) array or None
         Points whose true risks stay within the budget; None where these sides do not allow it.
     """
+    if budget <= 0.0:
+        return None
     points = [incumbent.z for incumbent in found]
     is_free = [True] * len(points)
     best, least = None, float("inf")
@@ -111,7 +113,8 @@ def repriced(
     program = problem.program
     clearances = program.clearances(incumbent.z)
     sides = incumbent.selection.tolist()
-    near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < _NEAR)
+    far = float(clearance_for(_NEAR * unit))
+    near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < far)
     tree = RiskTree(program, unit, price, gap=1e-3, scale=price, limits=limits, rater=problem.rater)
     tree.resume(((-np.inf, near),), price, incumbent)
     tree.run(1)

@@ -15,10 +15,16 @@ MORE_EFFORT = 3
 OVERDRAWN = 1.2
 """Multiple of the budget from which on a price is too low to search at."""
 
+_MOST_EFFORT = 10_000
+"""Effort at which more no longer helps: what is left are programmes that no solver solves."""
+
 _MAX_PRICES = 6
 _MOST = 12.0
 _LITTLE = 1e-3
 """Share of the unit below which a vehicle's risk does not tell the price."""
+
+_DEAREST = 1e6
+"""Multiple of the first price beyond which effort no longer counts beside risk."""
 
 _STEEPNESS = 1.15
 _CLOSE = 0.03
@@ -33,7 +39,7 @@ def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
     fleet.solve(fleet.singles, price, 1, is_rough=True)
     effort = 1
     while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
-        if fleet.limits.reached or fleet.without_plan() is not None:
+        if fleet.limits.reached or fleet.without_plan() is not None or effort > _MOST_EFFORT:
             return price
         effort *= MORE_EFFORT
         fleet.solve(missing, price, effort)
@@ -59,9 +65,11 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
     """Return the price at which the budget is expected to be just used.
 
     Risk falls with its price about in proportion; between two prices on both sides of the budget,
-    along a straight line in logarithms.
+    along a straight line in logarithms. Risk that no price moves would drive it without end: from
+    some multiple of the first price on, it stays.
     """
     price, risk = tried[-1]
+    most = _DEAREST * tried[0][0]
     if 0.0 <= 1.0 - risk / budget <= _CLOSE:
         return price
     budget *= 1.0 - 0.5 * _CLOSE
@@ -73,9 +81,9 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
             share = np.log(r1 / budget) / np.log(r1 / r2)
             # A jump of the risk between them draws all prices to one side: keep off the ends.
             return float(p1 * (p2 / p1) ** np.clip(share, 0.15, 0.85))
-    step = _STEEPNESS * float(np.log(max(risk, 1e-12) / budget))
+    step = _STEEPNESS * float(np.log(max(risk / budget, 1e-12)))
     step *= _stubbornness(tried, step)
-    return float(price * np.clip(np.exp(step), 0.2, 5.0))
+    return float(min(price * np.clip(np.exp(step), 0.2, 5.0), max(most, price)))
 
 
 def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
@@ -90,6 +98,7 @@ def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
     last = float(np.log(price / before))
     if last * step <= 0.0:
         return 1.0
-    slope = float(np.log(risk_before / max(risk, 1e-12))) / last if risk_before > 0.0 else 1.0
+    fall = max(risk / risk_before, 1e-12) if risk_before > 0.0 else 1.0
+    slope = -float(np.log(fall)) / last if risk_before > 0.0 else 1.0
     wanted = 1.0 / max(slope * _STEEPNESS, 1e-3)
     return float(np.clip(wanted, 1.0, max(1.0, 2.0 * abs(last / step))))

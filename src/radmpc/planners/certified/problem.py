@@ -67,7 +67,7 @@ class SetProblem:
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
         rater = Rater(program, unit)
         passage = None
-        if len(chosen) == 1 and program.num_avoidances:
+        if len(chosen) == 1 and program.num_avoidances and not rater.is_hopeless:
             walk = Walk(program, chosen[0], unit)
             passage = Passage(walk, rater) if walk.is_possible else None
         return cls(members, chosen, program, rater, passage)

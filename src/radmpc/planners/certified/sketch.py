@@ -106,6 +106,8 @@ def _place(
 ) -> Incumbent | None:
     """Plan the vehicles of a set one after the other, those most in the way first."""
     problem = fleet.problem(members)
+    if problem.rater.is_hopeless:
+        return None
     values = [fleet.best((i,)).cost + price * fleet.best((i,)).risk / fleet.unit for i in members]
     move = max(float(np.abs(np.diff(s.reach_upper, axis=0)).max()) for s in problem.subjects)
     seek = _seek(fleet, members, price)
@@ -134,6 +136,8 @@ def _seek(fleet: Fleet, members: Members, price: float) -> Seek:
     problem = fleet.problem(members)
 
     def seek(rater: Rater, block: int, is_hurried: bool) -> Incumbent | None:
+        if rater.is_hopeless:
+            return None
         subject = problem.subjects[block]
         first = block * subject.drift_position.size
         alone = fleet.problem((members[block],)).passage

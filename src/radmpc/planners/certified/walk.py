@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.planners.certified.dangers import Danger, dangers_of
 from radmpc.planners.certified.lattice import (
     Lattice,
@@ -34,13 +34,16 @@ __all__ = ["Walk"]
 _MOVES = (3, 6)
 """Cells that the longest move covers, each way; finer where a coarser lattice knows no way."""
 
-_NEAR = 4.5
-"""Clearance beyond which an avoidance costs nothing here (3e-6)."""
+_NEAR = 1e-5
+"""Share of the unit below which a risk costs nothing here."""
 
 _INF = np.float32(1e9)
 
 _FINENESS = 64
-_TAILS = tail_probability(np.arange(-6 * _FINENESS, 6 * _FINENESS + 1) / _FINENESS)
+_FAR = 10
+"""Clearance beyond which there is no risk (8e-24)."""
+
+_TAILS = tail_probability(np.arange(-_FAR * _FINENESS, _FAR * _FINENESS + 1) / _FINENESS)
 """The tail at every sixty-fourth of a deviation."""
 
 Float32 = npt.NDArray[np.float32]
@@ -81,6 +84,7 @@ class Walk:
     def __post_init__(self) -> None:
         """Read the moves off the dynamics; the dangers follow when first needed."""
         self.motion = Motion.of(self.subject)
+        self._near_by = float(clearance_for(_NEAR * self.unit))
 
     @property
     def is_possible(self) -> bool:
@@ -236,7 +240,7 @@ class Walk:
         self, lattice: Lattice, reference: Indices, move: Indices, danger: Danger
     ) -> tuple[Indices, Vector]:
         """Return the moves along which the best side leaves little room, and how little."""
-        near = _NEAR * self._deviations[danger.key] * 1.5
+        near = self._near_by * self._deviations[danger.key] * 1.5
         axes = lattice.axes(reference)
         # Cells from which no move leads near are cut away first.
         longest = (lattice.moves + np.abs(move)) * lattice.stride
@@ -264,7 +268,7 @@ class Walk:
 
 def _tail(clearances: Vector) -> Vector:
     """Return the tail probability, about: from a table."""
-    numbers = (clearances * _FINENESS).astype(np.int64) + 6 * _FINENESS
+    numbers = (clearances * _FINENESS).astype(np.int64) + _FAR * _FINENESS
     return _TAILS[np.clip(numbers, 0, _TAILS.size - 1)]
 
 
