@@ -22,6 +22,7 @@ KINDS: Mapping[str, str] = MappingProxyType(
         "infeasible": "certified says infeasible, another has a certified plan",
         "lost": "certified ends without a plan, another has a certified one",
         "dear": "certified's plan dearer than another's certified one by more than its gap",
+        "dear_exact": "the same, of plans whose simple bounds may sum to more than Δ",
         "early": "`limit` although no limit was reached",
         "given_up": "a gap left open although no limit was reached",
         "late": "longer than the time limit by more than a second",

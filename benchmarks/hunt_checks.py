@@ -51,6 +51,9 @@ _ROUNDING = 1e-6
 
 _GAP = 1e-3
 
+_BLIND = ("sigmas", "dlp")
+"""Planners whose plans are within Δ, if they are, by the referee's exact figures alone."""
+
 
 @dataclass(frozen=True, slots=True)
 class Effort:
@@ -174,8 +177,8 @@ def _check_time(notes: Notes, name: str, answer: _Answer, effort: Effort) -> Non
     if answer.cpu - judging > limit + 1.0:
         notes.add("late_cpu", f"{name}: {answer.cpu - judging:.1f} s of {limit:g}")
     if answer.seconds < _EARLY * limit and answer.result.status is Status.LIMIT:
-        reason = (answer.result.explanation or "").replace("\n", " ")
-        notes.add("early", f"{name}: after {answer.seconds:.1f} s of {limit:g}: {reason}")
+        reason = f"after {answer.seconds:.1f} s of {limit:g}: {answer.result.explanation or ''}"
+        notes.add("early", f"{name}: {reason}")
 
 
 def _check_answer(
@@ -188,15 +191,20 @@ def _check_answer(
         certificate = result.certificate
         assert certificate is not None
         notes.add("broken", "; ".join([certificate.summary, *certificate.problems]))
-    if others:
+    if others and result.plan is None:
         name, best = min(others.items(), key=lambda item: item[1].cost)
-        if result.plan is None:
-            kind = "infeasible" if result.status is Status.INFEASIBLE else "lost"
-            reason = (result.explanation or "").replace("\n", " ")
-            notes.add(kind, f"{name} has {best.cost:.9g}; after {main.seconds:.1f} s: {reason}")
-        elif main.cost > best.cost * (1.0 + max(_GAP, _gap(result))) + _ROUNDING:
-            gap = f"gap {_gap(result):.2g}, {main.seconds:.1f} s"
-            notes.add("dear", f"{main.cost:.9g} against {name}'s {best.cost:.9g}, {gap}")
+        kind = "infeasible" if result.status is Status.INFEASIBLE else "lost"
+        reason = f"after {main.seconds:.1f} s: {result.explanation or ''}"
+        notes.add(kind, f"{name} has {best.cost:.9g}; {reason}")
+    for kind, group in (
+        ("dear", {n: a for n, a in others.items() if n not in _BLIND}),
+        ("dear_exact", {n: a for n, a in others.items() if n in _BLIND}),
+    ):
+        if group and result.plan is not None:
+            name, best = min(group.items(), key=lambda item: item[1].cost)
+            if main.cost > best.cost * (1.0 + max(_GAP, _gap(result))) + _ROUNDING:
+                text = f"gap {_gap(result):.2g}, {main.seconds:.1f} s"
+                notes.add(kind, f"{main.cost:.9g} against {name}'s {best.cost:.9g}, {text}")
     is_open = result.plan is not None and _gap(result) > _GAP * (1.0 + _ROUNDING)
     if is_open and main.cost > _ROUNDING and main.seconds < _EARLY * effort.time_limit:
         notes.add("given_up", f"gap {_gap(result):.3g} after {main.seconds:.1f} s")
