@@ -1,0 +1,202 @@
+"""The search for the price at which a fleet just uses its budget of risk."""
+
+from __future__ import annotations
+
+import logging
+import time
+from dataclasses import dataclass, field
+from enum import Enum, auto
+
+from radmpc.planners.certified.best import Best, take
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
+from radmpc.planners.certified.rounds import Round, run_round
+from radmpc.planners.certified.verdict import Judge
+from radmpc.planners.draft import Step
+from radmpc.solvers.solution import relative_gap
+
+__all__ = ["Ended", "PriceSearch"]
+
+_LOG = logging.getLogger(__name__)
+
+_MAX_ROUNDS = 40
+_SEARCH_SHARE = 0.5
+_MAX_SKETCHES = 8
+_DOUBTFUL = 1e3
+"""Multiple of the first price at which, without any plan, the bound itself is doubted: the safest
+plan tells."""
+
+_DEAREST = 1e7
+"""Multiple of the first price beyond which a price changes nothing any more."""
+
+_FAR = 1.6
+"""Multiple of the budget beyond which a sketch is drawn again."""
+
+_SAME = 1e-4
+"""Relative difference below which two prices are one."""
+
+_FINE = 2e-3
+"""Gap to plans that spend as much that is small enough once Δ itself is proven."""
+
+
+class Ended(Enum):
+    """Why a search at prices ended."""
+
+    DONE = auto()
+    """The gap is closed, or nothing at any price can close it."""
+
+    STOPPED = auto()
+    """A limit was reached, or some vehicles have no plan at any price."""
+
+    DOUBTFUL = auto()
+    """There is no plan yet, and none is likely to come of a higher price."""
+
+
+@dataclass(slots=True, eq=False)
+class PriceSearch:
+    """The search's state: it goes on from there when run again.
+
+    Attributes
+    ----------
+    fleet : Fleet
+        The fleet.
+    best : Best
+        What was found.
+    gap : float
+        The relative gap asked for.
+    judge : callable
+        The referee.
+    tried : list of (float, float)
+        Prices, and the risk at them.
+    price : float
+        The next.
+    effort : int
+        Multiplies the nodes that every set gets.
+    """
+
+    fleet: Fleet
+    best: Best
+    gap: float
+    judge: Judge
+    tried: list[tuple[float, float]] = field(default_factory=list)
+    price: float = 0.0
+    effort: int = 1
+
+    def run(self) -> Ended:
+        """Plan the fleet at one price after the other."""
+        fleet, best = self.fleet, self.best
+        if self.price == 0.0:
+            self.price = price_alone(fleet, self.tried)
+        for _ in range(_MAX_ROUNDS):
+            began = time.perf_counter()
+            found = run_round(fleet, self.price, self.effort)
+            if found is None:
+                if fleet.limits.reached or fleet.without_plan() is not None:
+                    return Ended.STOPPED
+                self.effort *= MORE_EFFORT
+                continue
+            best.rounds.append((found.least, self.price))
+            has_merged = take(fleet, found, best, self.judge)
+            best.steps.append(_step(fleet, found, best, time.perf_counter() - began))
+            _tell(fleet, found, best)
+            if fleet.limits.reached:
+                return Ended.STOPPED
+            if self._is_closed():
+                return Ended.DONE
+            if has_merged:
+                # What other sets risked says little of these.
+                self.tried.clear()
+                continue
+            if found.is_sketch:
+                self._after_sketch(found)
+            elif (ended := self._after(found)) is not None:
+                return ended
+        return Ended.DONE if best.controls else Ended.DOUBTFUL
+
+    def _is_closed(self) -> bool:
+        """Whether the gap is closed, to plans that spend as much or to all within Δ."""
+        best, gap = self.best, self.gap
+        open_gap = relative_gap(best.cost, best.bound(self.fleet))
+        if open_gap <= gap:
+            return True
+        is_fine = open_gap <= max(gap, _FINE)
+        # No plan within Δ by simple bounds is cheaper; what spending more of the referee's leave
+        # could still gain is little, or out of its leave, or dear.
+        return self._is_proven() and (best.has_failed or is_fine or self.effort > 1)
+
+    def _is_proven(self) -> bool:
+        """Whether no plan within Δ by simple bounds is cheaper by more than the gap."""
+        return relative_gap(self.best.cost, self.best.reported(self.fleet, self.gap)) <= self.gap
+
+    def _after_sketch(self, found: Round) -> None:
+        """Raise the price where the sketch risks too much, before searching at length."""
+        fleet = self.fleet
+        if found.risk > OVERDRAWN * fleet.budget:
+            self.tried.append((self.price, found.risk))
+            self.price = next_price(self.tried, fleet.budget - found.cross)
+        # Far from any plan draw again, at the new price.
+        is_near = bool(self.best.controls) or found.risk <= _FAR * fleet.budget
+        fleet.is_sketched = is_near or len(self.tried) >= _MAX_SKETCHES
+
+    def _after(self, found: Round) -> Ended | None:
+        """Choose price and effort of the next round; or end."""
+        fleet, best = self.fleet, self.best
+        if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound(fleet)):
+            # The searches leave more open than a better price could close.
+            if self._is_proven():
+                return Ended.DONE
+            self.effort *= MORE_EFFORT
+            return None
+        self.tried.append((self.price, found.risk))
+        following = next_price(self.tried, fleet.budget - found.cross)
+        first = fleet.first_price()
+        is_same = abs(following - self.price) <= _SAME * self.price or following > _DEAREST * first
+        is_over = is_same and not found.is_limited
+        if not best.controls and (is_over or following > _DOUBTFUL * first):
+            self.price = following
+            return Ended.DOUBTFUL
+        if is_over:
+            return Ended.DONE
+        if is_same:
+            self.effort *= MORE_EFFORT
+        self.price = min(following, _DEAREST * first)
+        return None
+
+
+def _tell(fleet: Fleet, found: Round, best: Best) -> None:
+    """Log a round."""
+    step, plan = best.steps[-1], "no plan yet"
+    if best.controls:
+        plan = (
+            f"best {best.cost:.6g}, gap {100.0 * step.gap:.2g} %, certificate {best.certified:.3g}"
+        )
+    _LOG.info(
+        "%s %d: %d sets, the largest of %d; price of risk %.3g, risk %.3g of %.3g; %s; %.2f s",
+        step.stage,
+        step.iteration + 1,
+        len(found.sets),
+        max(len(members) for members in found.sets),
+        found.price,
+        found.risk + found.cross,
+        fleet.budget,
+        plan,
+        step.seconds,
+    )
+
+
+def _step(fleet: Fleet, found: Round, best: Best, seconds: float) -> Step:
+    """Return the record of a round."""
+    plans = found.plans
+    return Step(
+        stage="sketch" if found.is_sketch else "round",
+        vehicles=tuple(v.name for v in fleet.scenario.vehicles),
+        iteration=len(best.steps),
+        cost=sum(plan.cost for plan in plans),
+        num_active=0,
+        num_chosen=sum(plan.selection.size for plan in plans),
+        allocated=fleet.budget,
+        used=found.risk + found.cross,
+        gap=relative_gap(best.cost, best.bound(fleet)),
+        nodes=sum(fleet.states[m].nodes for m in found.sets if m in fleet.states),
+        seconds=seconds,
+    )
