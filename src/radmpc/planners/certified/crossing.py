@@ -117,21 +117,18 @@ def meeting_risks(
 def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tensor:
     """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
     near, far = slice(None, -1), slice(1, None)
-    return np.minimum.reduce(
-        [
-            _tails(apart_by[:, near] - at_start * bow, deviations[:, near])
-            + _tails(apart_by[:, far] - at_end * bow, deviations[:, far])
-            for at_start, at_end in _RESERVES
-        ]
-    )
+    risks = [
+        _tails(apart_by[:, near] - at_start * bow, deviations[:, near])
+        + _tails(apart_by[:, far] - at_end * bow, deviations[:, far])
+        for at_start, at_end in _RESERVES
+    ]
+    return np.asarray(np.minimum.reduce(risks))
 
 
 def _towards(bows: Tensor, faces: Tensor) -> Tensor:
     """Return how far curves leave their chords against faces at most, axis by axis, (p, T, f)."""
-    return (
-        np.maximum(bows, 0.0) @ np.maximum(faces, 0.0).T
-        + np.minimum(bows, 0.0) @ np.minimum(faces, 0.0).T
-    )
+    upper = np.maximum(bows, 0.0) @ np.maximum(faces, 0.0).T
+    return np.asarray(upper + np.minimum(bows, 0.0) @ np.minimum(faces, 0.0).T)
 
 
 def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:

@@ -138,7 +138,7 @@ def _persist(search: PriceSearch) -> Draft | None:
         return None
     if answer is not None and answer.is_proven:
         return _nothing(Status.INFEASIBLE, answer.explanation, fleet.scenario.num_vehicles)
-    return _nothing(Status.LIMIT, _ENDED)
+    return _nothing(Status.LIMIT, (answer and answer.explanation) or _ENDED)
 
 
 def _nothing(status: Status, explanation: str, num_vehicles: int = 0) -> Draft:
