@@ -9,25 +9,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from radmpc.arrays import Vector
 from radmpc.solvers.risk_rating import Rating
 from radmpc.solvers.risk_tree import RiskTree
 
-__all__ = ["BudgetTree"]
+__all__ = ["OVER", "BudgetTree"]
 
-_OVER = 1.002
-"""Units that a candidate may risk in all: plans are fitted to the budget exactly afterwards."""
+OVER = 2e-6
+"""Share of the budget by which a candidate may exceed it: what tangents and solver leave."""
 
-_MISSING = 5e-4
+_MISSING = 0.5 * OVER
 """Units by which the risk of chosen rows may be underestimated in all."""
 
 
 class BudgetTree(RiskTree):
     """The search for the least cost within a budget; see `RiskTree`, whose unit is the budget."""
 
+    rounds = 60
+    """A budget that is hard is met by more tangents than a price asks for."""
+
     def _worth(self, z: Vector, rating: Rating) -> float:
         """Return a point's value; inf beyond the budget."""
-        return float("inf") if rating.risk > _OVER * self.unit else super()._worth(z, rating)
+        return float("inf") if rating.risk > (1.0 + OVER) * self.unit else super()._worth(z, rating)
 
     def _refine(
         self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
@@ -36,9 +41,9 @@ class BudgetTree(RiskTree):
         if super()._refine(chosen, point, rating, tolerance):
             return True
         rows = self._noisy_rows(chosen)
-        if rows.size == 0 or rating.risk <= _OVER * self.unit:
+        if rows.size == 0 or rating.risk <= (1.0 + OVER) * self.unit:
             return False
-        missing = (rating.risks[rows] - self.lp.taken(rows, point)) / self.unit
+        missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0) / self.unit
         if missing.sum() <= _MISSING:
             return False
         return self._add_tangents(rows[missing > _MISSING / (4.0 * rows.size)], rating)

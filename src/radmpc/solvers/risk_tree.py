@@ -33,7 +33,6 @@ _INF = float("inf")
 _EPSILON = 0.3
 """Share of the gap within which a node's bound and its point's true value count as equal."""
 
-_ROUNDS = 8
 _FLAT = 5.5
 """Clearance beyond which a tangent (2e-8) is no better than t >= 0."""
 
@@ -81,6 +80,9 @@ class RiskTree:
     is_limited : bool
         Whether a limit ended the last run.
     """
+
+    rounds = 8
+    """Times that a node's linear programme is solved at most, with ever more tangents."""
 
     def __init__(
         self,
@@ -248,7 +250,7 @@ class RiskTree:
         node.is_solved = True
         if node.bound < self._cutoff():
             self.lp.activate(self._rows(node.chosen))
-            for attempt in range(_ROUNDS):
+            for attempt in range(self.rounds):
                 outcome = self._relax(node)
                 if outcome is LpOutcome.INFEASIBLE:
                     return
@@ -267,7 +269,7 @@ class RiskTree:
                 )
                 # Far from any plan, an exact account of the risks chosen so far can wait.
                 tolerance = (3.0 if is_blunt else 0.5) * epsilon
-                is_last = attempt >= (1 if is_blunt else _ROUNDS - 1)
+                is_last = attempt >= (1 if is_blunt else self.rounds - 1)
                 if not is_last and self._refine(node.chosen, point, rating, tolerance):
                     continue
                 if avoidance is None:
@@ -296,7 +298,9 @@ class RiskTree:
         rows = self._noisy_rows(chosen)
         if rows.size == 0:
             return False
-        missing = (rating.risks[rows] - self.lp.taken(rows, point)) * (self.price / self.unit)
+        # Rows of one event share a column: that one runs less than it grants hides no other.
+        missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0)
+        missing *= self.price / self.unit
         if missing.sum() <= tolerance:
             return False
         return self._add_tangents(rows[missing > tolerance / (4.0 * rows.size)], rating)

@@ -17,16 +17,12 @@ from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.verdict import Judge
 from radmpc.planners.certified.why_not import why_not
-from radmpc.planners.certified.within import take_sides, take_within
+from radmpc.planners.certified.within import take_sides
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Planner
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
-
-_MAX_CLOSINGS = 3
-_NODES_WITHIN = 400
-"""Nodes per vehicle of a set, and effort, of a search within the budget."""
 
 _ENDED = "Nothing was ruled out: raise the time limit."
 
@@ -73,7 +69,7 @@ def plan_certified(
         answer = _persist(search)
         if answer is not None:
             return replace(answer, seconds={"sets": time.perf_counter() - begun})
-    _close(search)
+    search.close()
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)
     bound = best.reported(fleet, gap)
@@ -94,19 +90,6 @@ def plan_certified(
 def _finite(bound: float) -> float | None:
     """Return a bound that says something."""
     return max(bound, 0.0) if np.isfinite(bound) else None
-
-
-def _close(search: PriceSearch) -> None:
-    """Search within the budget where prices leave a gap."""
-    fleet, best = search.fleet, search.best
-    for _ in range(_MAX_CLOSINGS):
-        cost, spent = best.cost, best.spent
-        is_closed = relative_gap(cost, best.reported(fleet, search.gap)) <= search.gap
-        if is_closed or fleet.limits.reached:
-            return
-        take_within(fleet, best, search.gap, search.judge, _NODES_WITHIN * search.effort)
-        if best.cost >= cost and best.spent == spent:
-            return
 
 
 def _persist(search: PriceSearch) -> Draft | None:

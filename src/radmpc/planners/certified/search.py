@@ -12,6 +12,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.verdict import Judge
+from radmpc.planners.certified.within import WithinBudget
 from radmpc.planners.draft import Step
 from radmpc.solvers.solution import relative_gap
 
@@ -22,7 +23,7 @@ _LOG = logging.getLogger(__name__)
 _MAX_ROUNDS = 40
 _SEARCH_SHARE = 0.5
 _MAX_SKETCHES = 8
-_DOUBTFUL = 1e3
+_DOUBTFUL = 1e2
 """Multiple of the first price at which, without any plan, the bound itself is doubted: the safest
 plan tells."""
 
@@ -34,6 +35,15 @@ _FAR = 1.6
 
 _SAME = 1e-4
 """Relative difference below which two prices are one."""
+
+_STUBBORN = 1e-3
+"""Relative difference below which two plans risk the same, whatever the price."""
+
+_NODES_WITHIN = 400
+"""Nodes per vehicle of a set, and effort, of a search within the budget."""
+
+_WORTHWHILE = 0.1
+"""Share of the gap by which a search within the budget must gain to be done again."""
 
 _FINE = 2e-3
 """Gap to plans that spend as much that is small enough once Δ itself is proven."""
@@ -81,6 +91,11 @@ class PriceSearch:
     tried: list[tuple[float, float]] = field(default_factory=list)
     price: float = 0.0
     effort: int = 1
+    within: WithinBudget = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Make the search for where no price leads."""
+        self.within = WithinBudget(self.fleet, self.best, self.gap, self.judge)
 
     def run(self) -> Ended:
         """Plan the fleet at one price after the other."""
@@ -112,6 +127,37 @@ class PriceSearch:
             elif (ended := self._after(found)) is not None:
                 return ended
         return Ended.DONE if best.controls else Ended.DOUBTFUL
+
+    def close(self, found: Round | None = None) -> None:
+        """Search within the budget where prices leave a gap.
+
+        Parameters
+        ----------
+        found : Round or None
+            A plan of one set at a price that risks too much, where there is no other.
+        """
+        fleet, best, within = self.fleet, self.best, self.within
+        max_nodes = _NODES_WITHIN * self.effort
+        budget = fleet.budget if found is not None else max(fleet.budget, best.spent)
+        while not fleet.limits.reached and not self._is_proven():
+            cost = best.cost
+            best.has_failed = False
+            if best.controls:
+                sets, plans = best.sets, within.plans()
+            elif found is not None:
+                sets, plans = found.sets, list(found.plans)
+            else:
+                return
+            is_limited = within.search(sets, plans, budget, max_nodes)
+            if best.cost < cost - _WORTHWHILE * self.gap * abs(best.cost):
+                budget = max(fleet.budget, best.spent)
+            elif best.has_failed and fleet.budget < (1.0 - self.gap) * budget:
+                # Other sides spend more of the referee's leave on the same simple bounds.
+                budget = fleet.budget
+            elif is_limited and len(sets) == 1:
+                max_nodes *= MORE_EFFORT
+            else:
+                return
 
     def _is_closed(self) -> bool:
         """Whether the gap is closed, to plans that spend as much or to all within Δ."""
@@ -149,6 +195,11 @@ class PriceSearch:
             return None
         self.tried.append((self.price, found.risk))
         following = next_price(self.tried, fleet.budget - found.cross)
+        if self._is_at_jump(found):
+            # No price leads to what lies between two plans of different sides.
+            self.close(found)
+            if best.controls:
+                return Ended.DONE
         first = fleet.first_price()
         is_same = abs(following - self.price) <= _SAME * self.price or following > _DEAREST * first
         is_over = is_same and not found.is_limited
@@ -161,6 +212,13 @@ class PriceSearch:
             self.effort *= MORE_EFFORT
         self.price = min(following, _DEAREST * first)
         return None
+
+    def _is_at_jump(self, found: Round) -> bool:
+        """Whether one set's risk, above the budget, does not move with the price."""
+        if len(found.sets) > 1 or found.is_limited or len(self.tried) < 2:
+            return False
+        (before, risk), (price, same) = self.tried[-2:]
+        return price > before and same > self.fleet.budget and risk <= same * (1.0 + _STUBBORN)
 
 
 def _tell(fleet: Fleet, found: Round, best: Best) -> None:

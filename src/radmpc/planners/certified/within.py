@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,11 +18,14 @@ from radmpc.solvers.risk_budget import BudgetTree
 from radmpc.solvers.risk_nodes import Frontier, Incumbent
 from radmpc.solvers.risk_rating import Rater
 
-__all__ = ["take_sides", "take_within"]
+__all__ = ["WithinBudget", "take_sides"]
 
 _INF = float("inf")
 _TIE = 0.05
 """Share of the gap that the whole budget costs: enough to prefer less risk at equal effort."""
+
+_LEAST_SCALE = 1e-6
+"""Cost below which gaps are taken of this."""
 
 _SHARE = 0.5
 """Share of the gap that the search may use."""
@@ -76,55 +80,97 @@ def take_sides(
         take(fleet, chosen, best, judge)
 
 
-def take_within(fleet: Fleet, best: Best, gap: float, judge: Judge, max_nodes: int) -> None:
-    """Improve the best plan within what its simple bounds may sum to, one set after the other.
+@dataclass(slots=True, eq=False)
+class WithinBudget:
+    """The search for the least cost within what simple bounds may sum to.
 
-    Where the whole fleet is one set, what is found is the best, and its bound that of any plan.
+    Where the whole fleet is one set, what is found is the best, and its bound that of any plan;
+    several sets are improved one after the other, each within what the others leave.
 
-    Parameters
+    Attributes
     ----------
     fleet : Fleet
         The fleet.
     best : Best
-        The best plan so far, which there must be.
+        What was found.
     gap : float
-        Relative gap asked for.
+        The relative gap asked for.
     judge : callable
         The referee.
-    max_nodes : int
-        Nodes per vehicle of a set.
     """
-    sets = best.sets
-    plans = [_incumbent(fleet.problem(m), [best.controls[i] for i in m]) for m in sets]
-    cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
-    budget = max(fleet.budget, best.spent) - cross
-    for number, members in enumerate(sets):
-        if fleet.limits.reached:
-            return
-        left = budget - sum(p.risk for p in plans) + plans[number].risk
-        problem = fleet.problems[members]
-        if left <= 0.0 or problem.program.num_avoidances == 0:
-            continue
-        scale = max(plans[number].cost, 1e-6)
-        price = _TIE * gap * scale
-        tree = BudgetTree(
-            problem.program,
-            left,
-            price,
-            gap=_SHARE * gap,
-            scale=scale,
-            limits=fleet.limits,
-            rater=Rater(problem.program, left),
-        )
-        tree.resume(_frontier(fleet, members, left), price, None)
-        tree.consider(plans[number].z)
-        tree.run(max_nodes * len(members))
-        if len(sets) == 1 and tree.best is not None:
-            best.within.append((left, tree.bound - price))
-        if tree.best is not None and tree.best.cost < plans[number].cost:
-            plans[number] = tree.best
-    price = best.rounds[-1][1] if best.rounds else fleet.first_price()
-    take(fleet, _round(sets, price, plans, cross), best, judge)
+
+    fleet: Fleet
+    best: Best
+    gap: float
+    judge: Judge
+    _trees: dict[tuple[Members, float], BudgetTree] = field(default_factory=dict)
+
+    def search(
+        self, sets: tuple[Members, ...], plans: Sequence[Incumbent], budget: float, max_nodes: int
+    ) -> bool:
+        """Look for a better plan, or for a first one.
+
+        Parameters
+        ----------
+        sets : tuple of tuple of int
+            A partition of the fleet.
+        plans : sequence of Incumbent
+            A plan of each, within the budget together unless there is only one.
+        budget : float
+            What simple bounds may sum to beyond the starts.
+        max_nodes : int
+            Nodes per vehicle of a set.
+
+        Returns
+        -------
+        bool
+            Whether a limit ended the search of any set.
+        """
+        fleet, best = self.fleet, self.best
+        plans, is_limited, is_changed = list(plans), False, False
+        cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
+        for number, (members, plan) in enumerate(zip(sets, plans, strict=True)):
+            left = budget - cross - sum(p.risk for p in plans) + plan.risk
+            if left <= 0.0 or fleet.limits.reached:
+                continue
+            tree = self._tree(members, left, plan)
+            tree.consider(plan.z)
+            tree.run(max_nodes * len(members))
+            is_limited |= tree.is_limited
+            if tree.best is None:
+                continue
+            if len(sets) == 1:
+                best.within.append((left, tree.bound - tree.price))
+            plans[number], is_changed = tree.best, True
+        if is_changed:
+            price = best.rounds[-1][1] if best.rounds else fleet.first_price()
+            fleet.set_budget(budget)
+            take(fleet, _round(sets, price, plans, cross), best, self.judge)
+        return is_limited
+
+    def plans(self) -> list[Incumbent]:
+        """Return the best plan, set by set."""
+        fleet, best = self.fleet, self.best
+        return [_incumbent(fleet.problem(m), [best.controls[i] for i in m]) for m in best.sets]
+
+    def _tree(self, members: Members, budget: float, plan: Incumbent) -> BudgetTree:
+        """Return the search of a set within a budget, where it stood."""
+        if (members, budget) not in self._trees:
+            problem = self.fleet.problem(members)
+            scale = max(plan.cost, _LEAST_SCALE)
+            price = _TIE * self.gap * scale
+            tree = BudgetTree(
+                problem.program,
+                budget,
+                price,
+                gap=_SHARE * self.gap,
+                scale=scale,
+                limits=self.fleet.limits,
+                rater=Rater(problem.program, budget),
+            )
+            tree.resume(_frontier(self.fleet, members, budget), price, None)
+            self._trees[members, budget] = tree
+        return self._trees[members, budget]
 
 
 def _round(
