@@ -41,6 +41,8 @@ class Best:
     certified: float = 0.0
     too_much: float = float("inf")
     has_failed: bool = False
+    asked: float = 0.0
+    """What the referee found in the last plan taken as it came; 0 where it was not asked."""
     sets: tuple[tuple[int, ...], ...] = ()
     rounds: list[tuple[float, float]] = field(default_factory=list)
     """Of each round, the least cost and priced risk of any plan, and the price."""
@@ -134,9 +136,12 @@ class _Fit:
         if points is None:
             return self._after_no_fit()
         granted = self.fleet.scenario.risk_bound
+        is_first = self.verdict is None
         verdict = self.verdict = _keep(
             self.fleet, self.found, points, self.best, self.judge, self.budget
         )
+        if is_first:
+            self.best.asked = verdict.certified
         if verdict.certified > granted:
             self.has_merged = _is_hidden(self.fleet, self.found, verdict)
             if self.has_merged:

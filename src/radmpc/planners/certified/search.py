@@ -14,6 +14,7 @@ from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.verdict import Judge
 from radmpc.planners.certified.within import WithinBudget
 from radmpc.planners.draft import Step
+from radmpc.solvers.risk_budget import OVER
 from radmpc.solvers.solution import relative_gap
 
 __all__ = ["Ended", "PriceSearch"]
@@ -41,6 +42,11 @@ _STUBBORN = 1e-3
 
 _NODES_WITHIN = 400
 """Nodes per vehicle of a set, and effort, of a search within the budget."""
+
+_MAX_WITHIN = 12
+_AIM = 0.97
+_SAME_BUDGET = 0.02
+"""Relative difference below which two budgets are one."""
 
 _WORTHWHILE = 0.1
 """Share of the gap by which a search within the budget must gain to be done again."""
@@ -137,27 +143,47 @@ class PriceSearch:
             A plan of one set at a price that risks too much, where there is no other.
         """
         fleet, best, within = self.fleet, self.best, self.within
+        granted = fleet.scenario.risk_bound
         max_nodes = _NODES_WITHIN * self.effort
         budget = fleet.budget if found is not None else max(fleet.budget, best.spent)
-        while not fleet.limits.reached and not self._is_proven():
-            cost = best.cost
-            best.has_failed = False
-            if best.controls:
-                sets, plans = best.sets, within.plans()
-            elif found is not None:
+        passed, failed = 0.0, float("inf")
+        for _ in range(_MAX_WITHIN):
+            if fleet.limits.reached or self._is_proven():
+                break
+            sets, plans = best.sets, within.plans()
+            if not best.controls and found is not None:
                 sets, plans = found.sets, list(found.plans)
-            else:
-                return
+            cost, best.asked = best.cost, 0.0
             is_limited = within.search(sets, plans, budget, max_nodes)
-            if best.cost < cost - _WORTHWHILE * self.gap * abs(best.cost):
-                budget = max(fleet.budget, best.spent)
-            elif best.has_failed and fleet.budget < (1.0 - self.gap) * budget:
-                # Other sides spend more of the referee's leave on the same simple bounds.
-                budget = fleet.budget
-            elif is_limited and len(sets) == 1:
+            if is_limited and len(sets) == 1:
                 max_nodes *= MORE_EFFORT
-            else:
-                return
+            if best.asked > granted:
+                failed = min(failed, budget)
+            elif best.asked > 0.0:
+                passed = max(passed, budget)
+            has_gained = best.cost < cost - _WORTHWHILE * self.gap * abs(best.cost)
+            following = self._next_budget(budget, passed, failed)
+            if failed == float("inf") and has_gained:
+                following = max(fleet.budget, best.spent)
+            if abs(following - budget) <= _SAME_BUDGET * budget and not (is_limited or has_gained):
+                break
+            budget = following
+        if best.controls:
+            fleet.set_budget(best.spent)
+
+    def _next_budget(self, budget: float, passed: float, failed: float) -> float:
+        """Return what to search within next, given what the referee passed and what it failed."""
+        fleet, best = self.fleet, self.best
+        least = fleet.scenario.risk_bound - fleet.initial
+        if failed == float("inf"):
+            return budget
+        if passed > 0.0:
+            return (passed * failed) ** 0.5 if passed < failed else passed
+        if budget <= least * (1.0 + OVER):
+            # The simple bounds are the referee's, and what exceeds them is rounding.
+            return least * (1.0 - 10.0 * OVER)
+        share = _AIM * fleet.scenario.risk_bound / best.asked if best.asked > 0.0 else 1.0
+        return max(least, budget * min(_AIM, share))
 
     def _is_closed(self) -> bool:
         """Whether the gap is closed, to plans that spend as much or to all within Δ."""
