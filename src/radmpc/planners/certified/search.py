@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import time
 from dataclasses import dataclass, field
-from enum import Enum, auto
 
 from radmpc.planners.certified.best import Best, take
 from radmpc.planners.certified.fleet import Fleet
@@ -17,7 +16,7 @@ from radmpc.planners.draft import Step
 from radmpc.solvers.risk_budget import OVER
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["Ended", "PriceSearch"]
+__all__ = ["PriceSearch"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -55,19 +54,6 @@ _FINE = 2e-3
 """Gap to plans that spend as much that is small enough once Δ itself is proven."""
 
 
-class Ended(Enum):
-    """Why a search at prices ended."""
-
-    DONE = auto()
-    """The gap is closed, or nothing at any price can close it."""
-
-    STOPPED = auto()
-    """A limit was reached, or some vehicles have no plan at any price."""
-
-    DOUBTFUL = auto()
-    """There is no plan yet, and none is likely to come of a higher price."""
-
-
 @dataclass(slots=True, eq=False)
 class PriceSearch:
     """The search's state: it goes on from there when run again.
@@ -103,8 +89,12 @@ class PriceSearch:
         """Make the search for where no price leads."""
         self.within = WithinBudget(self.fleet, self.best, self.gap, self.judge)
 
-    def run(self) -> Ended:
-        """Plan the fleet at one price after the other."""
+    def run(self) -> None:
+        """Plan the fleet at prices, until the gap is closed, or none can close it, or a limit.
+
+        Without any plan it stops where none is likely to come of a higher price, and goes on from
+        there when run again.
+        """
         fleet, best = self.fleet, self.best
         if self.price == 0.0:
             self.price = price_alone(fleet, self.tried)
@@ -113,26 +103,23 @@ class PriceSearch:
             found = run_round(fleet, self.price, self.effort)
             if found is None:
                 if fleet.limits.reached or fleet.without_plan() is not None:
-                    return Ended.STOPPED
+                    return
                 self.effort *= MORE_EFFORT
                 continue
             best.rounds.append((found.least, self.price))
             has_merged = take(fleet, found, best, self.judge)
             best.steps.append(_step(fleet, found, best, time.perf_counter() - began))
             _tell(fleet, found, best)
-            if fleet.limits.reached:
-                return Ended.STOPPED
-            if self._is_closed():
-                return Ended.DONE
+            if fleet.limits.reached or self._is_closed():
+                return
             if has_merged:
                 # What other sets risked says little of these.
                 self.tried.clear()
                 continue
             if found.is_sketch:
                 self._after_sketch(found)
-            elif (ended := self._after(found)) is not None:
-                return ended
-        return Ended.DONE if best.controls else Ended.DOUBTFUL
+            elif self._is_over(found):
+                return
 
     def close(self, found: Round | None = None) -> None:
         """Search within the budget where prices leave a gap.
@@ -210,34 +197,32 @@ class PriceSearch:
         is_near = bool(self.best.controls) or found.risk <= _FAR * fleet.budget
         fleet.is_sketched = is_near or len(self.tried) >= _MAX_SKETCHES
 
-    def _after(self, found: Round) -> Ended | None:
-        """Choose price and effort of the next round; or end."""
+    def _is_over(self, found: Round) -> bool:
+        """Choose price and effort of the next round; tell whether there is nothing to choose."""
         fleet, best = self.fleet, self.best
         if found.is_limited and found.open_gap > _SEARCH_SHARE * (best.cost - best.bound(fleet)):
             # The searches leave more open than a better price could close.
             if self._is_proven():
-                return Ended.DONE
+                return True
             self.effort *= MORE_EFFORT
-            return None
+            return False
         self.tried.append((self.price, found.risk))
         following = next_price(self.tried, fleet.budget - found.cross)
         if self._is_at_jump(found):
             # No price leads to what lies between two plans of different sides.
             self.close(found)
             if best.controls:
-                return Ended.DONE
+                return True
         first = fleet.first_price()
-        is_same = abs(following - self.price) <= _SAME * self.price or following > _DEAREST * first
-        is_over = is_same and not found.is_limited
-        if not best.controls and (is_over or following > _DOUBTFUL * first):
-            self.price = following
-            return Ended.DOUBTFUL
-        if is_over:
-            return Ended.DONE
+        following = min(following, _DEAREST * first)
+        is_same = abs(following - self.price) <= _SAME * self.price
+        is_doubtful = not best.controls and following > _DOUBTFUL * first
+        self.price = following
+        if is_doubtful or (is_same and not found.is_limited):
+            return True
         if is_same:
             self.effort *= MORE_EFFORT
-        self.price = min(following, _DEAREST * first)
-        return None
+        return False
 
     def _is_at_jump(self, found: Round) -> bool:
         """Whether one set's risk, above the budget, does not move with the price."""
