@@ -20,7 +20,7 @@ from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.planners.centralized import plan_centralized
-from radmpc.planners.certified import plan_certified
+from radmpc.planners.certified import Verdict, plan_certified
 from radmpc.planners.distance import plan_by_distance
 from radmpc.planners.draft import Draft
 from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
@@ -152,13 +152,14 @@ def _draft(
         return plan_receding(scenario, planner, decomposition, rng, limits, progress)
     if isinstance(decomposition, Certified):
 
-        def risk_of(controls: tuple[Matrix, ...]) -> float:
+        def judge(controls: tuple[Matrix, ...]) -> Verdict:
             trajectories = _trajectories(scenario, controls)
             everyone = (tuple(range(scenario.num_vehicles)),)
             draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-            return certify(_plan(scenario, planner, None, draft, trajectories, None, {})).certified
+            found = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
+            return Verdict(found.certified, found.ledger)
 
-        return plan_certified(scenario, planner, limits, executor, progress, risk_of)
+        return plan_certified(scenario, planner, limits, executor, progress, judge)
     if isinstance(decomposition, Couplings):
         return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
     if isinstance(decomposition, Distance):

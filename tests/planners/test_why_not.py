@@ -13,8 +13,8 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified import planning
 from radmpc.planners.certified.least_risk import least_risk
+from radmpc.planners.certified.search import PriceSearch
 from radmpc.planning import plan
 from radmpc.solvers.solution import Limits
 
@@ -139,7 +139,7 @@ def test_a_start_within_an_obstacle_does_not_hide_the_rest():
 
 def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_it(monkeypatch):
     # As where simple bounds see no plan at all: the search for the reason finds the safest one.
-    monkeypatch.setattr(planning, "_search", lambda *everything: None)
+    monkeypatch.setattr(PriceSearch, "run", lambda self: None)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.FEASIBLE
     assert result.is_certified
