@@ -14,6 +14,7 @@ from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.program.hard import hard_rows
 from radmpc.program.keepout import KeepOut
+from radmpc.program.openings import opening_directions
 from radmpc.program.program import ChanceRows, DisjunctiveProgram, Exposure
 from radmpc.program.rows import Body, Part, RowBlock, Windows, danger_rows
 from radmpc.program.subject import Subject
@@ -59,6 +60,15 @@ class ProgramBuilder:
         """Keep a vehicle out of a convex thing."""
         subject = self.subjects[i]
         radius = subject.vehicle.radius
+        body = Body(
+            subject.reach_lower, subject.reach_upper, subject.position_covariances, (self.parts[i],)
+        )
+        extra = np.zeros((0, self.scenario.dimension))
+        if keepout.start is not None and keepout.shapes:
+            ends = (keepout.shapes[0].vertices, keepout.shapes[-1].vertices)
+            extra = opening_directions(_places(body), keepout.start.normals, ends, radius)
+        if len(extra):
+            keepout = keepout.with_directions(extra, intervals=self.intervals)
         windows = Windows(
             -keepout.normals,
             -(keepout.near + radius),
@@ -66,11 +76,9 @@ class ProgramBuilder:
             keepout.directions,
             self.intervals,
         )
-        body = Body(
-            subject.reach_lower, subject.reach_upper, subject.position_covariances, (self.parts[i],)
-        )
         if keepout.start is not None:
-            normals, offsets = -keepout.start.normals, -(keepout.start.offsets + radius)
+            normals = -np.vstack([keepout.start.normals, extra])
+            offsets = -(np.append(keepout.start.offsets, keepout.start.support(extra)) + radius)
             self._charge_start(body, normals, offsets, (cause, subject.vehicle.name, keepout.name))
         self._add(body, windows, cause, subject.vehicle.name, keepout.name)
 
@@ -89,6 +97,10 @@ class ProgramBuilder:
                 Part(-1.0, other.position, other.controls, other.control_bounds, other.bow),
             ),
         )
+        if self.first_step == 0:
+            origin = np.zeros((1, self.scenario.dimension))
+            extra = opening_directions(_places(body), faces, (origin, origin), distance)
+            faces = np.vstack([faces, extra])
         offsets = np.full(len(faces), -distance)
         names = (one.vehicle.name, two.vehicle.name)
         self._charge_start(body, -faces, offsets, ("pair", *names))
@@ -198,6 +210,7 @@ class ProgramBuilder:
             exposures=tuple(self.exposures),
             risk_bound=risk_bound,
             initial_risk=self.initial_risk + self.settled_risk,
+            settled_risk=self.settled_risk,
             initial=tuple(self.initial),
         )
 
@@ -248,6 +261,14 @@ class ProgramBuilder:
             exposures=_join(self.block_exposures, np.int64),
         )
         return rows
+
+
+def _places(body: Body) -> tuple[tuple[Vector, Vector, Matrix], ...]:
+    """Return where a body is at the start and may be at the end, with its noise there."""
+    return (
+        (body.lower[0], body.upper[0], body.covariances[0]),
+        (body.lower[-1], body.upper[-1], body.covariances[-1]),
+    )
 
 
 def _starts(sizes: list[Indices]) -> Indices:
