@@ -56,7 +56,7 @@ class LeastRisk:
     stuck: Members = ()
 
 
-def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
+def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> LeastRisk:
     """Minimise what a fleet risks.
 
     Parameters
@@ -65,6 +65,8 @@ def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
         The fleet, with the bound that was asked for.
     limits : Limits
         When to stop early.
+    enough : float
+        A plan that runs no more than this ends the search.
 
     Returns
     -------
@@ -83,12 +85,14 @@ def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
             if found is None or not found.is_sketch:
                 break
             best = _better(fleet, best, found)
+            if best.risk <= enough:
+                return best
         stuck = fleet.without_plan()
         if stuck is not None:
             return LeastRisk(float("inf"), float("inf"), stuck=stuck)
         if found is not None:
             best = _better(fleet, best, found)
-        if limits.reached or (found is not None and not found.is_limited):
+        if best.risk <= enough or limits.reached or (found is not None and not found.is_limited):
             break
     return best
 

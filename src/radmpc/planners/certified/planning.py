@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
 
 import numpy as np
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.best import Best, RiskOf, take
+from radmpc.planners.certified.finer import finer_scenarios
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
-from radmpc.planners.certified.why_not import why_not
+from radmpc.planners.certified.why_not import WhyNot, ended, opens, sure_why_not, why_not
 from radmpc.planners.draft import Draft, Step
 from radmpc.planners.planner import Planner
 from radmpc.solvers.solution import Limits, relative_gap
@@ -31,7 +31,8 @@ _MAX_SKETCHES = 8
 _HOPELESS = 1e3
 """Multiple of the first price at which the bound itself is doubted."""
 
-_ENDED = "Nothing was ruled out: raise the time limit."
+_TOO_FEW = "by the scenario's own faces there is no plan."
+
 _FAR = 1.6
 """Multiple of the budget beyond which a sketch is drawn again."""
 
@@ -73,16 +74,33 @@ def plan_certified(
         With the best certified plan and a lower bound on the cost of any.
     """
     begun = time.perf_counter()
+    ruled_out = sure_why_not(scenario, limits)
+    if ruled_out is not None:
+        return _empty(scenario, ruled_out, begun)
     fleet = Fleet(
         scenario, planner.gap, limits, lambda done, n: progress("sets", done, n), executor
     )
     best = Best()
     if fleet.budget > 0.0:
         _search(fleet, best, planner.gap, risk_of)
+    tried: list[str] = []
+    explanation = None
+    stuck = fleet.without_plan()
+    if not best.controls and stuck is not None:
+        for finer in finer_scenarios(scenario):
+            if not opens(finer.scenario, stuck, limits):
+                tried.append(finer.text)
+                continue
+            finer_fleet = Fleet(finer.scenario, planner.gap, limits, fleet.progress, executor)
+            _search(finer_fleet, best, planner.gap, risk_of)
+            if best.controls:
+                fleet, explanation = finer_fleet, f"Planned with {finer.text}: {_TOO_FEW}"
+                break
+            tried.append(finer.text)
     if not best.controls:
-        answer = _without_plan(fleet, best, risk_of)
+        answer = _without_plan(fleet, best, risk_of, tried)
         if not best.controls:
-            return replace(answer, seconds={"sets": time.perf_counter() - begun})
+            return _empty(scenario, answer, begun)
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)
     bound = best.reported(fleet, gap)
@@ -94,10 +112,19 @@ def plan_certified(
         tuple(best.steps),
         (),
         seconds,
+        explanation,
         lower_bound=_finite(bound),
         price=best.price(fleet),
         couplings=fleet.couplings(best.sets),
     )
+
+
+def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
+    """Return that there is no plan, and why."""
+    status = Status.INFEASIBLE if answer.is_proven else Status.LIMIT
+    sets = (tuple(range(scenario.num_vehicles)),) if answer.is_proven else ()
+    seconds = {"sets": time.perf_counter() - begun}
+    return Draft(status, (), sets, (), (), seconds, answer.explanation)
 
 
 def _finite(bound: float) -> float | None:
@@ -199,17 +226,15 @@ def _step(fleet: Fleet, found: Round, best: Best, seconds: float) -> Step:
     )
 
 
-def _without_plan(fleet: Fleet, best: Best, risk_of: RiskOf) -> Draft:
+def _without_plan(fleet: Fleet, best: Best, risk_of: RiskOf, tried: Sequence[str]) -> WhyNot:
     """Say why there is no plan; the search for the reason may find one after all."""
     if fleet.limits.reached:
-        return Draft(Status.LIMIT, (), (), (), (), {}, _ENDED)
-    answer = why_not(fleet.scenario, fleet.limits)
+        return WhyNot(ended(fleet.limits), is_proven=False)
+    answer = why_not(fleet.scenario, fleet.limits, tried)
     if answer.controls and risk_of(answer.controls) <= fleet.scenario.risk_bound:
         best.controls, best.sets = answer.controls, answer.sets
         best.cost = sum(
             vehicle.cost_weight * float(np.abs(controls).sum())
             for vehicle, controls in zip(fleet.scenario.vehicles, answer.controls, strict=True)
         )
-    status = Status.INFEASIBLE if answer.is_proven else Status.LIMIT
-    sets = (tuple(range(fleet.scenario.num_vehicles)),) if answer.is_proven else ()
-    return Draft(status, (), sets, (), (), {}, answer.explanation or _ENDED)
+    return answer
