@@ -210,9 +210,12 @@ def _of_vehicle(
         distance = min(float(_distances(points, piece).max()) for piece in near)
         fields.append(field)
         dangers.append(Danger("obstacle", (i,), name, at_goal, float(field.min()), distance))
-    for risks, distance in _borders(scenario, box, points):
-        field = _cells(risks, cells)
+    borders = list(_borders(scenario, box, points))
+    if borders:
+        # Opposite faces exclude each other, and the referee adds up all of them.
+        field = _cells(np.sum([risks for risks, _ in borders], axis=0), cells)
         fields.append(field)
+        distance = min(most for _, most in borders)
         dangers.append(Danger("workspace", (i,), None, at_goal, float(field.min()), distance))
     least = float(np.sum(fields, axis=0).min()) if fields else 0.0
     return [danger for danger in dangers if danger.risk > 0.0], least

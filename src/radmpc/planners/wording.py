@@ -97,7 +97,7 @@ def _one(scenario: Scenario, danger: Danger, number: str, bound: str) -> str:
     cure = "" if danger.at_goal else " or reduce initial_covariance"
     place = "goal" if danger.at_goal else "start"
     if danger.cause == "pair":
-        return _pair(danger, names, radii, risk)
+        return _pair(scenario, danger, names, risk)
     best = "even its best point is" if danger.at_goal else "it is"
     if danger.cause == "workspace":
         if danger.distance < 0.0:
@@ -119,20 +119,20 @@ def _one(scenario: Scenario, danger: Danger, number: str, bound: str) -> str:
     return f"{head}: {where} and runs {risk}. Move the {place} away{cure}."
 
 
-def _pair(danger: Danger, names: Sequence[str], radii: Sequence[float], risk: str) -> str:
+def _pair(scenario: Scenario, danger: Danger, names: Sequence[str], risk: str) -> str:
     """Return the sentence about two places."""
     place = "goals" if danger.at_goal else "starts"
+    radii = [scenario.vehicles[i].radius for i in danger.members]
     need = f"{radii[0] + radii[1]:.3g} m (radii {radii[0]:g} and {radii[1]:g} m)"
     most = "at most " if danger.at_goal else ""
     apart = f"{most}{danger.distance:.3g} m apart"
-    if danger.distance < radii[0] + radii[1]:
-        where = f"they overlap, {apart} where {need} are needed"
+    head = f"The {place} of vehicles {names[0]} and {names[1]} are too close to each other"
+    if is_contact(scenario, danger):
         return (
-            f"The {place} of vehicles {names[0]} and {names[1]} are too close to each other: "
-            f"{where} ({risk}). Move a {place[:-1]}."
+            f"{head}: they overlap, {apart} where {need} are needed ({risk}). Move a {place[:-1]}."
         )
     cure = "the noise" if danger.at_goal else "initial_covariance"
     return (
-        f"The {place} of vehicles {names[0]} and {names[1]} are too close to each other: {apart}, "
-        f"where {need} touch, they run {risk}. Move a {place[:-1]} or reduce {cure}."
+        f"{head}: they are {apart}, contact is at {need}, and that alone runs {risk}. "
+        f"Move a {place[:-1]} or reduce {cure}."
     )

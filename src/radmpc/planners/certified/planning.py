@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Executor
 
 import numpy as np
@@ -12,11 +12,11 @@ import numpy as np
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.best import Best, RiskOf, take
-from radmpc.planners.certified.finer import finer_scenarios
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.last_resort import last_resort
 from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
-from radmpc.planners.certified.why_not import WhyNot, ended, opens, sure_why_not, why_not
+from radmpc.planners.certified.why_not import WhyNot, sure_why_not
 from radmpc.planners.draft import Draft, Step
 from radmpc.planners.planner import Planner
 from radmpc.solvers.solution import Limits, relative_gap
@@ -30,8 +30,6 @@ _SEARCH_SHARE = 0.5
 _MAX_SKETCHES = 8
 _HOPELESS = 1e3
 """Multiple of the first price at which the bound itself is doubted."""
-
-_TOO_FEW = "by the scenario's own faces there is no plan."
 
 _FAR = 1.6
 """Multiple of the budget beyond which a sketch is drawn again."""
@@ -83,24 +81,14 @@ def plan_certified(
     best = Best()
     if fleet.budget > 0.0:
         _search(fleet, best, planner.gap, risk_of)
-    tried: list[str] = []
-    explanation = None
-    stuck = fleet.without_plan()
-    if not best.controls and stuck is not None:
-        for finer in finer_scenarios(scenario):
-            if not opens(finer.scenario, stuck, limits):
-                tried.append(finer.text)
-                continue
-            finer_fleet = Fleet(finer.scenario, planner.gap, limits, fleet.progress, executor)
-            _search(finer_fleet, best, planner.gap, risk_of)
-            if best.controls:
-                fleet, explanation = finer_fleet, f"Planned with {finer.text}: {_TOO_FEW}"
-                break
-            tried.append(finer.text)
+    explanation = ""
     if not best.controls:
-        answer = _without_plan(fleet, best, risk_of, tried)
+        fleet, answer = last_resort(
+            fleet, best, risk_of, lambda other, found: _search(other, found, planner.gap, risk_of)
+        )
         if not best.controls:
             return _empty(scenario, answer, begun)
+        explanation = answer.explanation
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)
     bound = best.reported(fleet, gap)
@@ -112,7 +100,7 @@ def plan_certified(
         tuple(best.steps),
         (),
         seconds,
-        explanation,
+        explanation or None,
         lower_bound=_finite(bound),
         price=best.price(fleet),
         couplings=fleet.couplings(best.sets),
@@ -224,17 +212,3 @@ def _step(fleet: Fleet, found: Round, best: Best, seconds: float) -> Step:
         nodes=sum(fleet.states[m].nodes for m in found.sets if m in fleet.states),
         seconds=seconds,
     )
-
-
-def _without_plan(fleet: Fleet, best: Best, risk_of: RiskOf, tried: Sequence[str]) -> WhyNot:
-    """Say why there is no plan; the search for the reason may find one after all."""
-    if fleet.limits.reached:
-        return WhyNot(ended(fleet.limits), is_proven=False)
-    answer = why_not(fleet.scenario, fleet.limits, tried)
-    if answer.controls and risk_of(answer.controls) <= fleet.scenario.risk_bound:
-        best.controls, best.sets = answer.controls, answer.sets
-        best.cost = sum(
-            vehicle.cost_weight * float(np.abs(controls).sum())
-            for vehicle, controls in zip(fleet.scenario.vehicles, answer.controls, strict=True)
-        )
-    return answer

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.cures import cure_sentence, has_plan_within
+from radmpc.planners.certified.cures import cure_sentence
 from radmpc.planners.certified.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.stuck import stuck_reason
-from radmpc.planners.early import Reason, grouped, sure_reasons
+from radmpc.planners.early import Reason, grouped, reserve_reason, sure_reasons
 from radmpc.planners.explain import danger, unable_alone
 from radmpc.planners.wording import rounded_down, rounded_up
 from radmpc.program.build import whole_subjects
 from radmpc.solvers.solution import Limits
 
-__all__ = ["WhyNot", "ended", "opens", "sure_why_not", "why_not"]
+__all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
 
 _NAMED = 3
 _MAX_CONFLICTS = 8
@@ -26,9 +26,6 @@ _CURED = 2
 
 _QUICK = 0.4
 """Time to look at what the others could do where some are ruled out at first sight [s]."""
-
-_TRIAL = 1.5
-"""Time to find out whether more faces open a way [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,12 +42,15 @@ class WhyNot:
         The safest plan met on the way, for the referee to judge; empty without one.
     sets : tuple of tuple of int
         Who was planned together in it.
+    blocked : tuple of int
+        For whom the faces of the scenario leave no plan; empty where faces are not what matters.
     """
 
     explanation: str
     is_proven: bool
     controls: tuple[Matrix, ...] = ()
     sets: tuple[tuple[int, ...], ...] = ()
+    blocked: tuple[int, ...] = ()
 
 
 def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
@@ -87,17 +87,17 @@ def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
     return WhyNot(" ".join(texts), is_proven=True)
 
 
-def opens(finer: Scenario, stuck: tuple[int, ...], limits: Limits) -> bool:
-    """Whether vehicles without a plan have one with more faces, all others aside."""
-    return has_plan_within(finer.subset(stuck, finer.risk_bound), limits.within(_TRIAL))
-
-
-def ended(limits: Limits) -> str:
+def ended(scenario: Scenario, limits: Limits) -> str:
     """Say what ended a search that had found nothing and ruled out nothing."""
-    return f"No plan was found, and none was ruled out: {_end(limits)}"
+    kept = (
+        (v.name, reserve_reason(s))
+        for v, s in zip(scenario.vehicles, whole_subjects(scenario), strict=True)
+    )
+    told = [f"The feedback of vehicle {name!r} {text}." for name, text in kept if text is not None]
+    return " ".join([f"No plan was found, and none was ruled out: {_end(limits)}", *told[:1]])
 
 
-def why_not(scenario: Scenario, limits: Limits, tried: Sequence[str] = ()) -> WhyNot:
+def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
     """Find out why a fleet has no plan within its bound.
 
     Vehicles that cannot be planned at any risk are named and left out, until the rest can be:
@@ -109,8 +109,6 @@ def why_not(scenario: Scenario, limits: Limits, tried: Sequence[str] = ()) -> Wh
         The fleet.
     limits : Limits
         When to stop looking.
-    tried : sequence of str
-        More faces with which there is no plan either, in words.
 
     Returns
     -------
@@ -122,8 +120,8 @@ def why_not(scenario: Scenario, limits: Limits, tried: Sequence[str] = ()) -> Wh
         unable = unable_alone(scenario, subject)
         if unable is not None:
             reasons.append(Reason((i,), *unable))
-    left_out = {i for reason in reasons for i in reason.members}
-    rest = [i for i in range(scenario.num_vehicles) if i not in left_out]
+    slow = {i for reason in reasons for i in reason.members}
+    rest = [i for i in range(scenario.num_vehicles) if i not in slow]
     found: LeastRisk | None = None
     while rest and len(reasons) < _MAX_CONFLICTS:
         part = scenario.subset(tuple(rest), scenario.risk_bound)
@@ -133,22 +131,24 @@ def why_not(scenario: Scenario, limits: Limits, tried: Sequence[str] = ()) -> Wh
         members, text, many = stuck_reason(part, found.stuck, limits)
         reasons.append(Reason(tuple(rest[i] for i in members), text, many))
         rest = [i for place, i in enumerate(rest) if place not in found.stuck]
-    if found is None or found.stuck:
-        return WhyNot(" ".join(_told(scenario, reasons, limits, tried)), is_proven=True)
     if reasons:
-        texts = _told(scenario, reasons, limits, tried)
-        return WhyNot(" ".join([*texts, _of_rest(part, found, limits)]), is_proven=True)
+        texts = _told(scenario, reasons, limits)
+        if found is not None and not found.stuck:
+            texts.append(_of_rest(part, found, limits))
+        blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
+        return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
+    if found is None:  # a fleet has vehicles: it was looked at, or there are reasons
+        return WhyNot(ended(scenario, limits), is_proven=False)
     # Above Δ by simple bounds, the safest plan may still be within it by the referee's.
     is_proven = found.bound > scenario.risk_bound
-    text = _too_much(scenario, found, limits, tried)
+    text = _too_much(scenario, found, limits)
     if is_proven:
         text = " ".join(filter(None, [text, cure_sentence(scenario, limits)]))
-    return WhyNot(text, is_proven, found.controls, found.sets)
+    everyone = tuple(range(scenario.num_vehicles)) if is_proven else ()
+    return WhyNot(text, is_proven, found.controls, found.sets, everyone)
 
 
-def _told(
-    scenario: Scenario, reasons: Sequence[Reason], limits: Limits, tried: Sequence[str] = ()
-) -> list[str]:
+def _told(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> list[str]:
     """Return reasons in words, each with what would help, as far as that can be tried."""
     texts, left = [], _CURED
     for group, sentence in grouped(scenario, reasons):
@@ -156,8 +156,6 @@ def _told(
         if group is None or left == 0:
             continue
         left -= 1
-        if tried:
-            texts.append(f"More faces open no way either: tried were {'; '.join(tried)}.")
         cure = cure_sentence(scenario.subset(group, scenario.risk_bound), limits)
         if cure:
             texts.append(cure)
@@ -175,11 +173,11 @@ def _of_rest(part: Scenario, found: LeastRisk, limits: Limits) -> str:
     if found.risk <= part.risk_bound:
         return f"{others} can be planned within the risk bound."
     if found.bound > part.risk_bound:
-        return f"{others}: {_too_much(part, found, limits, ())}"
+        return f"{others}: {_too_much(part, found, limits)}"
     return f"{others}: no plan was found, and none was ruled out."
 
 
-def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits, tried: Sequence[str]) -> str:
+def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
     """Say what bound would do, and what takes it."""
     bound = f"risk_bound {scenario.risk_bound:g}"
     if not found.controls:
@@ -191,10 +189,9 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits, tried: Seque
         for exposure, risk in found.takers[:_NAMED]
     )
     if found.bound > scenario.risk_bound:
-        faces = f", nor with {'; nor with '.join(tried)}" if tried else ""
         head = (
-            f"No plan is within {bound} by simple bounds with the faces of this scenario{faces}: "
-            f"every such plan runs at least {rounded_down(found.bound)}."
+            f"No plan is within {bound} by simple bounds with the faces of this scenario: every "
+            f"such plan runs at least {rounded_down(found.bound)}."
         )
     else:
         head = f"No plan within {bound} was found, and none was ruled out: {_end(limits)}"
