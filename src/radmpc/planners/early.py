@@ -139,7 +139,15 @@ def overdrawn_texts(subject: Subject) -> tuple[str, str] | None:
     """Say that feedback takes more control than there is."""
     if np.all(subject.control_bounds >= 0.0):
         return None
-    text = f"has no control left to steer: the feedback alone {reserve_reason(subject)}."
+    step, axis = (int(k) for k in np.argwhere(subject.control_bounds < 0.0)[0])
+    vehicle = subject.vehicle
+    limit = float(vehicle.control_limit[axis])
+    unit = " m/s²" if vehicle.system.is_double_integrator else ""
+    text = (
+        f"has no control left to steer: at step {step} the feedback alone takes more than control "
+        f"axis {axis} allows, it keeps back {limit - subject.control_bounds[step, axis]:.3g} of "
+        f"{limit:.3g}{unit} ({vehicle.control_sigmas:g} standard deviations)."
+    )
     return text, text.replace("has no", "have no", 1)
 
 
