@@ -99,7 +99,7 @@ def plan(
     if time_limit is None and isinstance(record.decomposition, Certified):
         time_limit = CERTIFIED_SECONDS
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
-    limits = Limits(deadline, never if stop is None else stop)
+    limits = Limits(deadline, never if stop is None else stop, time_limit)
     draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
     judging = time.perf_counter()
     trajectories = _trajectories(scenario, draft.controls)

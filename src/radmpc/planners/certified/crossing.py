@@ -12,7 +12,7 @@ from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 
-__all__ = ["by_sets", "cross_risks", "meeting_risks", "start_risks"]
+__all__ = ["by_sets", "cross_risks", "meeting_risks"]
 
 _FAR = 8.0
 """Standard deviations beyond which a pair's risk is nothing (6e-16)."""
@@ -137,31 +137,6 @@ def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:
     certain = np.where(apart_by >= -_CONTACT, np.inf, -np.inf)
     clearances = np.where(noisy, apart_by / np.where(noisy, deviations, 1.0), certain)
     return np.asarray(tail_probability(clearances))
-
-
-def start_risks(
-    scenario: Scenario, means: Tensor, covariances: Tensor
-) -> dict[tuple[int, int], float]:
-    """Estimate the risk that pairs of vehicles run where they start, which no plan changes.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        The fleet.
-    means, covariances : array
-        As of `cross_risks`.
-
-    Returns
-    -------
-    dict
-        Risk of the pairs of vehicles, lower number first; empty where avoidance along intervals
-        counts the start already.
-    """
-    if scenario.avoidance == "intervals":
-        return {}
-    # The start twice over: what counts is the second of the two.
-    twice = (np.repeat(means[:, :1], 2, axis=1), np.repeat(covariances[:, :1], 2, axis=1))
-    return cross_risks(scenario, *twice, np.arange(scenario.num_vehicles))
 
 
 def _neighbors(

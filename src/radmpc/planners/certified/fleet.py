@@ -12,11 +12,12 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import NoPlanError
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.crossing import by_sets, meeting_risks, start_risks
+from radmpc.planners.certified.crossing import by_sets, meeting_risks
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import Order, SetProblem, SetState
 from radmpc.planners.certified.verdict import Verdict
 from radmpc.planners.certified.working import Job, search_sets
+from radmpc.planners.places import start_dangers
 from radmpc.program.build import controls_of, whole_subjects
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import HighsLp, LpOutcome
@@ -87,10 +88,12 @@ class Fleet:
         self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
         for members in self.singles:
             self.problem(members)
-        starts = np.array([s.drift_position for s in self.subjects])
-        self.start_pairs = start_risks(self.scenario, starts, self.covariances)
-        initial = sum(max(self.problems[m].program.initial_risk, 0.0) for m in self.singles)
-        self.initial = initial + sum(self.start_pairs.values())
+        # Under intervals the start is part of what plans choose, and is charged there.
+        at_start = self.scenario.avoidance == "steps"
+        self.start_dangers = start_dangers(self.scenario, self.subjects) if at_start else ()
+        # Settled avoidances are not charged here: what they run at most is no part of a bound,
+        # and what they run in a plan is for the referee to say.
+        self.initial = sum(danger.risk for danger in self.start_dangers)
         self.budget = max(granted, min(begin * granted, _FILL * self.unit)) - self.initial
         self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
 

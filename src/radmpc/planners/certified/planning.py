@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,18 +12,15 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.best import Best
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.pricing import MORE_EFFORT
+from radmpc.planners.certified.last_resort import last_resort
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.verdict import Judge
-from radmpc.planners.certified.why_not import why_not
-from radmpc.planners.certified.within import take_sides
+from radmpc.planners.certified.why_not import WhyNot, sure_why_not
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Planner
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
-
-_ENDED = "Nothing was ruled out: raise the time limit."
 
 
 def plan_certified(
@@ -58,6 +54,9 @@ def plan_certified(
         With the best certified plan and a lower bound on the cost of any.
     """
     begun = time.perf_counter()
+    ruled_out = sure_why_not(scenario, limits)
+    if ruled_out is not None:
+        return _empty(scenario, ruled_out, begun)
     fleet = Fleet(
         scenario, planner.gap, limits, lambda done, n: progress("sets", done, n), executor
     )
@@ -65,10 +64,13 @@ def plan_certified(
     search = PriceSearch(fleet, best, planner.gap, judge)
     if fleet.budget > 0.0:
         search.run()
+    explanation = ""
     if not best.controls:
-        answer = _persist(search)
-        if answer is not None:
-            return replace(answer, seconds={"sets": time.perf_counter() - begun})
+        search, answer = last_resort(search)
+        fleet, best = search.fleet, search.best
+        if not best.controls:
+            return _empty(scenario, answer, begun)
+        explanation = answer.explanation
     search.close()
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)
@@ -81,50 +83,21 @@ def plan_certified(
         tuple(best.steps),
         (),
         seconds,
+        explanation or None,
         lower_bound=_finite(bound),
         price=best.price(fleet),
         couplings=fleet.couplings(best.sets),
     )
 
 
+def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
+    """Return that there is no plan, and why."""
+    status = Status.INFEASIBLE if answer.is_proven else Status.LIMIT
+    sets = (tuple(range(scenario.num_vehicles)),) if answer.is_proven else ()
+    seconds = {"sets": time.perf_counter() - begun}
+    return Draft(status, (), sets, (), (), seconds, answer.explanation)
+
+
 def _finite(bound: float) -> float | None:
     """Return a bound that says something."""
     return max(bound, 0.0) if np.isfinite(bound) else None
-
-
-def _persist(search: PriceSearch) -> Draft | None:
-    """Go on without a plan: by way of the safest, and by more effort, until time is up.
-
-    Returns
-    -------
-    Draft or None
-        Why there is no plan; None where there is one after all.
-    """
-    fleet, best = search.fleet, search.best
-    answer = None
-    while not fleet.limits.reached:
-        if answer is None:
-            answer = why_not(fleet.scenario, fleet.limits)
-            if answer.is_proven:
-                break
-            if answer.controls:
-                take_sides(fleet, best, search.judge, answer.sets, answer.controls)
-        elif fleet.budget > 0.0:
-            search.effort *= MORE_EFFORT
-        if fleet.budget <= 0.0:
-            break
-        if not fleet.limits.reached:
-            search.run()
-        if best.controls:
-            return None
-    if best.controls:
-        return None
-    if answer is not None and answer.is_proven:
-        return _nothing(Status.INFEASIBLE, answer.explanation, fleet.scenario.num_vehicles)
-    return _nothing(Status.LIMIT, (answer and answer.explanation) or _ENDED)
-
-
-def _nothing(status: Status, explanation: str, num_vehicles: int = 0) -> Draft:
-    """Return that there is no plan."""
-    sets = (tuple(range(num_vehicles)),) if num_vehicles else ()
-    return Draft(status, (), sets, (), (), {}, explanation)
