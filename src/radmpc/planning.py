@@ -26,6 +26,7 @@ from radmpc.planners.draft import Draft
 from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
 from radmpc.planners.planner import Certified, Couplings, Distance, Planner, Receding
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
+from radmpc.planners.wording import limit_clause
 from radmpc.referee import Certificate, certify
 from radmpc.result import Result
 from radmpc.solvers.rrt import Rrt
@@ -101,6 +102,9 @@ def plan(
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
     draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
+    if draft.status is Status.LIMIT and not draft.explanation:
+        why = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
+        draft = replace(draft, explanation=why)
     judging = time.perf_counter()
     trajectories = _trajectories(scenario, draft.controls)
     unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})

@@ -71,8 +71,8 @@ def test_no_point_of_a_goal_risks_less_than_the_least_of_the_goal(seed):
     rng = np.random.default_rng(seed)
     goal = rng.uniform(-0.3, 0.3, 2)
     walls = (
-        Obstacle.box("left", [-3, -3], [-1.2, 3]),
-        Obstacle.box("right", [1.1, -3], [3, 3]),
+        Obstacle.box("left", [-3, -3], [-0.85, 3]),
+        Obstacle.box("right", [0.8, -3], [3, 3]),
         Obstacle.polygon("top", [(-1, 1.3), (1, 1.2), (0, 3)]),
     )
     problem = scenario(

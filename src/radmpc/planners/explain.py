@@ -17,7 +17,7 @@ from radmpc.planners.early import (
 )
 from radmpc.planners.ira import solve_under_policy
 from radmpc.planners.places import floors
-from radmpc.planners.wording import is_contact, places_text
+from radmpc.planners.wording import is_contact, limit_clause, places_text
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import NoRisk, Policy, Sigmas
 from radmpc.program.program import DisjunctiveProgram, Exposure
@@ -73,7 +73,9 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
             if outcome is Outcome.INFEASIBLE:
                 return _cannot_be_planned(scenario, members)
             is_open |= outcome is Outcome.LIMIT
-    return _OPEN if is_open else _GENERAL
+    if is_open:
+        return f"{_OPEN}: {limit_clause(limits)}"
+    return _GENERAL
 
 
 def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str | None:
@@ -110,10 +112,7 @@ def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str
     return None
 
 
-_OPEN = (
-    "No plan was found, and a limit ended the search for the reason: raise the time limit, "
-    "the risk bound or the horizon."
-)
+_OPEN = "No plan was found, and a limit ended the search for the reason"
 
 _SLOW = "Lengthen the horizon, raise the limits, or soften the feedback."
 

@@ -11,16 +11,16 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.geometry import Polytope
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
+from radmpc.planners.boxes import Box, Shapes
 from radmpc.program.subject import Subject
 from radmpc.referee.bounds import instant_risks
 from radmpc.referee.contact import solid_distances, solid_of
@@ -30,6 +30,9 @@ __all__ = ["Danger", "Floors", "floors", "start_dangers"]
 
 _FAR = 8.5
 """Standard deviations beyond which a danger counts as nothing (1e-17)."""
+
+_LEAST = 1e-4
+"""Share of Δ below which a danger counts as nothing: most of a large fleet's need no look."""
 
 _TOL = 1e-6
 """What a plan may miss its goal by [m]."""
@@ -88,53 +91,6 @@ class Floors:
     total: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Box:
-    """Where a mean may be, and how it scatters."""
-
-    lower: Vector
-    upper: Vector
-    covariance: Matrix
-
-    def corners(self, cells: int) -> Matrix:
-        """Return the corners of its cells, ((cells+1)^d, d), the last axis fastest."""
-        axes = [np.linspace(a, b, cells + 1) for a, b in zip(self.lower, self.upper, strict=True)]
-        return np.array(list(product(*axes)))
-
-    @property
-    def spread(self) -> float:
-        """The largest standard deviation along any direction [m]."""
-        return float(np.sqrt(max(np.linalg.eigvalsh(self.covariance)[-1], 0.0)))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Shapes:
-    """The convex pieces of all obstacles at a step, with the boxes around them."""
-
-    owners: tuple[str, ...]
-    pieces: tuple[Polytope, ...]
-    lower: Matrix
-    upper: Matrix
-
-    @classmethod
-    def of(cls, scenario: Scenario, step: int) -> _Shapes:
-        """Collect them."""
-        found = [(o.name, piece) for o in scenario.obstacles for piece in o.at(step)]
-        d = scenario.dimension
-        lower = np.array([piece.vertices.min(axis=0) for _, piece in found]).reshape(-1, d)
-        upper = np.array([piece.vertices.max(axis=0) for _, piece in found]).reshape(-1, d)
-        return cls(tuple(n for n, _ in found), tuple(p for _, p in found), lower, upper)
-
-    def near(self, box: _Box, radius: float) -> dict[str, list[Polytope]]:
-        """Return the pieces from which anything is to be feared, by obstacle."""
-        gaps = np.maximum(np.maximum(self.lower - box.upper, box.lower - self.upper), 0.0)
-        close = np.linalg.norm(gaps, axis=1) < radius + _FAR * box.spread + 1e-6
-        found: dict[str, list[Polytope]] = defaultdict(list)
-        for k in np.flatnonzero(close).tolist():
-            found[self.owners[k]].append(self.pieces[k])
-        return found
-
-
 def floors(scenario: Scenario, subjects: Sequence[Subject]) -> Floors:
     """Return what starts and goals risk at least, whatever the plan.
 
@@ -172,7 +128,7 @@ def _dangers(
 ) -> tuple[tuple[Danger, ...], Vector]:
     """Return what starts or goals risk, and the sum for each vehicle, others aside."""
     boxes = [_box(subject, at_goal=at_goal) for subject in subjects]
-    shapes = _Shapes.of(scenario, scenario.horizon if at_goal else 0)
+    shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
     found: list[Danger] = []
     least = np.zeros(len(boxes))
     for i, box in enumerate(boxes):
@@ -182,20 +138,20 @@ def _dangers(
     return tuple(sorted(found, key=lambda danger: -danger.risk)), least
 
 
-def _box(subject: Subject, *, at_goal: bool) -> _Box:
+def _box(subject: Subject, *, at_goal: bool) -> Box:
     """Return where a vehicle's mean is at the start, or may be at the end."""
     covariance = subject.position_covariances[-1 if at_goal else 0]
     if not at_goal:
-        return _Box(subject.drift_position[0], subject.drift_position[0], covariance)
+        return Box(subject.drift_position[0], subject.drift_position[0], covariance)
     goal = subject.vehicle.goal
     lower = np.maximum(goal.lower, subject.reach_lower[-1]) - _TOL
     upper = np.minimum(goal.upper, subject.reach_upper[-1]) + _TOL
     # Out of reach: which corner is nearer does not matter, as long as it is a box.
-    return _Box(np.minimum(lower, upper), np.maximum(lower, upper), covariance)
+    return Box(np.minimum(lower, upper), np.maximum(lower, upper), covariance)
 
 
 def _of_vehicle(
-    scenario: Scenario, i: int, box: _Box, shapes: _Shapes, *, at_goal: bool
+    scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool
 ) -> tuple[list[Danger], float]:
     """Return what one vehicle risks in a place, danger by danger and in all."""
     cells = _CELLS[scenario.dimension] if at_goal else 1
@@ -203,7 +159,7 @@ def _of_vehicle(
     radius = scenario.vehicles[i].radius
     dangers: list[Danger] = []
     fields: list[Vector] = []
-    for name, near in shapes.near(box, radius).items():
+    for name, near in shapes.near(box, radius, _far(scenario)).items():
         # Pieces of one obstacle are one danger: the worst of them is a bound on their union.
         by_piece = [_cells(_risks(points, box.covariance, radius, piece), cells) for piece in near]
         field = np.maximum.reduce(by_piece)
@@ -221,7 +177,7 @@ def _of_vehicle(
     return [danger for danger in dangers if danger.risk > 0.0], least
 
 
-def _of_pairs(scenario: Scenario, boxes: Sequence[_Box], *, at_goal: bool) -> list[Danger]:
+def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[Danger]:
     """Return what pairs risk in their places."""
     if len(boxes) < 2:
         return []
@@ -229,17 +185,25 @@ def _of_pairs(scenario: Scenario, boxes: Sequence[_Box], *, at_goal: bool) -> li
     centers = np.array([0.5 * (box.lower + box.upper) for box in boxes])
     halves = np.array([0.5 * np.linalg.norm(box.upper - box.lower) for box in boxes])
     spreads = np.array([box.spread for box in boxes])
-    near = 2.0 * (radii.max() + halves.max() + _FAR * spreads.max()) + 1e-6
+    far = _far(scenario)
+    near = 2.0 * (radii.max() + halves.max() + far * spreads.max()) + 1e-6
     found = []
     for i, j in sorted(cKDTree(centers).query_pairs(float(near))):
         one, two = boxes[i], boxes[j]
-        box = _Box(one.lower - two.upper, one.upper - two.lower, one.covariance + two.covariance)
+        box = Box(one.lower - two.upper, one.upper - two.lower, one.covariance + two.covariance)
         points = box.corners(1)
+        most = float(np.linalg.norm(points, axis=1).max())
+        if most >= radii[i] + radii[j] + far * box.spread + 1e-6:
+            continue
         risks = _risks(points, box.covariance, float(radii[i] + radii[j]), None)
-        distance = float(np.linalg.norm(points, axis=1).max())
         if risks.min() > 0.0:
-            found.append(Danger("pair", (i, j), None, at_goal, float(risks.min()), distance))
+            found.append(Danger("pair", (i, j), None, at_goal, float(risks.min()), most))
     return found
+
+
+def _far(scenario: Scenario) -> float:
+    """Return the standard deviations beyond which nothing is to be feared."""
+    return min(_FAR, float(clearance_for(_LEAST * scenario.risk_bound)))
 
 
 def _cells(values: Vector, cells: int) -> Vector:
@@ -286,7 +250,7 @@ def _distances(points: Matrix, piece: Polytope) -> Vector:
     return solid_distances(points, points, solid_of(piece))
 
 
-def _borders(scenario: Scenario, box: _Box, points: Matrix) -> Iterator[tuple[Vector, float]]:
+def _borders(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tuple[Vector, float]]:
     """Yield what points risk of leaving through each face, and their most distance from it."""
     workspace = scenario.workspace
     if workspace is None:
@@ -298,7 +262,7 @@ def _borders(scenario: Scenario, box: _Box, points: Matrix) -> Iterator[tuple[Ve
             workspace.upper[axis] - points[:, axis],
         )
         for slack in (below, above):
-            if slack.min() > _FAR * deviation:
+            if slack.min() > _far(scenario) * deviation:
                 continue
             certain = np.where(slack >= -1e-9, np.inf, -np.inf)
             clearance = slack / deviation if deviation > 0.0 else certain

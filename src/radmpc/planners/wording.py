@@ -7,8 +7,17 @@ from math import ceil, floor, log10
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.places import Danger
+from radmpc.solvers.solution import Limits
 
-__all__ = ["is_contact", "listed", "places_text", "rounded", "rounded_down", "rounded_up"]
+__all__ = [
+    "is_contact",
+    "limit_clause",
+    "listed",
+    "places_text",
+    "rounded",
+    "rounded_down",
+    "rounded_up",
+]
 
 _NAMED = 3
 
@@ -18,6 +27,14 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     if len(names) > _NAMED + 1:
         names = [*names[:_NAMED], f"{len(names) - _NAMED} more"]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
+
+
+def limit_clause(limits: Limits) -> str:
+    """Return which limit ended a search, and what to do about it, after a colon."""
+    if not limits.reason:
+        return "the searches ended at their limits of nodes."
+    advice = "" if limits.is_stopped() else " Raise it."
+    return f"{limits.reason}.{advice}"
 
 
 def rounded(risk: float, bound: float) -> str:

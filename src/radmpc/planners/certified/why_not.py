@@ -12,7 +12,7 @@ from radmpc.planners.certified.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.stuck import stuck_reason
 from radmpc.planners.early import Reason, grouped, reserve_reason, sure_reasons
 from radmpc.planners.explain import danger, unable_alone
-from radmpc.planners.wording import rounded_down, rounded_up
+from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
 from radmpc.program.build import whole_subjects
 from radmpc.solvers.solution import Limits
 
@@ -94,7 +94,9 @@ def ended(scenario: Scenario, limits: Limits) -> str:
         for v, s in zip(scenario.vehicles, whole_subjects(scenario), strict=True)
     )
     told = [f"The feedback of vehicle {name!r} {text}." for name, text in kept if text is not None]
-    return " ".join([f"No plan was found, and none was ruled out: {_end(limits)}", *told[:1]])
+    return " ".join(
+        [f"No plan was found, and none was ruled out: {limit_clause(limits)}", *told[:1]]
+    )
 
 
 def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
@@ -181,9 +183,11 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
     """Say what bound would do, and what takes it."""
     bound = f"risk_bound {scenario.risk_bound:g}"
     if not found.controls:
-        return f"No plan was found at any risk, and none was ruled out: {_end(limits)}"
+        return f"No plan was found at any risk, and none was ruled out: {limit_clause(limits)}"
     if found.risk <= scenario.risk_bound:
-        return f"No plan was certified within {bound}, and none was ruled out: {_end(limits)}"
+        return (
+            f"No plan was certified within {bound}, and none was ruled out: {limit_clause(limits)}"
+        )
     takers = "; ".join(
         f"{danger(exposure)} around step {exposure.step} ({risk:.2g})"
         for exposure, risk in found.takers[:_NAMED]
@@ -194,16 +198,8 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
             f"such plan runs at least {rounded_down(found.bound)}."
         )
     else:
-        head = f"No plan within {bound} was found, and none was ruled out: {_end(limits)}"
+        head = f"No plan within {bound} was found, and none was ruled out: {limit_clause(limits)}"
     advice = ""
     if found.risk < 0.5:
         advice = f" Raise risk_bound to {rounded_up(found.risk)}, at which there is one."
     return f"{head} The safest found runs {rounded_up(found.risk)}, most of it {takers}.{advice}"
-
-
-def _end(limits: Limits) -> str:
-    """Say which limit ended a search, and what to do about it."""
-    if not limits.reason:
-        return "the searches ended at their limits of nodes."
-    advice = "" if limits.is_stopped() else " Raise it."
-    return f"{limits.reason}.{advice}"
