@@ -37,8 +37,8 @@ __all__ = ["Outlines", "enclosed"]
 
 Truths = npt.NDArray[np.bool_]
 
-# Nodes, ellipses and first pieces change the speed only: 12 to 24 nodes, and ellipses of 2 to 9, took
-# up to 1.5 times as long on 300 discs, boxes and hulls.
+# Nodes, ellipses and first pieces change the speed only: other rules of 12 to 24 nodes, on ellipses
+# of 2 to 9, took up to 1.5 times as long on 300 discs, boxes and hulls.
 _NUM_NODES = 20
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_NUM_NODES)
 # Ellipses to bound on; the smallest bound counts. Short pieces like large ones.
