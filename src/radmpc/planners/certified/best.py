@@ -61,8 +61,9 @@ class Best:
         and saying more.
         """
         bound = self.bound(fleet)
-        if relative_gap(self.cost, bound) > gap:
-            bound = self._bound(fleet, fleet.scenario.risk_bound - fleet.initial)
+        granted = fleet.scenario.risk_bound - fleet.initial
+        if relative_gap(self.cost, bound) > gap and granted > 0.0:
+            bound = self._bound(fleet, granted)
         return min(bound, self.cost)
 
     def price(self, fleet: Fleet) -> float | None:
@@ -189,8 +190,7 @@ class _Fit:
                 return True
             # The referee finds more in these sides: nearer to Δ, where it cannot.
             best.too_much = min(best.too_much, fleet.budget)
-            granted = fleet.scenario.risk_bound - fleet.initial
-            fleet.set_budget(_BACK_OFF * (fleet.budget * granted) ** 0.5)
+            fleet.set_budget(_BACK_OFF * (fleet.budget * fleet.least_budget) ** 0.5)
         return False
 
 
