@@ -170,9 +170,14 @@ def test_a_hard_budget_finds_what_no_price_leads_to():
     problem = made.problem((0, 1))
     budget = 0.021
     tree = BudgetTree(
-        problem.program, budget, 1e-4, gap=5e-4, scale=1.0, limits=FOREVER,
+        problem.program,
+        budget,
+        1e-4,
+        gap=5e-4,
+        scale=1.0,
+        limits=FOREVER,
         rater=Rater(problem.program, budget),
-    )  # fmt: skip
+    )
     tree.run(2_000)
     assert not tree.is_limited
     assert tree.best.risk <= budget * (1.0 + OVER)
@@ -183,6 +188,15 @@ def test_a_hard_budget_finds_what_no_price_leads_to():
         risks.append(made.best((0, 1)).risk)
     between = [risk for risk in risks if 0.8 * budget <= risk <= budget]
     assert not between
+
+
+def test_the_budget_stays_positive_where_the_starts_alone_exceed_the_bound():
+    near = replace(scene("bow-merge-limit"), avoidance="steps", risk_bound=0.02)
+    vehicles = tuple(replace(v, initial_covariance=2e-3 * np.eye(4)) for v in near.vehicles)
+    made = Fleet(replace(near, vehicles=vehicles), 1e-3, FOREVER, lambda done, total: None)
+    assert made.initial > near.risk_bound
+    made.set_budget(-1.0)
+    assert 0.0 < made.budget < near.risk_bound
 
 
 def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):

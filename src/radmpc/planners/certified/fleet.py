@@ -38,6 +38,9 @@ _ROOM = {"steps": (4.0, 1.5), "intervals": (12.0, 4.0)}
 _FILL = 0.9
 """Share of the unit up to which the budget may grow."""
 
+_LITTLE = 1e-2
+"""Share of Δ that the budget is at least: by the referee the starts may risk less."""
+
 _RISK_TO_COST = 0.006
 """Typical value of the whole risk budget, as a share of the cost of plans."""
 
@@ -107,8 +110,13 @@ class Fleet:
 
     def set_budget(self, budget: float) -> None:
         """Set what simple bounds may sum to beyond the starts: Δ at least, the unit at most."""
-        least = self.scenario.risk_bound - self.initial
-        self.budget = max(least, min(budget, self.most_budget))
+        self.budget = max(self.least_budget, min(budget, self.most_budget))
+
+    @property
+    def least_budget(self) -> float:
+        """What is left of Δ by simple bounds; a little where the starts alone exceed it by them."""
+        granted = self.scenario.risk_bound
+        return max(granted - self.initial, _LITTLE * granted)
 
     @property
     def most_budget(self) -> float:

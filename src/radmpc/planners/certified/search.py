@@ -161,7 +161,7 @@ class PriceSearch:
     def _next_budget(self, budget: float, passed: float, failed: float) -> float:
         """Return what to search within next, given what the referee passed and what it failed."""
         fleet, best = self.fleet, self.best
-        least = fleet.scenario.risk_bound - fleet.initial
+        least = fleet.least_budget
         if failed == float("inf"):
             return budget
         if passed > 0.0:

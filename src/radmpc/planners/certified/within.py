@@ -130,8 +130,10 @@ class WithinBudget:
         plans, is_limited, is_changed = list(plans), False, False
         cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
         for number, (members, plan) in enumerate(zip(sets, plans, strict=True)):
-            left = budget - cross - sum(p.risk for p in plans) + plan.risk
-            if left <= 0.0 or fleet.limits.reached:
+            # A plan with more faces may have no risk by those of the scenario: others only count.
+            others = sum(p.risk for i, p in enumerate(plans) if i != number)
+            left = budget - cross - others
+            if not left > 0.0 or fleet.limits.reached:
                 continue
             tree = self._tree(members, left, plan)
             tree.consider(plan.z)
