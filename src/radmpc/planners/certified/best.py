@@ -192,14 +192,7 @@ class _Fit:
                 return True
             # The referee finds more in these sides: nearer to Δ, where it cannot.
             best.too_much = min(best.too_much, fleet.budget)
-<<<<<<< HEAD
-            # Where the starts alone run more by simple bounds, what is left is the referee's leave.
-            granted = fleet.scenario.risk_bound - fleet.initial
-            nearer = max(granted, _BACK_OFF * 0.25 * fleet.budget)
-            fleet.set_budget(_BACK_OFF * (fleet.budget * nearer) ** 0.5)
-=======
             fleet.set_budget(_BACK_OFF * (fleet.budget * fleet.least_budget) ** 0.5)
->>>>>>> h-lost
         return False
 
 
