@@ -13,7 +13,10 @@ from scipy.special import ndtr, ndtri
 from radmpc.arrays import Vector
 from radmpc.errors import RiskError
 
-__all__ = ["clearance_for", "tail_probability", "tail_slope"]
+__all__ = ["CONVEX_RISK", "clearance_for", "tail_probability", "tail_slope"]
+
+CONVEX_RISK = 0.5
+"""Risk up to which the tail is convex in the clearance [-]: no chance row may run more."""
 
 
 @overload

@@ -20,12 +20,13 @@ from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.planners.centralized import plan_centralized
-from radmpc.planners.certified import plan_certified
+from radmpc.planners.certified import Verdict, plan_certified
 from radmpc.planners.distance import plan_by_distance
 from radmpc.planners.draft import Draft
 from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
 from radmpc.planners.planner import Certified, Couplings, Distance, Planner, Receding
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
+from radmpc.planners.wording import limit_clause
 from radmpc.referee import Certificate, certify
 from radmpc.result import Result
 from radmpc.solvers.rrt import Rrt
@@ -99,8 +100,11 @@ def plan(
     if time_limit is None and isinstance(record.decomposition, Certified):
         time_limit = CERTIFIED_SECONDS
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
-    limits = Limits(deadline, never if stop is None else stop)
+    limits = Limits(deadline, never if stop is None else stop, time_limit)
     draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
+    if draft.status is Status.LIMIT and not draft.explanation:
+        why = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
+        draft = replace(draft, explanation=why)
     judging = time.perf_counter()
     trajectories = _trajectories(scenario, draft.controls)
     unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
@@ -152,13 +156,14 @@ def _draft(
         return plan_receding(scenario, planner, decomposition, rng, limits, progress)
     if isinstance(decomposition, Certified):
 
-        def risk_of(controls: tuple[Matrix, ...]) -> float:
+        def judge(controls: tuple[Matrix, ...]) -> Verdict:
             trajectories = _trajectories(scenario, controls)
             everyone = (tuple(range(scenario.num_vehicles)),)
             draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-            return certify(_plan(scenario, planner, None, draft, trajectories, None, {})).certified
+            found = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
+            return Verdict(found.certified, found.ledger)
 
-        return plan_certified(scenario, planner, limits, executor, progress, risk_of)
+        return plan_certified(scenario, planner, limits, executor, progress, judge)
     if isinstance(decomposition, Couplings):
         return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
     if isinstance(decomposition, Distance):

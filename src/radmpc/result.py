@@ -78,7 +78,7 @@ class Result:
 
     @property
     def explanation(self) -> str | None:
-        """Why there is no plan."""
+        """Why there is no plan, or what it took to find this one."""
         return self.record.explanation
 
     @property

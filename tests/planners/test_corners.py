@@ -169,7 +169,8 @@ def test_pairs_that_start_too_close_are_charged_to_the_pool():
     )
     result = plan(scenario, "radmpc")
     assert result.status is Status.INFEASIBLE
-    assert "vehicles 'a' and 'b' (risk 0.0786)" in result.explanation
+    assert "starts of vehicles 'a' and 'b' are too close" in result.explanation
+    assert "a risk of 0.068, above risk_bound 0.05" in result.explanation
 
 
 def test_an_obstacle_in_the_way_is_not_mistaken_for_one_on_the_goal():

@@ -227,7 +227,8 @@ def test_starts_in_conflict_are_named_with_their_risk():
     text = _explained(
         _scenario(_vehicle("a", (0, 0), (8, 0)), _vehicle("b", (0.83, 0), (0, 8))), "ira"
     )
-    assert "vehicles 'a' and 'b' (risk" in text
+    assert "starts of vehicles 'a' and 'b' are too close" in text
+    assert "that alone runs a risk of" in text
 
 
 def test_feedback_that_eats_the_control_limit_is_told_with_step_and_axis():

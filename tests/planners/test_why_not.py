@@ -11,10 +11,10 @@ from radmpc.experiments.families import paper
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
-from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified import planning
 from radmpc.planners.certified.least_risk import least_risk
+from radmpc.planners.certified.search import PriceSearch
 from radmpc.planning import plan
 from radmpc.solvers.solution import Limits
 
@@ -139,7 +139,7 @@ def test_a_start_within_an_obstacle_does_not_hide_the_rest():
 
 def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_it(monkeypatch):
     # As where simple bounds see no plan at all: the search for the reason finds the safest one.
-    monkeypatch.setattr(planning, "_search", lambda *everything: None)
+    monkeypatch.setattr(PriceSearch, "run", lambda self: None)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.FEASIBLE
     assert result.is_certified
@@ -149,9 +149,9 @@ def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_i
 
 
 def test_noise_that_leaves_no_room_anywhere_is_named_before_what_stands_there():
-    wild = vehicle("a", (0, 0), (8, 0), noise=3.0)
-    fenced = replace(scenario(wild), workspace=Workspace(np.full(2, -4.0), np.full(2, 12.0)))
-    result = plan(fenced, time_limit=20.0)
+    noise = np.array([0.05, 0.05, 1e-6, 1e-6])
+    wild = vehicle("a", (0, 0), (10, 0), noise=noise)
+    result = plan(scenario(wild, obstacles=wall_with_gap(1.0)), time_limit=20.0)
     assert result.plan is None
     assert "without noise there is one" in result.explanation
-    assert "reduce the noise, add feedback" in result.explanation
+    assert "What helps, as tried: reduce the noise to" in result.explanation

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from radmpc.model.dynamics import LinearSystem
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.plotting.curves import confidence_ellipses, ellipsoid_rings, mean_path, point_along
@@ -24,7 +25,10 @@ def test_the_path_between_steps_is_the_parabola(flat_plan: Plan) -> None:
 
 def test_other_dynamics_fly_straight_between_steps(flat_plan: Plan) -> None:
     vehicle = flat_plan.scenario.vehicles[0]
-    straight = replace(vehicle, system=replace(vehicle.system, is_double_integrator=False))
+    # The control moves velocities alone: nothing tells what happens between steps.
+    controls_alone = np.vstack([np.zeros((2, 2)), vehicle.system.B[2:]])
+    euler = LinearSystem(vehicle.system.A, controls_alone, (0, 1), (2, 3))
+    straight = replace(vehicle, system=euler)
     path = mean_path(straight, flat_plan.trajectories[0])
     np.testing.assert_allclose(path, flat_plan.trajectories[0].means[:, :2])
 

@@ -117,12 +117,44 @@ def test_neighbouring_intervals_share_the_event_of_a_face_at_their_common_step()
         _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
     program = _build(scenario)
-    counts = np.bincount(program.rows.events)
-    assert counts.max() == 2
-    shared = np.flatnonzero(counts == 2)
-    for event in shared:
-        rows = np.flatnonzero(program.rows.events == event)
-        assert len(set(program.rows.deviations[rows])) == 1
+    rows = program.rows
+    label_of = np.repeat(np.arange(program.num_alternatives), np.diff(program.alternative_starts))
+    window_of = np.array([program.avoidances[a].step for a in _avoidance_of(program)])[label_of]
+    shared = 0
+    for event in range(rows.events.max() + 1):
+        held = np.flatnonzero(rows.events == event)
+        assert len(set(rows.deviations[held])) == 1
+        # Alternatives of one face that differ in their reserve share events too.
+        windows = set(window_of[held].tolist())
+        assert max(windows) - min(windows) <= 1
+        shared += len(windows) == 2
+    assert shared > 0
+
+
+def _avoidance_of(program):
+    """Return the avoidance of each alternative."""
+    return np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
+
+
+def test_feedback_adds_an_event_of_its_own_to_every_interval():
+    gain = np.array([[-0.3, 0, -0.9, 0], [0, -0.3, 0, -0.9]])
+    vehicle = _vehicle(gain=gain)
+    wall = Obstacle.box("wall", [3, -1], [4, 1])
+    program = _build(_scenario(vehicle, avoidance="intervals", obstacles=(wall,)))
+    assert set(np.diff(program.alternative_starts)) == {3}
+    sigma = vehicle.covariances(8)
+    # Held over the step, a control of 1 m/s² moves the position by dt²/2 = 0.5 m.
+    bent = np.eye(2, 4) - 0.5 * gain
+    step_of = np.array([e.step for e in program.exposures])
+    avoidance = _avoidance_of(program)
+    for alternative in range(program.num_alternatives):
+        near, held, far = program.rows_of(alternative)
+        k = program.avoidances[avoidance[alternative]].step
+        events = program.rows.events[[near, held, far]]
+        assert step_of[program.rows.exposures[events]].tolist() == [k, k, k + 1]
+        assert len(set(events.tolist())) == 3
+        expected = [np.sqrt(c[0, 0]) for c in (sigma[k], bent @ sigma[k] @ bent.T, sigma[k + 1])]
+        assert program.rows.deviations[[near, held, far]] == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_bow_of_a_turn_towards_an_obstacle_is_in_the_rows():
@@ -202,14 +234,25 @@ def test_a_moving_obstacle_has_the_faces_of_both_ends_of_an_interval():
     assert sizes.max() > 4
 
 
-def test_a_system_without_a_continuous_model_has_no_bow():
+def test_a_system_without_a_continuous_model_has_no_sagitta():
     base = double_integrator(1.0, 2)
-    plain = LinearSystem(base.A, base.B, (0, 1), (2, 3))
+    # The control moves velocities alone: nothing tells what happens between steps.
+    euler = LinearSystem(base.A, np.vstack([np.zeros((2, 2)), np.eye(2)]), (0, 1), (2, 3))
     vehicle = _vehicle()
     wall = Obstacle.box("wall", [3, -1], [4, 1])
-    straight = _build(_scenario(replace(vehicle, system=plain), obstacles=(wall,)))
+    straight = _build(_scenario(replace(vehicle, system=euler), obstacles=(wall,)))
     curved = _build(_scenario(vehicle, obstacles=(wall,)))
-    assert straight.rows.normals.nnz < curved.rows.normals.nnz
+    assert _pulls(straight) == {False}
+    assert _pulls(curved) == {True}
+
+
+def _pulls(program):
+    """Return whether rows of faces look at controls, not at positions alone."""
+    width = program.output_lower.size
+    positions = 9 * 2
+    assert width > positions
+    entries = program.rows.normals.tocsr()
+    return {bool(entries[[row]][:, positions:].nnz) for row in range(program.rows.count)}
 
 
 def test_space_has_six_faces_around_a_pair():

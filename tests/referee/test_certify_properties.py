@@ -127,11 +127,13 @@ def test_no_direction_beats_the_refined_one_at_a_step():
     for _ in range(20):
         spread = rng.standard_normal((2, 2)) * 0.3
         pair = Encounters(
+            kind="pair",
             first=np.array([0]),
             other=np.array([1]),
             piece=np.array([0]),
             means=rng.uniform(1.0, 2.0, (1, 1, 2)),
             covariances=(spread @ spread.T)[None, None],
+            bent_covariances=None,
             bows=np.zeros((1, 0, 2)),
             radii=np.array([0.5]),
             vertices=np.zeros((1, 1, 1, 2)),

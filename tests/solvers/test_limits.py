@@ -9,6 +9,7 @@ import pytest
 
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
+from radmpc.planners.sides import propose_sides
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import margins_of, uniform_allocation
 from radmpc.solvers.big_m import BigM
@@ -110,3 +111,29 @@ def test_an_opposed_row_is_held_the_other_way_round():
         assert program.slacks(lp.point())[row] <= margins[row] + 1e-7
     else:
         assert outcome is LpOutcome.INFEASIBLE
+
+
+def test_a_proposal_of_sides_ends_with_the_limits():
+    scenario = paper(8, 0)
+    subjects = whole_subjects(scenario)
+    program, margins = _paper(8, 0)
+    assert propose_sides(program, subjects, margins, Limits()) is not None
+    asked = []
+
+    def stop_at_the_third():
+        asked.append(None)
+        return len(asked) >= 3
+
+    limits = Limits(is_stopped=stop_at_the_third)
+    assert propose_sides(program, subjects, margins, limits) is None
+    # Once more in `place`, and no step further.
+    assert len(asked) <= 5
+
+
+def test_scip_does_not_begin_where_declaring_took_the_time():
+    pytest.importorskip("pyscipopt")
+    program, margins = _paper(4, 0)
+    solution = BigM("scip").solve(program, margins, gap=1e-3, limits=Limits(deadline=0.0))
+    assert solution.outcome is Outcome.LIMIT
+    assert solution.z is None
+    assert solution.bound <= 0.0

@@ -23,6 +23,7 @@ from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform, margins_of
 from radmpc.solvers.branch import Branch
 from radmpc.solvers.rrt import Rrt
+from radmpc.solvers.rrt_shortcuts import _basis
 from radmpc.solvers.solution import Limits, Outcome
 
 FINDS = [0, 1, 3, 4, 7, 9, 12, 14, 15, 16]
@@ -265,3 +266,13 @@ def test_choices_that_need_a_proven_solve_are_refused_in_one_line():
 
 def test_the_preset_takes_a_number_of_deviations():
     assert str(parse_planner("rmpc-rrt(2)")) == "sigmas(2), rrt, receding"
+
+
+@pytest.mark.parametrize("rank", [0, 1, 4, 7])
+def test_the_basis_of_what_is_seen_later_spans_it_and_nothing_else(rank):
+    rng = np.random.default_rng(rank)
+    rows = rng.normal(size=(40, rank)) @ rng.normal(size=(rank, 12)) * 1e-3
+    basis = _basis(rows)
+    assert basis.shape == (rank, 12)
+    assert np.allclose(basis @ basis.T, np.eye(rank), atol=1e-12)
+    assert np.allclose(rows @ basis.T @ basis, rows, atol=1e-14)

@@ -71,6 +71,8 @@ def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table
         advice = _advice(plan)
         if advice:
             rows["advice"] = Text(advice, style="yellow")
+        if plan.explanation:
+            rows["note"] = plan.explanation
     elif plan.explanation:
         rows["no plan"] = Text(plan.explanation, style="red")
     if num_events:

@@ -35,7 +35,7 @@ def saturation_warning(bound: float, saturation: float) -> str | None:
 
 
 def saturation_line(bound: float, saturation: float, rate: float | None = None) -> Text | str:
-    """Return the bound on saturation, what a simulation saw of it, and a warning where it matters."""
+    """Return the bound on saturation, what a simulation saw of it, and a warning."""
     if saturation == 0.0:
         return "none: no control can reach its limit"
     text = f"at most {saturation:.3g}"

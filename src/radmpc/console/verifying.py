@@ -95,9 +95,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
         # Arrays that do not fit the scenario cannot be flown: an answer, not bad usage.
         reasons = problems or (str(error),)
         certified, saturation = certificate.certified, certificate.saturation
-        return Verification(
-            False, bound, certified, None, None, None, 0, saturation, None, reasons
-        )
+        return Verification(False, bound, certified, None, None, None, 0, saturation, None, reasons)
     # An upper bound below a rate that is surely larger would be wrong: do not trust either.
     is_contradicted = simulation.rate_low > max(bound, certificate.certified)
     if is_contradicted:

@@ -162,9 +162,7 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
     )
 
 
-def _rates(
-    A: Matrix, B: Matrix, position: tuple[int, ...]
-) -> tuple[tuple[int, ...], float] | None:
+def _rates(A: Matrix, B: Matrix, position: tuple[int, ...]) -> tuple[tuple[int, ...], float] | None:
     """Return velocity indices and step of a double integrator in any order of its states."""
     place = list(position)
     rest = [i for i in range(len(A)) if i not in place]

@@ -185,7 +185,7 @@ class Plan:
     versions : mapping
         Package versions used.
     explanation : str or None
-        Why there is no plan.
+        Why there is no plan, or what it took to find this one.
     trajectories : tuple of Trajectory
         One per vehicle, in the scenario's order; empty without a plan.
     couplings : tuple of Coupling

@@ -90,7 +90,7 @@ class Draft:
     seconds : mapping
         Seconds per stage.
     explanation : str or None
-        Why there is no plan.
+        Why there is no plan, or what it took to find this one.
     lower_bound : float or None
         Proven least cost, where there is a proof.
     price : float or None

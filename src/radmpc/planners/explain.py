@@ -6,12 +6,18 @@ from itertools import combinations
 
 import numpy as np
 
-from radmpc.geometry import sphere_directions
-from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
-from radmpc.model.vehicle import Vehicle
+from radmpc.planners.early import (
+    Reason,
+    grouped,
+    overdrawn_texts,
+    place_reasons,
+    too_far_texts,
+)
 from radmpc.planners.ira import solve_under_policy
+from radmpc.planners.places import floors
+from radmpc.planners.wording import is_contact, limit_clause, places_text
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import NoRisk, Policy, Sigmas
 from radmpc.program.program import DisjunctiveProgram, Exposure
@@ -50,10 +56,13 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
         One or two sentences, naming vehicles, obstacles and times.
     """
     subjects = whole_subjects(scenario)
-    for subject in subjects:
-        reason = unable_alone(scenario, subject)
-        if reason:
-            return reason
+    unable = [
+        Reason((i,), *texts)
+        for i, subject in enumerate(subjects)
+        if (texts := unable_alone(scenario, subject)) is not None
+    ]
+    if unable:
+        return " ".join([*(text for _, text in grouped(scenario, unable)), _SLOW])
     reason = impossible_places(scenario, deterministic=isinstance(policy, NoRisk | Sigmas))
     if reason:
         return reason
@@ -64,7 +73,9 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
             if outcome is Outcome.INFEASIBLE:
                 return _cannot_be_planned(scenario, members)
             is_open |= outcome is Outcome.LIMIT
-    return _OPEN if is_open else _GENERAL
+    if is_open:
+        return f"{_OPEN}: {limit_clause(limits)}"
+    return _GENERAL
 
 
 def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str | None:
@@ -82,20 +93,28 @@ def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str
     str or None
         The reason, naming vehicles, obstacle and time.
     """
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    subjects = whole_subjects(scenario)
+    program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
+    found = floors(scenario, subjects)
+    if not deterministic:
+        sure = place_reasons(scenario, found)
+        if sure:
+            return " ".join(text for _, text in grouped(scenario, sure))
     at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
     if program.initial and at_start >= (0.5 if deterministic else program.risk_bound):
         return _start_too_risky(program, at_start)
     hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
     if hopeless.size:
-        return _cannot_avoid(scenario, [program.avoidances[int(i)] for i in hopeless])
+        taken = [place for place in found.goals if is_contact(scenario, place)]
+        if taken:
+            return places_text(scenario, taken[:1], taken[0].risk)
+        return _cannot_avoid(scenario, program.avoidances[int(hopeless[0])])
     return None
 
 
-_OPEN = (
-    "No plan was found, and a limit ended the search for the reason: raise the time limit, "
-    "the risk bound or the horizon."
-)
+_OPEN = "No plan was found, and a limit ended the search for the reason"
+
+_SLOW = "Lengthen the horizon, raise the limits, or soften the feedback."
 
 _GENERAL = (
     "Each vehicle and each pair can be planned, but not all together within the risk bound: "
@@ -103,30 +122,22 @@ _GENERAL = (
 )
 
 
-def unable_alone(scenario: Scenario, subject: Subject) -> str | None:
-    """Say if a vehicle cannot even fly through empty space."""
-    name = subject.vehicle.name
-    short = np.argwhere(subject.control_bounds < 0.0)
-    if short.size:
-        step, axis = (int(i) for i in short[0])
-        return (
-            f"Vehicle {name!r}: at step {step} the feedback alone takes more than control axis "
-            f"{axis} allows ({subject.vehicle.control_sigmas:g} standard deviations exceed the "
-            f"limit {subject.vehicle.control_limit[axis]:g}): raise control_limit, lower the "
-            "gain, the noise or control_sigmas."
-        )
+def unable_alone(scenario: Scenario, subject: Subject) -> tuple[str, str] | None:
+    """Say if a vehicle cannot even fly through empty space.
+
+    Returns
+    -------
+    tuple of str or None
+        What follows "Vehicle 'name'", and the same of several vehicles.
+    """
+    overdrawn = overdrawn_texts(subject)
+    if overdrawn is not None:
+        return overdrawn
     empty = build_program(
         _without_dangers(scenario, subject), [subject], risk_bound=scenario.risk_bound
     )
     outcome, _ = WarmLp(empty, np.zeros(empty.rows.count)).solve()
-    if outcome is LpOutcome.INFEASIBLE:
-        seconds = scenario.horizon * scenario.dt
-        return (
-            f"Vehicle {name!r} cannot reach its goal within {scenario.horizon} steps "
-            f"({seconds:g} s) under its control and speed limits, obstacles aside: lengthen the "
-            "horizon or raise its limits."
-        )
-    return None
+    return too_far_texts(scenario, subject) if outcome is LpOutcome.INFEASIBLE else None
 
 
 def _without_dangers(scenario: Scenario, subject: Subject) -> Scenario:
@@ -170,52 +181,21 @@ def _start_in_conflict(exposure: Exposure) -> str:
     return f"The start of vehicle {exposure.vehicle!r} lies outside the workspace. Move the start."
 
 
-def _cannot_avoid(scenario: Scenario, exposures: list[Exposure]) -> str:
-    """Name dangers that exist wherever the vehicles may be at that time."""
-    for first, second in combinations(scenario.vehicles, 2):
-        if _goals_too_close(scenario, first, second):
-            return (
-                f"The goals of vehicles {first.name!r} and {second.name!r} are too close to each "
-                "other: both cannot be in their goals at the horizon without touching. Move a goal."
-            )
-    for vehicle in scenario.vehicles:
-        for obstacle in scenario.obstacles:
-            if _goal_is_taken(scenario, vehicle, obstacle):
-                return (
-                    f"The goal of vehicle {vehicle.name!r} lies within obstacle "
-                    f"{obstacle.name!r} grown by the vehicle's radius. Move the goal."
-                )
-    first_one = exposures[0]
-    when = f"at step {first_one.step}"
+def _cannot_avoid(scenario: Scenario, exposure: Exposure) -> str:
+    """Name a danger that exists wherever the vehicles may be at that time."""
+    when = f"at step {exposure.step}"
     if scenario.avoidance == "intervals":
-        when = f"between steps {first_one.step} and {first_one.step + 1}"
+        when = f"between steps {exposure.step} and {exposure.step + 1}"
     return (
-        f"{_capitalized(danger(first_one))} cannot be kept apart {when}: no side is left for any "
-        "motion that limits and goals allow. Lengthen the horizon or shorten dt."
+        f"{_capitalized(danger(exposure))} cannot be kept apart {when}: none of the faces between "
+        "them leaves room for any motion that limits and goals allow. Lengthen the horizon, "
+        "shorten dt, or raise pair_faces."
     )
 
 
 def _capitalized(text: str) -> str:
     """Return a text with a capital at its front, names within it as they are."""
     return text[:1].upper() + text[1:]
-
-
-def _goals_too_close(scenario: Scenario, first: Vehicle, second: Vehicle) -> bool:
-    """Whether two vehicles touch wherever they are in their goals."""
-    faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
-    apart = faces @ (first.goal.center - second.goal.center)
-    room = 0.5 * (first.goal.upper - first.goal.lower + second.goal.upper - second.goal.lower)
-    return bool(np.max(apart + np.abs(faces) @ room) < first.radius + second.radius)
-
-
-def _goal_is_taken(scenario: Scenario, vehicle: Vehicle, obstacle: Obstacle) -> bool:
-    """Whether a vehicle touches an obstacle wherever it is in its goal."""
-    room = 0.5 * (vehicle.goal.upper - vehicle.goal.lower)
-    return any(
-        np.max(p.normals @ vehicle.goal.center + np.abs(p.normals) @ room - p.offsets)
-        < vehicle.radius
-        for p in obstacle.at(scenario.horizon)
-    )
 
 
 def danger(exposure: Exposure) -> str:

@@ -99,7 +99,7 @@ def plan_set(task: SetTask, limits: Limits) -> SetPlan:
         limits=limits,
         stage=task.stage,
         vehicles=tuple(v.name for v in scenario.vehicles),
-        propose=lambda margins: propose_sides(program, subjects, margins),
+        propose=lambda margins: propose_sides(program, subjects, margins, limits),
     )
     solution = solved.solution
     if solution.z is not None:

@@ -19,6 +19,7 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import avoidance_blocks
 from radmpc.program.subject import Subject
 from radmpc.solvers.selection import least_violated, violations_of_outputs
+from radmpc.solvers.solution import Limits
 
 __all__ = ["propose_sides"]
 
@@ -28,7 +29,7 @@ _MAX_ROUNDS = 5
 
 
 def propose_sides(
-    program: DisjunctiveProgram, subjects: Sequence[Subject], margins: Vector
+    program: DisjunctiveProgram, subjects: Sequence[Subject], margins: Vector, limits: Limits
 ) -> Indices | None:
     """Propose one alternative per avoidance.
 
@@ -40,21 +41,25 @@ def propose_sides(
         Its vehicles, in the order of its blocks.
     margins : (r,) array
         Back-off of each row [m].
+    limits : Limits
+        When to stop early.
 
     Returns
     -------
     (v,) int array or None
-        A selection; None if no way was found, and in space, where grids are too large.
+        A selection; None if no way was found in time, and in space, where grids are too large.
     """
     if subjects[0].reach_lower.shape[1] != 2:
         return None
-    search = _Search(program, subjects, margins)
+    search = _Search(program, subjects, margins, limits)
     order = list(range(len(subjects)))
     for _ in range(_MAX_ROUNDS):
         failed = search.place(order)
         if failed is None:
             violations = violations_of_outputs(program, margins, search.outputs)
             return least_violated(program, violations)
+        if limits.reached:
+            break
         order = [failed, *(i for i in order if i != failed)]
     return None
 
@@ -83,9 +88,14 @@ class _Search:
     """The vehicles placed so far."""
 
     def __init__(
-        self, program: DisjunctiveProgram, subjects: Sequence[Subject], margins: Vector
+        self,
+        program: DisjunctiveProgram,
+        subjects: Sequence[Subject],
+        margins: Vector,
+        limits: Limits,
     ) -> None:
         self.program = program
+        self.limits = limits
         self.subjects = subjects
         self.right = program.rows.offsets - margins
         touched = avoidance_blocks(program)
@@ -118,6 +128,8 @@ class _Search:
         goal = subject.vehicle.goal.center[None, :]
         costs, places, parents = np.zeros(1), here, []
         for k in range(last):
+            if self.limits.reached:
+                return None
             ahead = goal if k == last - 1 else grid.points
             inside = self._within_reach(subject, ahead, k + 1, grid)
             step = _Step(places, ahead, grid, self._allowed(tests, i, k, places, ahead))

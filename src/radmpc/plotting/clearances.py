@@ -94,8 +94,7 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
 def _points_per_step(plan: Plan) -> int:
     """Return how finely all paths are cut: as their curves are, where any is curved."""
     longest = max(
-        len(mean_path(v, t))
-        for v, t in zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+        len(mean_path(v, t)) for v, t in zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     )
     return max(_FINENESS, (longest - 1) // plan.scenario.horizon)
 

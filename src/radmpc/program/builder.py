@@ -14,6 +14,7 @@ from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.program.hard import hard_rows
 from radmpc.program.keepout import KeepOut
+from radmpc.program.openings import opening_directions
 from radmpc.program.program import ChanceRows, DisjunctiveProgram, Exposure
 from radmpc.program.rows import Body, Part, RowBlock, Windows, danger_rows
 from radmpc.program.subject import Subject
@@ -58,6 +59,13 @@ class ProgramBuilder:
         """Keep a vehicle out of a convex thing."""
         subject = self.subjects[i]
         radius = subject.vehicle.radius
+        body = self._body(i)
+        extra = np.zeros((0, self.scenario.dimension))
+        if keepout.start is not None and keepout.shapes:
+            ends = (keepout.shapes[0].vertices, keepout.shapes[-1].vertices)
+            extra = opening_directions(_places(body), keepout.start.normals, ends, radius)
+        if len(extra):
+            keepout = keepout.with_directions(extra, intervals=self.intervals)
         windows = Windows(
             -keepout.normals,
             -(keepout.near + radius),
@@ -65,9 +73,9 @@ class ProgramBuilder:
             keepout.directions,
             self.intervals,
         )
-        body = self._body(i)
         if keepout.start is not None:
-            normals, offsets = -keepout.start.normals, -(keepout.start.offsets + radius)
+            normals = -np.vstack([keepout.start.normals, extra])
+            offsets = -(np.append(keepout.start.offsets, keepout.start.support(extra)) + radius)
             self._charge_start(body, normals, offsets, (cause, subject.vehicle.name, keepout.name))
         self._add(body, windows, cause, subject.vehicle.name, keepout.name)
 
@@ -84,6 +92,10 @@ class ProgramBuilder:
             _sum_of_bent(one, two),
             (self.parts[i], replace(other, sign=-1.0)),
         )
+        if self.first_step == 0:
+            origin = np.zeros((1, self.scenario.dimension))
+            extra = opening_directions(_places(body), faces, (origin, origin), distance)
+            faces = np.vstack([faces, extra])
         offsets = np.full(len(faces), -distance)
         names = (one.vehicle.name, two.vehicle.name)
         self._charge_start(body, -faces, offsets, ("pair", *names))
@@ -202,6 +214,7 @@ class ProgramBuilder:
             exposures=tuple(self.exposures),
             risk_bound=risk_bound,
             initial_risk=self.initial_risk + self.settled_risk,
+            settled_risk=self.settled_risk,
             initial=tuple(self.initial),
         )
 
@@ -263,6 +276,14 @@ def _sum_of_bent(one: Subject, two: Subject) -> Tensor | None:
         for s in (one, two)
     ]
     return np.asarray(parts[0] + parts[1])
+
+
+def _places(body: Body) -> tuple[tuple[Vector, Vector, Matrix], ...]:
+    """Return where a body is at the start and may be at the end, with its noise there."""
+    return (
+        (body.lower[0], body.upper[0], body.covariances[0]),
+        (body.lower[-1], body.upper[-1], body.covariances[-1]),
+    )
 
 
 def _starts(sizes: list[Indices]) -> Indices:

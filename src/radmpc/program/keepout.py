@@ -7,7 +7,7 @@ With avoidance at the steps window j is step j+1 of the programme. With interval
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -35,6 +35,9 @@ class KeepOut:
         Equal numbers are equal normals: such faces of neighbouring windows are one event.
     start : Polytope or None
         The thing at the programme's first step; None if that is booked elsewhere.
+    shapes : tuple of Polytope
+        The thing at the programme's first to last step, one if it stands still; empty where other
+        directions than the faces are not asked for.
     """
 
     name: str
@@ -43,6 +46,33 @@ class KeepOut:
     far: Vector
     directions: Indices
     start: Polytope | None = None
+    shapes: tuple[Polytope, ...] = ()
+
+    def with_directions(self, extra: Matrix, *, intervals: bool) -> KeepOut:
+        """Return the same thing with more half-spaces that hold it, at every window.
+
+        Parameters
+        ----------
+        extra : (e, d) array
+            Unit normals.
+        intervals : bool
+            Whether windows are intervals.
+        """
+        windows = len(self.near)
+        supports = np.array([shape.support(extra) for shape in self.shapes])
+        if len(supports) == 1:
+            supports = np.repeat(supports, windows + 1, axis=0)
+        first = int(self.directions.max(initial=-1)) + 1
+        numbers = np.tile(first + np.arange(len(extra)), (windows, 1))
+        normals = np.broadcast_to(extra, (windows, *extra.shape))
+        near = supports[:-1] if intervals else supports[1:]
+        return replace(
+            self,
+            normals=np.concatenate([self.normals, normals], axis=1),
+            near=np.concatenate([self.near, near], axis=1),
+            far=np.concatenate([self.far, supports[1:]], axis=1),
+            directions=np.concatenate([self.directions, numbers], axis=1),
+        )
 
 
 def obstacle_keepouts(
@@ -70,8 +100,9 @@ def obstacle_keepouts(
     if obstacle.is_moving:
         pieces = [obstacle.at(first_step + k)[0] for k in range(horizon + 1)]
         if not intervals:
-            return [swept_keepout(obstacle.name, pieces[1:], start=pieces[0])]
-        return [_moving_keepout(obstacle.name, pieces)]
+            swept = swept_keepout(obstacle.name, pieces[1:], start=pieces[0])
+            return [replace(swept, shapes=tuple(pieces))]
+        return [replace(_moving_keepout(obstacle.name, pieces), shapes=tuple(pieces))]
     return [_standing_keepout(obstacle.name, piece, horizon) for piece in obstacle.at(0)]
 
 
@@ -103,6 +134,7 @@ def _standing_keepout(name: str, piece: Polytope, horizon: int) -> KeepOut:
         far=offsets,
         directions=np.tile(np.arange(num_faces), (horizon, 1)),
         start=piece,
+        shapes=(piece,),
     )
 
 

@@ -123,10 +123,14 @@ class DisjunctiveProgram:
     risk_bound : float
         Δ for this programme.
     initial_risk : float
-        Risk no control can change, charged to Δ first: at k = 0, and of settled avoidances.
+        Risk charged to Δ first: at k = 0, which no control can change, and of settled
+        avoidances.
     initial : tuple of (Exposure, float)
         Risk at k = 0 that is not negligible, danger by danger. Under intervals it is that of
         rows within alternatives, and not part of ``initial_risk``.
+    settled_risk : float
+        The part of ``initial_risk`` that is of settled avoidances: the most that they can run,
+        which a plan may undercut and a lower bound must not charge.
     """
 
     cost: Vector
@@ -150,6 +154,7 @@ class DisjunctiveProgram:
     risk_bound: float
     initial_risk: float
     initial: tuple[tuple[Exposure, float], ...]
+    settled_risk: float = 0.0
 
     @property
     def num_columns(self) -> int:

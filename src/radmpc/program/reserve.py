@@ -1,12 +1,13 @@
 r"""How the reserve for the sagitta is shared between the two ends of an interval.
 
-A chord margin :math:`(1-s)\,m_0 + s\,m_1` clears a parabola :math:`4 s (1-s)\,b` on [0, 1] if and only
-if :math:`\sqrt{m_0} + \sqrt{m_1} \ge 2\sqrt b`, that is, if and only if for some share θ in [0, 1]
+A chord margin :math:`(1-s)\,m_0 + s\,m_1` clears a parabola :math:`4 s (1-s)\,b` on [0, 1] if and
+only if :math:`\sqrt{m_0} + \sqrt{m_1} \ge 2\sqrt b`, that is, if and only if for some share θ in
+[0, 1]
 
 .. math:: m_0 \ge 4 b\,\theta^2 \quad\text{and}\quad m_1 \ge 4 b\,(1-\theta)^2 .
 
-Each θ gives linear rows; b at both ends (θ = ½) is one of them. An end whose place is known, such as
-a start, often has room for all of the reserve or for none: that is what the other shares are for.
+Each θ gives linear rows; b at both ends (θ = ½) is one of them. An end whose place is known, such
+as a start, often has room for all of the reserve or for none: that is what other shares are for.
 """
 
 from __future__ import annotations

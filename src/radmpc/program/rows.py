@@ -165,9 +165,7 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock | N
     settled = settled_by >= enough
     safest = worst[0].argmax(axis=1)
     every = np.arange(num_windows)
-    risks = sum(
-        tail_probability(_clearance(end, bow, shares[0])[every, safest]) for end in ends
-    )
+    risks = sum(tail_probability(_clearance(end, bow, shares[0])[every, safest]) for end in ends)
     settled_risk = float(np.sum(np.asarray(risks)[settled]))
     if np.all(settled):
         return None if settled_risk == 0.0 else _empty_block(settled_risk)

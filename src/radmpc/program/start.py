@@ -11,6 +11,7 @@ from radmpc.arrays import Tensor
 from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
+from radmpc.program.openings import best_clearance
 
 __all__ = ["start_pair_risk"]
 
@@ -19,7 +20,7 @@ _FAR = 8.0
 
 
 def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:
-    """Return the sum over pairs of the least face risk at k = 0.
+    """Return the sum over pairs of the least risk of any half-space at k = 0.
 
     Parameters
     ----------
@@ -40,17 +41,17 @@ def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:
         noises.append(covariance[0][axes][:, axes])
     radii = np.array([v.radius for v in scenario.vehicles])
     widest = max(float(np.linalg.eigvalsh(noise)[-1]) for noise in noises)
-    # Along its best face a pair is at least this share of its distance apart.
-    share = np.sqrt(scenario.dimension)
-    near = share * (2.0 * radii.max() + _FAR * np.sqrt(2.0 * max(widest, 0.0)) + 1e-9)
+    near = 2.0 * radii.max() + _FAR * np.sqrt(2.0 * max(widest, 0.0)) + 1e-9
     faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
+    origin = np.zeros((1, scenario.dimension))
     total = 0.0
     for i, j in sorted(cKDTree(positions).query_pairs(float(near))):
-        slack = faces @ (positions[i] - positions[j]) - radii[i] - radii[j]
-        variances = np.einsum("fa,ab,fb->f", faces, noises[i] + noises[j], faces)
-        deviations = np.sqrt(np.maximum(variances, 0.0))
-        noisy = deviations > 0.0
-        certain = np.where(slack >= -1e-9, np.inf, -np.inf)
-        clearances = np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
-        total += float(tail_probability(clearances).min())
+        clearance, _ = best_clearance(
+            positions[i] - positions[j],
+            noises[i] + noises[j],
+            faces,
+            origin,
+            float(radii[i] + radii[j]),
+        )
+        total += float(tail_probability(clearance))
     return total

@@ -147,7 +147,7 @@ def _bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
     """Return the covariances of ``(P − B_p K) δ_k``, or None without feedback on a parabola.
 
     Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,
-    ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: what is in brackets runs from ``P δ_k`` to this.
+    ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: the first bracket runs from ``P δ_k`` to this.
     """
     system = vehicle.system
     if vehicle.gain is None or not system.is_double_integrator:

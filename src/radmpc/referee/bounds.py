@@ -17,7 +17,7 @@ from radmpc.referee.persistence import best_shares
 from radmpc.referee.planar import grown_polygon_risks
 from radmpc.referee.search import NEGLIGIBLE, best_directions
 
-__all__ = ["WindowHalfspaces", "step_risks", "window_halfspaces"]
+__all__ = ["WindowHalfspaces", "instant_risks", "step_risks", "window_halfspaces"]
 
 _WORTH = 1e-13
 """Sum of an encounter below which its intervals are not looked at in parts [-]."""
@@ -44,7 +44,7 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
         Sums over steps bound the probability that the encounter collides at all.
     """
     if not intervals:
-        return np.concatenate([_instant_risks(block) for block in blocks(encounters)])
+        return np.concatenate([instant_risks(block) for block in blocks(encounters)])
     return np.concatenate([_interval_risks(block, motion) for block in blocks(encounters)])
 
 
@@ -89,8 +89,11 @@ def window_halfspaces(encounters: Encounters, *, intervals: bool) -> WindowHalfs
     return WindowHalfspaces(normals, bounds, chances)
 
 
-def _instant_risks(encounters: Encounters) -> Vector:
-    """Return the smaller of the best half-space and, in the plane, the exact probability."""
+def instant_risks(encounters: Encounters) -> Vector:
+    """Return the risk of every encounter at every step, (B, T+1).
+
+    The smaller of the best half-space and, in the plane, the exact probability.
+    """
     count, steps, d = encounters.means.shape
     sites = instant_sites(encounters)
     best, risks = best_directions(sites, encounters.directions, steps)

@@ -1,10 +1,11 @@
-"""Which half-space to hold over each interval, when neighbours may share one.
+"""Which half-space to hold over each interval, when neighbors may share one.
 
-Interval j holds a direction at its ends: ``near`` are the risks at step j, ``far`` that at step j+1.
-The first of ``near`` is that of the position, a second one that of what feedback makes of it during
-the interval, charged on its own. If j and j+1 hold the same direction n, their events at step j+1 are ``n·δ < −margin`` with one n and
-so nested: the union has the larger of the two probabilities. Otherwise both are charged. A *run*
-is a stretch of intervals that hold the same direction.
+Interval j holds a direction at its ends: ``near`` are the risks at step j, ``far`` is that at step
+j+1. The first of ``near`` is that of the position, a second one that of what feedback makes of it
+during the interval, charged on its own. If j and j+1 hold the same direction n, their events at
+step j+1 are ``n·δ < −margin`` with one n and so nested: the union has the larger of the two
+probabilities. Otherwise both are charged. A *run* is a stretch of intervals that hold the same
+direction.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -221,10 +221,10 @@ class Chunk:
         pushed = flight.bends @ state[:, used]
         if excess is not None:
             pushed -= flight.held_back @ excess[:, used]
-        pushed = pushed.reshape(flight.scenario.num_vehicles, -1, used.size)
-        extra = pushed[watch.first[row], :, place]
+        by_axis: Tensor = pushed.reshape(flight.scenario.num_vehicles, -1, used.size)
+        extra = by_axis[watch.first[row], :, place]
         pair = np.flatnonzero(watch.kinds[row] == PAIR)
-        extra[pair] -= pushed[watch.other[row[pair]], :, place[pair]]
+        extra[pair] -= by_axis[watch.other[row[pair]], :, place[pair]]
         return np.asarray(extra / 4.0)
 
     def _test_pairs(

@@ -27,9 +27,7 @@ _TELLING = 1e-4
 """Share of all encounters' sum below which one is not worth more choices of directions."""
 
 
-def part_charges(
-    encounters: Encounters, motion: FleetMotion, guides: Sequence[Tensor]
-) -> Tensor:
+def part_charges(encounters: Encounters, motion: FleetMotion, guides: Sequence[Tensor]) -> Tensor:
     """Return what the best chain of half-spaces found costs that are held over parts of intervals.
 
     What each part would choose on its own turns more than what they would choose together:
@@ -50,7 +48,7 @@ def part_charges(
         Risk per step.
     """
     sites, crossed = part_sites(encounters, motion, NUM_PARTS)
-    count, num_intervals, d = encounters.bows.shape
+    num_intervals, d = encounters.bows.shape[1:]
     width = num_intervals * NUM_PARTS
     held = [np.repeat(guide, NUM_PARTS, axis=1) for guide in guides]
     faces = np.repeat(encounters.directions, width, axis=0)

@@ -119,9 +119,7 @@ def projections_of(
     count, d = axes.shape
     drawn = np.flatnonzero(np.repeat(sampler.starts >= 0, d))
     shape = (count * d, sampler.width)
-    places = csr_array(
-        (np.ones(drawn.size), (drawn, position_rows.ravel()[drawn])), shape=shape
-    )
+    places = csr_array((np.ones(drawn.size), (drawn, position_rows.ravel()[drawn])), shape=shape)
     rows, columns = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     values = [np.zeros(0)]
     straight = np.ones(count * d)

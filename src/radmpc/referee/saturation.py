@@ -26,9 +26,7 @@ _CERTAIN = 1e-12
 """Probability below which nobody waits for a vehicle to saturate [-]."""
 
 
-def saturation_bound(
-    scenario: Scenario, motion: FleetMotion, controls: Sequence[Matrix]
-) -> Vector:
+def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence[Matrix]) -> Vector:
     """Return upper bounds on the probability that each vehicle's feedback ever saturates.
 
     By Boole's inequality over steps, axes and both limits; the deviation is that of the control as
@@ -102,7 +100,7 @@ def cutoffs(
     scenario: Scenario, loose: Flags, controls: Sequence[Matrix], sampler: Sampler
 ) -> tuple[Cutoff, ...]:
     """Return the cut-offs of all steps 0..T-1 for the vehicles that may saturate."""
-    chosen = [i for i in np.flatnonzero(loose) if scenario.vehicles[i].gain is not None]
+    chosen = [i for i in np.flatnonzero(loose).tolist() if scenario.vehicles[i].gain is not None]
     rows, columns, gains, pushes = [], [], [np.zeros(0)], [np.zeros(0)]
     first = 0
     for i in chosen:

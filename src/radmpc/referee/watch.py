@@ -158,9 +158,7 @@ def _encounter_rows(kind: int, batch: Encounters, *, intervals: bool) -> _Rows:
     )
 
 
-def _workspace_rows(
-    workspace: Workspace, motion: FleetMotion, *, intervals: bool
-) -> list[_Rows]:
+def _workspace_rows(workspace: Workspace, motion: FleetMotion, *, intervals: bool) -> list[_Rows]:
     """Return a table of rows per face of the workspace."""
     tables = []
     for normal, batch in faces_of(workspace, motion):

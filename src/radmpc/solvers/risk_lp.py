@@ -6,7 +6,8 @@ On clearances q >= 0 the tail Q is convex and q is affine in the variables, so t
 
 never exceed Q: the programme underestimates the risk of the chosen rows, and its optimum bounds
 that of every solution which chooses them. A column t is measured in units of the budget and at
-most 1; with the tangent at Q⁻¹(unit) that keeps q >= Q⁻¹(unit) without a row of its own.
+most 1, or what 0.5 is of a larger unit; with the tangent at that risk's clearance, that keeps
+q >= 0 without a row of its own.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from itertools import combinations
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance_for, tail_probability, tail_slope
+from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability, tail_slope
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import HighsLp, LpOutcome, Numbers
 
@@ -68,7 +69,8 @@ class RiskLp:
     program : DisjunctiveProgram
         The programme.
     unit : float
-        The risk that a column's 1 stands for; no chosen row may take more.
+        The risk that a column's 1 stands for; the chosen rows may not take more together, nor
+        any of them more than `CONVEX_RISK`.
     price : float
         Cost of one unit of risk.
     bounds : sequence of SetBound
@@ -85,7 +87,8 @@ class RiskLp:
         self.program = program
         self.unit = unit
         self.price = price
-        self.floor = float(clearance_for(unit))
+        self.row_cap = min(unit, CONVEX_RISK)
+        self.floor = float(clearance_for(self.row_cap))
         self._row_scale = min(1.0, _DEAR / price)
         self.dropped_solves = 0
         rows = program.rows
@@ -179,7 +182,7 @@ class RiskLp:
         rows.append(self._budget_row)
         values.append(1.0)
         self._risk_columns[event] = self._lp.add_column(
-            self.price, 1.0, np.array(rows, dtype=np.int32), np.array(values)
+            self.price, self.row_cap / self.unit, np.array(rows, dtype=np.int32), np.array(values)
         )
 
     def add_tangent(self, row: int, clearance: float) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance_for, tail_probability
+from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.selection import possible_alternatives, side_table
 
@@ -54,7 +54,14 @@ class Rater:
     program : DisjunctiveProgram
         The programme.
     unit : float
-        The largest risk that one row may take.
+        The budget of risk; no row may take more than it, nor than `CONVEX_RISK`.
+
+    Attributes
+    ----------
+    row_cap : float
+        Most that one row may risk.
+    floor : (r,) array
+        The margin of each row that this leaves [m].
     """
 
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
@@ -63,9 +70,10 @@ class Rater:
         noisy = deviations > 0.0
         self._inverse = np.where(noisy, 1.0 / np.where(noisy, deviations, 1.0), 0.0)
         self._certain = ~noisy
-        self.floor = deviations * float(clearance_for(unit))
+        self.row_cap = min(unit, CONVEX_RISK)
+        self.floor = deviations * float(clearance_for(self.row_cap))
         self.possible = possible_alternatives(program, self.floor)
-        self._reference = deviations * float(clearance_for(_REFERENCE * unit))
+        self._reference = deviations * float(clearance_for(min(_REFERENCE * unit, CONVEX_RISK)))
         self.table = side_table(program, self.possible)
         self._blank = self.table < 0
         self._every = np.arange(program.num_avoidances)

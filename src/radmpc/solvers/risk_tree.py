@@ -18,7 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from radmpc.arrays import Vector
+from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import clearance_for
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import LpOutcome
@@ -34,12 +34,11 @@ _INF = float("inf")
 _EPSILON = 0.3
 """Share of the gap within which a node's bound and its point's true value count as equal."""
 
-_ROUNDS = 8
 _FLAT = 1e-7
 """Share of the unit below which a tangent is no better than t >= 0."""
 
 _ROUNDING = 1e-6
-"""How far a row held at the whole unit may exceed it by the linear solver's tolerance. Such a point
+"""How far a row held at its cap may exceed it by the linear solver's tolerance. Such a point
 is a candidate at a price only: plans are fitted to the bound exactly afterwards."""
 
 _OVERDRAWN = 1.2
@@ -57,7 +56,7 @@ class RiskTree:
     program : DisjunctiveProgram
         The programme.
     unit : float
-        Budget of risk that the price refers to; no row may take more.
+        Budget of risk that the price refers to; no row may take more than it, nor than one half.
     price : float
         Cost of one unit of risk.
     gap : float
@@ -82,6 +81,9 @@ class RiskTree:
     is_limited : bool
         Whether a limit ended the last run, or a linear programme that matters was not solved.
     """
+
+    rounds = 8
+    """Times that a node's linear programme is solved at most, with ever more tangents."""
 
     def __init__(
         self,
@@ -267,7 +269,7 @@ class RiskTree:
         node.is_solved = True
         if node.bound < self._cutoff():
             self.lp.activate(self._rows(node.chosen))
-            for attempt in range(_ROUNDS):
+            for attempt in range(self.rounds):
                 outcome = self._relax(node)
                 if outcome is LpOutcome.INFEASIBLE:
                     return
@@ -287,7 +289,7 @@ class RiskTree:
                 )
                 # Far from any plan, an exact account of the risks chosen so far can wait.
                 tolerance = (3.0 if is_blunt else 0.5) * epsilon
-                is_last = attempt >= (1 if is_blunt else _ROUNDS - 1)
+                is_last = attempt >= (1 if is_blunt else self.rounds - 1)
                 if not is_last and self._refine(node.chosen, point, rating, tolerance):
                     continue
                 if avoidance is None:
@@ -313,27 +315,39 @@ class RiskTree:
         self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
     ) -> bool:
         """Add tangents where the chosen rows' risk is underestimated; tell whether any was."""
-        rows = np.unique(np.array(self._rows(chosen), dtype=np.int64))
-        rows = rows[self._noisy[rows]]
+        rows = self._noisy_rows(chosen)
         if rows.size == 0:
             return False
-        missing = (rating.risks[rows] - self.lp.taken(rows, point)) * (self.price / self.unit)
+        # Rows of one event share a column: that one runs less than it grants hides no other.
+        missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0)
+        missing *= self.price / self.unit
         if missing.sum() <= tolerance:
             return False
+        return self._add_tangents(rows[missing > tolerance / (4.0 * rows.size)], rating)
+
+    def _add_tangents(self, rows: Indices, rating: Rating) -> bool:
+        """Add tangents of rows where a point is, unless they are far away; tell whether any was."""
         added = False
-        for row, error in zip(rows, missing, strict=True):
+        for row in rows.tolist():
             clearance = float(rating.clearances[row])
-            if error > tolerance / (4.0 * rows.size) and clearance < self._flat:
-                added |= self.lp.add_tangent(int(row), max(clearance, self.lp.floor))
+            if clearance < self._flat:
+                added |= self.lp.add_tangent(row, max(clearance, self.lp.floor))
         return added
+
+    def _noisy_rows(self, chosen: Sequence[int]) -> Indices:
+        """Return the distinct rows with noise of chosen alternatives."""
+        rows = np.unique(np.array(self._rows(chosen), dtype=np.int64))
+        return np.asarray(rows[self._noisy[rows]])
 
     def _rows(self, sides: Sequence[int]) -> list[int]:
         """Return the rows of alternatives."""
         return [row for side in sides for row in self._rows_of[side]]
 
     def _worth(self, z: Vector, rating: Rating) -> float:
-        """Return a point's value; inf where it risks more than the whole unit by far."""
-        if rating.largest > self.unit * (1.0 + _ROUNDING) or rating.risk > _OVERDRAWN * self.unit:
+        """Return a point's value; inf where a row, or all, risk more than they may by far."""
+        if rating.largest > self.rater.row_cap * (1.0 + _ROUNDING):
+            return _INF
+        if rating.risk > _OVERDRAWN * self.unit:
             return _INF
         return float(self.program.cost @ z) + self.price * rating.risk / self.unit
 

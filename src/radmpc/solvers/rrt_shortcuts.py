@@ -17,6 +17,9 @@ _MIN_GAIN = 1e-3
 _MAX_SPANS = 24
 """Spans tried at once, those that would gain most."""
 
+_RANK_TOL = 1e-9
+"""Remainder of a row, as a share of the longest row, that counts as nothing."""
+
 _PARTS = np.array([1.0, 0.7, 0.4, 0.2, 0.1, 0.05])
 """How far to go towards a cheaper course: in between too, the states at both ends are the same."""
 
@@ -103,10 +106,32 @@ def _seen_later(course: Course) -> Tensor:
             [course.places[end + 1 :].reshape(-1, size), course.hard[course.hard_levels > end]]
         )
         later = np.where(course.steps < end, later, 0.0)
-        _, values, axes = np.linalg.svd(later, full_matrices=False)
-        bases.append(axes[values > 1e-9 * values.max(initial=1e-9)])
+        bases.append(_basis(later))
     width = max([len(b) for b in bases], default=0)
     rows = np.zeros((T, width, size))
     for end, basis in enumerate(bases):
         rows[end, : len(basis)] = basis
     return rows
+
+
+def _basis(rows: Matrix) -> Matrix:
+    """Return an orthonormal basis of what some rows span, (q, c).
+
+    What is seen of the past is a state: few vectors span hundreds of rows. Taken one by one, the
+    longest remainder first, they are found without a decomposition of the whole, whose threads
+    wait for each other where the machine is busy.
+    """
+    found: list[Vector] = []
+    left = rows
+    lengths = np.sqrt(np.square(left).sum(axis=1))
+    least = _RANK_TOL * lengths.max(initial=_RANK_TOL)
+    while len(found) < min(rows.shape) and lengths.max(initial=0.0) > least:
+        axis = left[lengths.argmax()]
+        for known in found:
+            # Once more: what was taken off before may have left a little by rounding.
+            axis = axis - (axis @ known) * known
+        axis = axis / np.sqrt(np.square(axis).sum())
+        found.append(axis)
+        left = left - (left * axis).sum(axis=1)[:, None] * axis
+        lengths = np.sqrt(np.square(left).sum(axis=1))
+    return np.array(found).reshape(len(found), rows.shape[1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Protocol
 
@@ -32,15 +32,33 @@ class Limits:
         Value of ``time.monotonic()`` at which to stop; inf is never.
     is_stopped : callable
         Returns True once the user asked to stop.
+    granted : float or None
+        Seconds that were granted in all, for texts.
     """
 
     deadline: float = float("inf")
     is_stopped: Callable[[], bool] = never
+    granted: float | None = None
 
     @property
     def reached(self) -> bool:
         """Whether it is time to stop."""
         return self.is_stopped() or time.monotonic() >= self.deadline
+
+    def within(self, seconds: float) -> Limits:
+        """Return limits that end some seconds from now, or earlier."""
+        return replace(self, deadline=min(self.deadline, time.monotonic() + seconds))
+
+    @property
+    def reason(self) -> str:
+        """Which limit was reached, as a clause; empty where none was."""
+        if self.is_stopped():
+            return "it was stopped on request (Ctrl-C)"
+        if time.monotonic() < self.deadline:
+            return ""
+        if self.granted is None:
+            return "the time limit was reached"
+        return f"the time limit of {self.granted:g} s was reached"
 
     @property
     def seconds_left(self) -> float:

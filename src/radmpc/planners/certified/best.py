@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,10 +11,11 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fitting import fitted
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.rounds import Round
+from radmpc.planners.certified.verdict import Judge, Verdict
 from radmpc.planners.draft import Step
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["Best", "RiskOf", "take"]
+__all__ = ["Best", "take"]
 
 _FITS = 5
 _SPENT = 0.85
@@ -28,8 +29,8 @@ _CLOSE = 0.03
 
 _NOTHING = 1e-300
 
-RiskOf = Callable[[tuple[Matrix, ...]], float]
-"""The referee's certificate of every vehicle's controls."""
+_HIDDEN = 2.0
+"""Multiple of what was estimated between sets from which on the estimate hid something."""
 
 
 @dataclass(slots=True, eq=False)
@@ -42,13 +43,18 @@ class Best:
     certified: float = 0.0
     too_much: float = float("inf")
     has_failed: bool = False
+    asked: float = 0.0
+    """What the referee found in the last plan taken as it came; 0 where it was not asked."""
     sets: tuple[tuple[int, ...], ...] = ()
     rounds: list[tuple[float, float]] = field(default_factory=list)
+    """Of each round, the least cost and priced risk of any plan, and the price."""
+    within: list[tuple[float, float]] = field(default_factory=list)
+    """What simple bounds may sum to beyond the starts, and the least cost of any plan within."""
     steps: list[Step] = field(default_factory=list)
 
     def bound(self, fleet: Fleet) -> float:
         """Return the least cost of any plan whose simple bounds sum to no more than its own."""
-        return self._bound(max(fleet.budget, self.spent) / fleet.unit)
+        return self._bound(fleet, max(fleet.budget, self.spent))
 
     def reported(self, fleet: Fleet, gap: float) -> float:
         """Return a lower bound on the cost of any plan whose simple bounds sum to Δ at most.
@@ -57,8 +63,9 @@ class Best:
         and saying more.
         """
         bound = self.bound(fleet)
-        if relative_gap(self.cost, bound) > gap:
-            bound = self._bound((fleet.scenario.risk_bound - fleet.initial) / fleet.unit)
+        granted = fleet.scenario.risk_bound - fleet.initial
+        if relative_gap(self.cost, bound) > gap and granted > 0.0:
+            bound = self._bound(fleet, granted)
         return min(bound, self.cost)
 
     def price(self, fleet: Fleet) -> float | None:
@@ -76,66 +83,133 @@ class Best:
         _, price = max(self.rounds, key=lambda found: found[0] - found[1] * units)
         return price / fleet.unit * self.spent / self.certified
 
-    def _bound(self, units: float) -> float:
+    def _bound(self, fleet: Fleet, budget: float) -> float:
         """Return the least cost within a budget."""
-        return max((least - price * units for least, price in self.rounds), default=-np.inf)
+        bounds = [least - price * budget / fleet.unit for least, price in self.rounds]
+        bounds += [bound for most, bound in self.within if budget <= most * (1.0 + 1e-12)]
+        return max(bounds, default=-np.inf)
 
 
-def take(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> None:
+def take(fleet: Fleet, found: Round, best: Best, judge: Judge) -> bool:
     """Keep a round's plan if it is certified and better than what there is.
 
     What simple bounds sum to and what the referee finds differ: fitted to more or less of the
     former, the sides of the round come to just below Δ by the latter.
+
+    Returns
+    -------
+    bool
+        Whether the referee rejected it for pairs across sets: they are planned together from now
+        on, whatever any estimate says.
     """
-    granted = fleet.scenario.risk_bound
-    budget, low, high = fleet.budget, 0.0, float("inf")
-    cross, is_judged = found.cross, False
+    fit = _Fit(fleet, found, best, judge, fleet.budget, found.cross)
     for _ in range(_FITS):
-        points = fitted(fleet, found, budget, cross)
-        if points is None and high == float("inf"):
-            granted_more = 0.0
-            if not is_judged and not best.controls:
-                granted_more = _left_by_referee(fleet, found, best, risk_of)
-            if granted_more <= budget * (1.0 + _CLOSE):
-                break
-            is_judged, budget = True, granted_more
-            continue
-        if points is None:
-            # Too little for these sides, and `high` too much.
-            budget = 0.5 * (budget + high)
-            continue
-        risk = _keep(fleet, found, points, best, risk_of, budget)
-        if risk > granted:
-            high = min(high, budget)
-            cross = 2.0 * cross + 0.02 * budget
-        else:
-            low = max(low, budget)
-            if risk >= _SPENT * granted:
-                break
-        following = budget * min(_STRETCH, _AIM * granted / max(risk, _NOTHING))
-        if low and high < float("inf"):
-            following = (low * high) ** 0.5
-        following = min(following, fleet.most_budget)
-        if abs(following - budget) <= _CLOSE * budget:
+        if not fit.step():
             break
-        budget = following
-    best.has_failed = high < float("inf") and not low
-    if low:
-        fleet.set_budget(min(low, _BACK_OFF * best.too_much))
-    elif best.has_failed:
-        # The referee finds more in these sides: nearer to Δ, where it cannot.
-        best.too_much = min(best.too_much, fleet.budget)
-        # Where the starts alone run more by simple bounds, what is left is the referee's leave.
-        nearer = max(granted - fleet.initial, _BACK_OFF * 0.25 * fleet.budget)
-        fleet.set_budget(_BACK_OFF * (fleet.budget * nearer) ** 0.5)
+    return fit.settle()
 
 
-def _left_by_referee(fleet: Fleet, found: Round, best: Best, risk_of: RiskOf) -> float:
+@dataclass(slots=True, eq=False)
+class _Fit:
+    """How far a round's fitting to the referee has come.
+
+    Attributes
+    ----------
+    budget, cross : float
+        What simple bounds may sum to next, and what of it is kept for risk between sets.
+    low, high : float
+        The most that the referee left within Δ, and the least that it did not.
+    """
+
+    fleet: Fleet
+    found: Round
+    best: Best
+    judge: Judge
+    budget: float
+    cross: float
+    low: float = 0.0
+    high: float = float("inf")
+    verdict: Verdict | None = None
+    is_judged: bool = False
+    has_merged: bool = False
+
+    def step(self) -> bool:
+        """Fit to one budget; tell whether to go on to the next."""
+        points = fitted(self.fleet, self.found, self.budget, self.cross)
+        if points is None:
+            return self._after_no_fit()
+        granted = self.fleet.scenario.risk_bound
+        is_first = self.verdict is None
+        verdict = self.verdict = _keep(
+            self.fleet, self.found, points, self.best, self.judge, self.budget
+        )
+        if is_first:
+            self.best.asked = verdict.certified
+        if verdict.certified > granted:
+            self.has_merged = _is_hidden(self.fleet, self.found, verdict)
+            if self.has_merged:
+                return False
+            self.high = min(self.high, self.budget)
+            self.cross = 2.0 * self.cross + 0.02 * self.budget
+        else:
+            self.low = max(self.low, self.budget)
+            if verdict.certified >= _SPENT * granted:
+                return False
+        following = self.budget * min(_STRETCH, _AIM * granted / max(verdict.certified, _NOTHING))
+        if self.low and self.high < float("inf"):
+            following = (self.low * self.high) ** 0.5
+        following = min(following, self.fleet.most_budget)
+        is_same = abs(following - self.budget) <= _CLOSE * self.budget
+        self.budget = following
+        return not is_same
+
+    def _after_no_fit(self) -> bool:
+        """Grant more where the sides do not fit; tell whether to go on."""
+        if self.high < float("inf"):
+            # Too little for these sides, and `high` too much.
+            self.budget = 0.5 * (self.budget + self.high)
+            return True
+        if self.is_judged or self.best.controls:
+            return False
+        self.is_judged = True
+        granted, verdict = _left_by_referee(self.fleet, self.found, self.best, self.judge)
+        self.has_merged = _is_hidden(self.fleet, self.found, verdict)
+        if self.has_merged or granted <= self.budget * (1.0 + _CLOSE):
+            return False
+        self.budget = granted
+        return True
+
+    def settle(self) -> bool:
+        """Set the fleet's budget by what was found; tell whether sets were merged instead."""
+        fleet, best = self.fleet, self.best
+        if self.has_merged:
+            return True
+        best.has_failed = self.high < float("inf") and not self.low
+        if self.low:
+            fleet.set_budget(min(self.low, _BACK_OFF * best.too_much))
+        elif best.has_failed:
+            if self.verdict is not None and fleet.part_of_one(self.found.sets, self.verdict):
+                return True
+            # The referee finds more in these sides: nearer to Δ, where it cannot.
+            best.too_much = min(best.too_much, fleet.budget)
+            fleet.set_budget(_BACK_OFF * (fleet.budget * fleet.least_budget) ** 0.5)
+        return False
+
+
+def _is_hidden(fleet: Fleet, found: Round, verdict: Verdict) -> bool:
+    """Merge sets where the referee finds much more between them than was estimated; tell if so."""
+    across = verdict.across(fleet.owners(found.sets), fleet.numbers)
+    estimated = _HIDDEN * found.cross + fleet.gap * fleet.scenario.risk_bound
+    return sum(across.values()) > estimated and fleet.part_of_one(found.sets, verdict)
+
+
+def _left_by_referee(fleet: Fleet, found: Round, best: Best, judge: Judge) -> tuple[float, Verdict]:
     """Return what simple bounds may sum to, by what the referee finds in a round as it is."""
     spent = found.risk + found.cross
     raw = [plan.z for plan in found.plans]
-    risk = _keep(fleet, found, raw, best, risk_of, spent)
-    return min(spent * _AIM * fleet.scenario.risk_bound / max(risk, _NOTHING), fleet.most_budget)
+    verdict = _keep(fleet, found, raw, best, judge, spent)
+    left = spent * _AIM * fleet.scenario.risk_bound / max(verdict.certified, _NOTHING)
+    return min(left, fleet.most_budget), verdict
 
 
 def _keep(
@@ -143,16 +217,16 @@ def _keep(
     found: Round,
     points: Sequence[Vector],
     best: Best,
-    risk_of: RiskOf,
+    judge: Judge,
     spent: float,
-) -> float:
-    """Keep a plan if it is certified and the best; return what the referee says it risks."""
+) -> Verdict:
+    """Keep a plan if it is certified and the best; return what the referee says of it."""
     controls = fleet.controls(found.sets, points)
-    risk = risk_of(controls)
+    verdict = judge(controls)
     pairs = zip(found.sets, points, strict=True)
     cost = sum(float(fleet.problems[m].program.cost @ z) for m, z in pairs)
-    if risk <= fleet.scenario.risk_bound and cost < best.cost:
+    if verdict.certified <= fleet.scenario.risk_bound and cost < best.cost:
         best.controls, best.cost, best.sets, best.spent = controls, cost, found.sets, spent
-        best.certified = risk
+        best.certified = verdict.certified
         fleet.known = fleet.parted(found.sets, points)
-    return risk
+    return verdict

@@ -12,14 +12,25 @@ from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 
-__all__ = ["by_sets", "cross_risks", "meeting_risks", "start_risks"]
+__all__ = ["by_sets", "cross_risks", "meeting_risks"]
 
 _FAR = 8.0
 """Standard deviations beyond which a pair's risk is nothing (6e-16)."""
 
+_CONTACT = 1e-9
+"""What vehicles without noise may miss their distance by [m]: what programmes and referee allow."""
+
+_RESERVES = ((1.0, 1.0),)
+"""How much of the bow a half-space may keep back at the start and at the end of an interval: the
+splits that programmes know."""
+
 
 def cross_risks(
-    scenario: Scenario, means: Tensor, covariances: Tensor, owners: Indices
+    scenario: Scenario,
+    means: Tensor,
+    covariances: Tensor,
+    owners: Indices,
+    bows: Tensor | None = None,
 ) -> dict[tuple[int, int], float]:
     """Estimate the collision risk of every two sets; see `meeting_risks`.
 
@@ -28,7 +39,7 @@ def cross_risks(
     dict
         Risk of the pairs of sets, lower number first, that run any.
     """
-    return by_sets(meeting_risks(scenario, means, covariances, owners), owners)
+    return by_sets(meeting_risks(scenario, means, covariances, owners, bows), owners)
 
 
 def by_sets(
@@ -45,12 +56,16 @@ def by_sets(
 
 
 def meeting_risks(
-    scenario: Scenario, means: Tensor, covariances: Tensor, owners: Indices
+    scenario: Scenario,
+    means: Tensor,
+    covariances: Tensor,
+    owners: Indices,
+    bows: Tensor | None = None,
 ) -> dict[tuple[int, int], float]:
     """Estimate the collision risk of every two vehicles of different sets.
 
     By the same faces as the programme's, so that what is charged for two sets is what keeping
-    them apart in one programme would cost; between steps without the bow.
+    them apart in one programme would cost, the bow between steps included.
 
     Parameters
     ----------
@@ -62,6 +77,9 @@ def meeting_risks(
         Position covariances [m²].
     owners : (N,) int array
         The set of each vehicle.
+    bows : (N, T, d) array or None
+        ``dt²/8 · ū``: how far each mean curve leaves its chord along each axis, against the
+        acceleration [m]; 0 where the path is straight, None where all are.
 
     Returns
     -------
@@ -71,7 +89,8 @@ def meeting_risks(
     if np.all(owners == owners[0]):
         return {}
     radii = np.array([v.radius for v in scenario.vehicles])
-    one, two = _neighbors(scenario, means, covariances, radii)
+    longest = 0.0 if bows is None else float(np.linalg.norm(bows, axis=2).max(initial=0.0))
+    one, two = _neighbors(scenario, means, covariances, radii, longest)
     apart = owners[one] != owners[two]
     one, two = one[apart], two[apart]
     if one.size == 0:
@@ -79,12 +98,14 @@ def meeting_risks(
     faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
     apart_by = (means[one] - means[two]) @ faces.T - (radii[one] + radii[two])[:, None, None]
     noise = np.einsum("fa,pkab,fb->pkf", faces, covariances[one] + covariances[two], faces)
-    deviation = np.sqrt(np.maximum(noise, 1e-24))
-    by_face = np.asarray(tail_probability(apart_by / deviation))
+    deviations = np.sqrt(np.maximum(noise, 0.0))
     if scenario.avoidance == "intervals":
-        by_face = by_face[:, :-1] + by_face[:, 1:]
+        bow = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
+        if bows is not None:
+            bow = _towards(bows[one], faces) + _towards(-bows[two], faces)
+        by_face = _along_intervals(apart_by, deviations, bow)
     else:
-        by_face = by_face[:, 1:]
+        by_face = _tails(apart_by[:, 1:], deviations[:, 1:])
     risks = by_face.min(axis=2).sum(axis=1)
     return {
         (i, j): risk
@@ -93,37 +114,37 @@ def meeting_risks(
     }
 
 
-def start_risks(
-    scenario: Scenario, means: Tensor, covariances: Tensor
-) -> dict[tuple[int, int], float]:
-    """Estimate the risk that pairs of vehicles run where they start, which no plan changes.
+def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tensor:
+    """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
+    near, far = slice(None, -1), slice(1, None)
+    risks = [
+        _tails(apart_by[:, near] - at_start * bow, deviations[:, near])
+        + _tails(apart_by[:, far] - at_end * bow, deviations[:, far])
+        for at_start, at_end in _RESERVES
+    ]
+    return np.asarray(np.minimum.reduce(risks))
 
-    Parameters
-    ----------
-    scenario : Scenario
-        The fleet.
-    means, covariances : array
-        As of `cross_risks`.
 
-    Returns
-    -------
-    dict
-        Risk of the pairs of vehicles, lower number first; empty where avoidance along intervals
-        counts the start already.
-    """
-    if scenario.avoidance == "intervals":
-        return {}
-    # The start twice over: what counts is the second of the two.
-    twice = (np.repeat(means[:, :1], 2, axis=1), np.repeat(covariances[:, :1], 2, axis=1))
-    return cross_risks(scenario, *twice, np.arange(scenario.num_vehicles))
+def _towards(bows: Tensor, faces: Tensor) -> Tensor:
+    """Return how far curves leave their chords against faces at most, axis by axis, (p, T, f)."""
+    upper = np.maximum(bows, 0.0) @ np.maximum(faces, 0.0).T
+    return np.asarray(upper + np.minimum(bows, 0.0) @ np.minimum(faces, 0.0).T)
+
+
+def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:
+    """Return tails of slacks; without noise contact alone is a collision."""
+    noisy = deviations > 1e-12
+    certain = np.where(apart_by >= -_CONTACT, np.inf, -np.inf)
+    clearances = np.where(noisy, apart_by / np.where(noisy, deviations, 1.0), certain)
+    return np.asarray(tail_probability(clearances))
 
 
 def _neighbors(
-    scenario: Scenario, means: Tensor, covariances: Tensor, radii: np.ndarray
+    scenario: Scenario, means: Tensor, covariances: Tensor, radii: np.ndarray, bow: float
 ) -> tuple[Indices, Indices]:
     """Return the pairs of vehicles that come near each other at any step."""
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
-    path = float(steps) if scenario.avoidance == "intervals" else 0.0
+    path = float(steps) + 2.0 * bow if scenario.avoidance == "intervals" else 0.0
     found: set[tuple[int, int]] = set()
     largest = np.linalg.eigvalsh(covariances)[..., -1].max(axis=0)
     for k in range(means.shape[1]):

@@ -6,6 +6,7 @@ from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.polish import polish, repriced
 from radmpc.planners.certified.rounds import Round
+from radmpc.solvers.risk_budget import OVER
 
 __all__ = ["fitted"]
 
@@ -41,6 +42,9 @@ def fitted(fleet: Fleet, found: Round, budget: float, cross: float) -> tuple[Vec
     problems = [fleet.problems[m] for m in found.sets]
     whole, budget = budget, budget - cross
     plans = found.plans
+    if budget < found.risk <= (1.0 + 2.0 * OVER) * budget:
+        # At its budget up to rounding: nothing to fit.
+        whole, budget = whole + found.risk - budget, found.risk
     points = polish(problems, plans, budget)
     for factor in _DEARER:
         if points is not None:

@@ -12,10 +12,12 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import NoPlanError
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.crossing import by_sets, meeting_risks, start_risks
+from radmpc.planners.certified.crossing import by_sets, meeting_risks
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import Order, SetProblem, SetState
+from radmpc.planners.certified.verdict import Verdict
 from radmpc.planners.certified.working import Job, search_sets
+from radmpc.planners.places import start_dangers
 from radmpc.program.build import controls_of, whole_subjects
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.highs_lp import HighsLp, LpOutcome
@@ -33,11 +35,11 @@ _SET_SHARE = 0.5
 _ROOM = {"steps": (4.0, 1.5), "intervals": (12.0, 4.0)}
 """What simple bounds may sum to, in multiples of the risk bound: at most, and to begin with."""
 
-_MOST_UNIT = 0.49
-"""Most that one row may risk: up to 0.5 its tail is convex."""
-
 _FILL = 0.9
 """Share of the unit up to which the budget may grow."""
+
+_LITTLE = 1e-2
+"""Share of Δ that the budget is at least: by the referee the starts may risk less."""
 
 _RISK_TO_COST = 0.006
 """Typical value of the whole risk budget, as a share of the cost of plans."""
@@ -69,26 +71,32 @@ class Fleet:
     """What every vehicle does in some plan of the whole fleet; empty until there is one."""
     met: dict[tuple[int, int], float] = field(default_factory=dict)
     """Why vehicles were planned together: the risk between plans of them made apart."""
+    blamed: dict[tuple[int, int], float] = field(default_factory=dict)
+    """Pairs for whom the referee rejected plans made apart: planned together at every price."""
     is_sketched: bool = False
     is_costless: bool = False
     """Whether effort counts for nothing, so that at a price of 1 only risk is minimised."""
 
     def __post_init__(self) -> None:
         """Build every vehicle's own programme."""
+        self.numbers = {v.name: i for i, v in enumerate(self.scenario.vehicles)}
         self.subjects = whole_subjects(self.scenario)
         self.covariances = np.array([s.position_covariances for s in self.subjects])
         self.surroundings = Surroundings(self.scenario, self.subjects)
         # Simple bounds may sum to more than the referee finds, by a factor that is not known yet.
         granted = self.scenario.risk_bound
-        room, begin = _ROOM[self.scenario.avoidance]
-        self.unit = max(granted, min(_MOST_UNIT, room * granted))
+        # Where only risk is minimised, Δ itself is the scale.
+        room, begin = (1.0, 1.0) if self.is_costless else _ROOM[self.scenario.avoidance]
+        self.unit = room * granted
         self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
         for members in self.singles:
             self.problem(members)
-        starts = np.array([s.drift_position for s in self.subjects])
-        self.start_pairs = start_risks(self.scenario, starts, self.covariances)
-        initial = sum(max(self.problems[m].program.initial_risk, 0.0) for m in self.singles)
-        self.initial = initial + sum(self.start_pairs.values())
+        # Under intervals the start is part of what plans choose, and is charged there.
+        at_start = self.scenario.avoidance == "steps"
+        self.start_dangers = start_dangers(self.scenario, self.subjects) if at_start else ()
+        # Settled avoidances are not charged here: what they run at most is no part of a bound,
+        # and what they run in a plan is for the referee to say.
+        self.initial = sum(danger.risk for danger in self.start_dangers)
         self.budget = max(granted, min(begin * granted, _FILL * self.unit)) - self.initial
         self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
 
@@ -102,8 +110,13 @@ class Fleet:
 
     def set_budget(self, budget: float) -> None:
         """Set what simple bounds may sum to beyond the starts: Δ at least, the unit at most."""
-        least = self.scenario.risk_bound - self.initial
-        self.budget = max(least, min(budget, self.most_budget))
+        self.budget = max(self.least_budget, min(budget, self.most_budget))
+
+    @property
+    def least_budget(self) -> float:
+        """What is left of Δ by simple bounds; a little where the starts alone exceed it by them."""
+        granted = self.scenario.risk_bound
+        return max(granted - self.initial, _LITTLE * granted)
 
     @property
     def most_budget(self) -> float:
@@ -212,9 +225,27 @@ class Fleet:
     ) -> dict[tuple[int, int], float]:
         """Estimate the risk between every two vehicles of different sets."""
         means = np.empty((self.scenario.num_vehicles, *self.subjects[0].drift_position.shape))
+        bows = np.zeros((means.shape[0], means.shape[1] - 1, means.shape[2]))
         for members, z in zip(sets, points, strict=True):
             means[list(members)] = self.problems[members].means(z)
-        return meeting_risks(self.scenario, means, self.covariances, self.owners(sets))
+            for i, controls in zip(
+                members, controls_of(self.problems[members].subjects, z), strict=True
+            ):
+                if self.scenario.vehicles[i].system.is_double_integrator:
+                    bows[i] = self.scenario.dt**2 / 8.0 * controls
+        return meeting_risks(self.scenario, means, self.covariances, self.owners(sets), bows)
+
+    def part_of_one(self, sets: Sequence[Members], verdict: Verdict) -> bool:
+        """Plan pairs across sets together whom a rejected plan is to be blamed on; tell if any."""
+        granted = self.scenario.risk_bound
+        blamed = verdict.to_blame(self.owners(sets), self.numbers, granted)
+        self.blamed |= blamed
+        return bool(blamed)
+
+    def to_merge(self, sets: Sequence[Members]) -> dict[tuple[int, int], float]:
+        """Return the pairs of vehicles of different sets that must be planned together."""
+        owners = self.owners(sets)
+        return {pair: r for pair, r in self.blamed.items() if owners[pair[0]] != owners[pair[1]]}
 
     def remember(
         self,

@@ -56,7 +56,7 @@ class LeastRisk:
     stuck: Members = ()
 
 
-def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
+def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> LeastRisk:
     """Minimise what a fleet risks.
 
     Parameters
@@ -65,6 +65,8 @@ def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
         The fleet, with the bound that was asked for.
     limits : Limits
         When to stop early.
+    enough : float
+        A plan that runs no more than this ends the search.
 
     Returns
     -------
@@ -75,31 +77,24 @@ def least_risk(scenario: Scenario, limits: Limits) -> LeastRisk:
     tolerance = _TOLERANCE * scenario.risk_bound / _UNIT
     fleet = Fleet(lenient, tolerance, limits, _silent, is_costless=True)
     best = LeastRisk(float("inf"), 0.0)
-    at_start, worst = _at_start(fleet)
-    if at_start > scenario.risk_bound or fleet.budget <= 0.0:
-        return LeastRisk(float("inf"), float("inf"), stuck=worst)
+    if fleet.budget <= 0.0:
+        return best
     for effort in _EFFORTS:
         while True:
             found = run_round(fleet, 1.0, effort)
             if found is None or not found.is_sketch:
                 break
             best = _better(fleet, best, found)
+            if best.risk <= enough:
+                return best
         stuck = fleet.without_plan()
         if stuck is not None:
             return LeastRisk(float("inf"), float("inf"), stuck=stuck)
         if found is not None:
             best = _better(fleet, best, found)
-        if limits.reached or (found is not None and not found.is_limited):
+        if best.risk <= enough or limits.reached or (found is not None and not found.is_limited):
             break
     return best
-
-
-def _at_start(fleet: Fleet) -> tuple[float, Members]:
-    """Return the vehicle, or the two, whose start risks most, and how much."""
-    risks: dict[Members, float] = {m: fleet.problems[m].program.initial_risk for m in fleet.singles}
-    for pair, risk in fleet.start_pairs.items():
-        risks[pair] = risk
-    return max((risk, members) for members, risk in risks.items())
 
 
 def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
@@ -107,7 +102,8 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     initial = fleet.initial
     # At a price of 1, and with effort free, the value is the risk in units.
     bound = max(best.bound, fleet.unit * found.least + initial)
-    risk = initial + found.risk + found.cross
+    settled = sum(fleet.problems[m].program.settled_risk for m in found.sets)
+    risk = initial + settled + found.risk + found.cross
     if risk >= best.risk:
         return replace(best, bound=min(bound, best.risk))
     points = [plan.z for plan in found.plans]
@@ -120,19 +116,21 @@ def _takers(fleet: Fleet, found: Round) -> tuple[tuple[Exposure, float], ...]:
     total: dict[_Danger, float] = defaultdict(float)
     worst: dict[_Danger, tuple[float, Exposure]] = {}
     names = [v.name for v in fleet.scenario.vehicles]
-    for (i, j), risk in fleet.start_pairs.items():
-        key = ("pair", names[i], names[j])
-        total[key] = risk
-        worst[key] = (risk, Exposure("pair", names[i], names[j], 0))
+    for danger in fleet.start_dangers:
+        two = len(danger.members) == 2
+        other = names[danger.members[1]] if two else danger.other
+        exposure = Exposure(danger.cause, names[danger.members[0]], other, 0)
+        total[exposure[:3]] += danger.risk
+        worst[exposure[:3]] = (danger.risk, exposure)
     for members, plan in zip(found.sets, found.plans, strict=True):
         program = fleet.problems[members].program
         risks = program.event_risks(plan.z, plan.selection)
         for event in np.flatnonzero(risks > 0.0):
             exposure = program.exposures[int(program.rows.exposures[event])]
-            danger = (exposure.cause, exposure.vehicle, exposure.other)
-            total[danger] += float(risks[event])
-            if danger not in worst or risks[event] > worst[danger][0]:
-                worst[danger] = (float(risks[event]), exposure)
+            key = exposure[:3]
+            total[key] += float(risks[event])
+            if key not in worst or risks[event] > worst[key][0]:
+                worst[key] = (float(risks[event]), exposure)
     ranked = sorted(total, key=lambda key: -total[key])
     return tuple((worst[key][1], total[key]) for key in ranked)
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.gaussian import clearance_for
+from radmpc.gaussian import CONVEX_RISK, clearance_for
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.solvers.highs_lp import LpOutcome
 from radmpc.solvers.lp import WarmLp
@@ -79,7 +79,7 @@ def polish(
         for number, (problem, incumbent) in enumerate(zip(problems, found, strict=True)):
             if not is_free[number] or sums[number] <= _LEAST * budget:
                 continue
-            granted = np.clip(risks[number] * scale, _LEAST * budget, 0.49)
+            granted = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
             z = _at(problem, incumbent, granted)
             # Some risks cannot shrink, such as those next to the start: leave the set as it is.
             is_free[number] = z is not None

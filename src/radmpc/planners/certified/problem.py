@@ -232,7 +232,7 @@ def _rescue(
         limits=limits,
         stage="rescue",
         vehicles=tuple(v.name for v in scenario.vehicles),
-        propose=lambda margins: propose_sides(problem.program, problem.subjects, margins),
+        propose=lambda margins: propose_sides(problem.program, problem.subjects, margins, limits),
     )
     if solved.solution.z is not None:
         tree.consider(solved.solution.z)

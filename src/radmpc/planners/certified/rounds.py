@@ -88,10 +88,17 @@ def run_round(fleet: Fleet, price: float, effort: int) -> Round | None:
         crossing = by_sets(meetings, fleet.owners(sets))
         cross = sum(crossing.values())
         allowed = _allowed_cross(fleet, plans, price)
-        if cross <= allowed:
+        blamed = fleet.to_merge(sets)
+        if cross <= allowed and not blamed:
             return _round(fleet, sets, price, cross)
-        merged = _merged(sets, crossing, cross - allowed)
-        fleet.remember(sets, merged, meetings)
+        ranked = _worst_first(by_sets(blamed, fleet.owners(sets)))
+        for pair, risk in _worst_first(crossing):
+            if cross <= allowed:
+                break
+            cross -= risk
+            ranked.append((pair, risk))
+        merged = _merged(sets, [pair for pair, _ in ranked])
+        fleet.remember(sets, merged, meetings | blamed)
         sets = merged
 
 
@@ -129,16 +136,16 @@ def _allowed_cross(fleet: Fleet, plans: Sequence[Incumbent], price: float) -> fl
     )
 
 
-def _merged(
-    sets: Sequence[Members], crossing: dict[tuple[int, int], float], excess: float
-) -> tuple[Members, ...]:
-    """Merge pairs of sets, worst first, each at most once, until the excess is gone."""
+def _worst_first(risks: dict[tuple[int, int], float]) -> list[tuple[tuple[int, int], float]]:
+    """Return pairs with their risks, the greatest first."""
+    return sorted(risks.items(), key=lambda item: (-item[1], item[0]))
+
+
+def _merged(sets: Sequence[Members], pairs: Sequence[tuple[int, int]]) -> tuple[Members, ...]:
+    """Merge pairs of sets, in this order, each at most once."""
     taken: set[int] = set()
     result = []
-    for (i, j), risk in sorted(crossing.items(), key=lambda item: (-item[1], item[0])):
-        if excess <= 0.0:
-            break
-        excess -= risk
+    for i, j in pairs:
         if i not in taken and j not in taken:
             taken |= {i, j}
             result.append(tuple(sorted(sets[i] + sets[j])))

@@ -53,6 +53,7 @@ def sketch(
     sets = tuple(part for m in sets for part in ((m,) if m in plans else tuple((i,) for i in m)))
     for _ in range(_ROUNDS):
         meetings = fleet.meetings(sets, [plans[m].z for m in sets])
+        meetings |= {pair: 1.0 for pair in fleet.to_merge(sets)}
         crossing = by_sets(meetings, fleet.owners(sets))
         joined = _joined(sets, crossing, _NEGLIGIBLE * fleet.unit)
         if joined == sets:

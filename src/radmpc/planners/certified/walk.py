@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.gaussian import clearance_for, tail_probability
+from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
 from radmpc.planners.certified.dangers import Danger, dangers_of
 from radmpc.planners.certified.lattice import (
     Lattice,
@@ -60,7 +60,7 @@ class Walk:
     subject : Subject
         The vehicle.
     unit : float
-        Most that one avoidance may risk along a move.
+        Budget of risk; an avoidance may risk as much along a move, up to `CONVEX_RISK`.
     first : int
         Its first output: 0 unless others are placed.
     level : int
@@ -159,7 +159,7 @@ class Walk:
                 values = _changed(values, tables)
             risks = self._risks(lattice, k)
             values += weight * risks
-            values[risks > self.unit] = _INF
+            values[risks > min(self.unit, CONVEX_RISK)] = _INF
             values = _shifted(values)
             values[:, :, ~self._within_reach(lattice, k + 1)] = _INF
             if haste > 0.0:

@@ -1,31 +1,31 @@
-"""Why a fleet has no plan within its bound: who is stuck, what bound would do, what to change."""
+"""Why a fleet has no plan within its bound: who is stuck, what bound would do, what would help."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from math import ceil, floor, log10
+from dataclasses import dataclass
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.cures import cure_sentence
 from radmpc.planners.certified.least_risk import LeastRisk, least_risk
-from radmpc.planners.certified.problem import SetProblem
-from radmpc.planners.explain import danger, impossible_places, unable_alone
+from radmpc.planners.certified.stuck import stuck_reason
+from radmpc.planners.early import Reason, grouped, reserve_reason, sure_reasons
+from radmpc.planners.explain import danger, unable_alone
+from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
 from radmpc.program.build import whole_subjects
-from radmpc.solvers.risk_tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["WhyNot", "why_not"]
-
-_UNIT = 0.49
-_NODES = 400
-"""Nodes to find out whether leaving one thing out opens a way."""
-
-_QUIET = 1e-6
-"""Factor of covariances that leaves next to nothing of them."""
+__all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
 
 _NAMED = 3
 _MAX_CONFLICTS = 8
+
+_CURED = 2
+"""Groups of vehicles for which cures are tried; more would take too long."""
+
+_QUICK = 0.4
+"""Time to look at what the others could do where some are ruled out at first sight [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,12 +42,61 @@ class WhyNot:
         The safest plan met on the way, for the referee to judge; empty without one.
     sets : tuple of tuple of int
         Who was planned together in it.
+    blocked : tuple of int
+        For whom the faces of the scenario leave no plan; empty where faces are not what matters.
     """
 
     explanation: str
     is_proven: bool
     controls: tuple[Matrix, ...] = ()
     sets: tuple[tuple[int, ...], ...] = ()
+    blocked: tuple[int, ...] = ()
+
+
+def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
+    """Find out, without a search, that a fleet has no plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        When to stop looking at what would help, and at what the other vehicles could do.
+
+    Returns
+    -------
+    WhyNot or None
+        A proof; None where a search has to tell.
+    """
+    reasons = sure_reasons(scenario, whole_subjects(scenario))
+    if not reasons:
+        return None
+    stuck = {i for reason in reasons for i in reason.members}
+    rest = tuple(i for i in range(scenario.num_vehicles) if i not in stuck)
+    texts = _told(scenario, reasons, limits)
+    if rest:
+        part = scenario.subset(rest, scenario.risk_bound)
+        quick = limits.within(_QUICK)
+        found = least_risk(part, quick, part.risk_bound)
+        if found.stuck:
+            members, text, many = stuck_reason(part, found.stuck, quick)
+            other = Reason(tuple(rest[i] for i in members), text, many)
+            texts += [sentence for _, sentence in grouped(scenario, [other])]
+        elif found.risk <= part.risk_bound:
+            texts.append(f"{_others(len(rest))} can be planned within the risk bound.")
+    return WhyNot(" ".join(texts), is_proven=True)
+
+
+def ended(scenario: Scenario, limits: Limits) -> str:
+    """Say what ended a search that had found nothing and ruled out nothing."""
+    kept = (
+        (v.name, reserve_reason(s))
+        for v, s in zip(scenario.vehicles, whole_subjects(scenario), strict=True)
+    )
+    told = [f"The feedback of vehicle {name!r} {text}." for name, text in kept if text is not None]
+    return " ".join(
+        [f"No plan was found, and none was ruled out: {limit_clause(limits)}", *told[:1]]
+    )
 
 
 def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
@@ -68,55 +117,76 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
     WhyNot
         The reasons.
     """
-    subjects = whole_subjects(scenario)
-    reasons: list[str] = []
-    rest: list[int] = []
-    for i, subject in enumerate(subjects):
-        reason = unable_alone(scenario, subject)
-        if reason is None:
-            rest.append(i)
-        elif len(reasons) < _MAX_CONFLICTS:
-            reasons.append(reason)
-    is_proven = bool(reasons)
-    while rest:
+    reasons = []
+    for i, subject in enumerate(whole_subjects(scenario)):
+        unable = unable_alone(scenario, subject)
+        if unable is not None:
+            reasons.append(Reason((i,), *unable))
+    slow = {i for reason in reasons for i in reason.members}
+    rest = [i for i in range(scenario.num_vehicles) if i not in slow]
+    found: LeastRisk | None = None
+    while rest and len(reasons) < _MAX_CONFLICTS:
         part = scenario.subset(tuple(rest), scenario.risk_bound)
         found = least_risk(part, limits)
         if not found.stuck:
-            return _of_the_rest(scenario, found, reasons, len(rest), is_proven)
-        reasons.append(_stuck(part, found.stuck, limits))
-        is_proven = True
-        rest = [i for place, i in enumerate(rest) if place not in found.stuck]
-        if len(reasons) >= _MAX_CONFLICTS:
             break
-    return WhyNot(" ".join(reasons), is_proven)
+        members, text, many = stuck_reason(part, found.stuck, limits)
+        reasons.append(Reason(tuple(rest[i] for i in members), text, many))
+        rest = [i for place, i in enumerate(rest) if place not in found.stuck]
+    if reasons:
+        texts = _told(scenario, reasons, limits)
+        if found is not None and not found.stuck:
+            texts.append(_of_rest(part, found, limits))
+        blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
+        return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
+    if found is None:  # a fleet has vehicles: it was looked at, or there are reasons
+        return WhyNot(ended(scenario, limits), is_proven=False)
+    # Above Δ by simple bounds, the safest plan may still be within it by the referee's.
+    is_proven = found.bound > scenario.risk_bound
+    text = _too_much(scenario, found, limits)
+    if is_proven:
+        text = " ".join(filter(None, [text, cure_sentence(scenario, limits)]))
+    everyone = tuple(range(scenario.num_vehicles)) if is_proven else ()
+    return WhyNot(text, is_proven, found.controls, found.sets, everyone)
 
 
-def _of_the_rest(
-    scenario: Scenario, found: LeastRisk, reasons: Sequence[str], count: int, is_proven: bool
-) -> WhyNot:
+def _told(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> list[str]:
+    """Return reasons in words, each with what would help, as far as that can be tried."""
+    texts, left = [], _CURED
+    for group, sentence in grouped(scenario, reasons):
+        texts.append(sentence)
+        if group is None or left == 0:
+            continue
+        left -= 1
+        cure = cure_sentence(scenario.subset(group, scenario.risk_bound), limits)
+        if cure:
+            texts.append(cure)
+    return texts
+
+
+def _others(count: int) -> str:
+    """Name vehicles of which nothing is wrong."""
+    return f"The other {count} vehicles" if count > 1 else "The other vehicle"
+
+
+def _of_rest(part: Scenario, found: LeastRisk, limits: Limits) -> str:
     """Say what those can do who are not stuck."""
-    bound = scenario.risk_bound
-    if not reasons:
-        # Above Δ by simple bounds, the safest plan may still be within it by the referee's.
-        reason = "" if found.risk <= bound else _too_little_risk(scenario, found)
-        return WhyNot(reason, found.bound > bound, found.controls, found.sets)
-    others = f"The other {count} vehicles" if count > 1 else "The other vehicle"
-    if found.risk <= bound:
-        can = f"{others} can be planned within the risk bound."
-    elif found.bound > bound:
-        can = f"{others}: {_too_little_risk(scenario, found)}"
-    else:
-        can = f"{others}: no plan was found, and none was ruled out."
-    return WhyNot(" ".join([*reasons, can]), is_proven)
+    others = _others(part.num_vehicles)
+    if found.risk <= part.risk_bound:
+        return f"{others} can be planned within the risk bound."
+    if found.bound > part.risk_bound:
+        return f"{others}: {_too_much(part, found, limits)}"
+    return f"{others}: no plan was found, and none was ruled out."
 
 
-def _too_little_risk(scenario: Scenario, found: LeastRisk) -> str:
+def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
     """Say what bound would do, and what takes it."""
     bound = f"risk_bound {scenario.risk_bound:g}"
     if not found.controls:
+        return f"No plan was found at any risk, and none was ruled out: {limit_clause(limits)}"
+    if found.risk <= scenario.risk_bound:
         return (
-            f"No plan was found at any risk within the limits, and none was ruled out: raise the "
-            f"time limit, {bound} or the horizon."
+            f"No plan was certified within {bound}, and none was ruled out: {limit_clause(limits)}"
         )
     takers = "; ".join(
         f"{danger(exposure)} around step {exposure.step} ({risk:.2g})"
@@ -124,106 +194,12 @@ def _too_little_risk(scenario: Scenario, found: LeastRisk) -> str:
     )
     if found.bound > scenario.risk_bound:
         head = (
-            f"No plan is within {bound} by simple bounds: every plan runs at least "
-            f"{_down(found.bound)}."
+            f"No plan is within {bound} by simple bounds with the faces of this scenario: every "
+            f"such plan runs at least {rounded_down(found.bound)}."
         )
     else:
-        head = f"No plan within {bound} was found, and none was ruled out."
-    return (
-        f"{head} The safest found runs {_up(found.risk)}, most of it {takers}. Raise risk_bound "
-        f"to {_up(found.risk)}, lengthen the horizon, reduce the noise, or ease these."
-    )
-
-
-def _stuck(scenario: Scenario, members: tuple[int, ...], limits: Limits) -> str:
-    """Say who cannot be planned at any risk, and what stands in the way."""
-    reason = impossible_places(scenario.subset(members, scenario.risk_bound))
-    if reason is not None:
-        return reason
-    members = _smallest(scenario, members, limits)
-    part = scenario.subset(members, scenario.risk_bound)
-    names = [repr(v.name) for v in part.vehicles]
-    who = f"Vehicle {names[0]}" if len(names) == 1 else f"Vehicles {' and '.join(names)} together"
-    verb = "has" if len(names) == 1 else "have"
-    if _has_plan(_without_noise(part), limits):
-        return (
-            f"{who} {verb} no way on which the noise leaves room (without noise there is one): "
-            "reduce the noise, add feedback, or make room where it is narrow."
-        )
-    blockers = _blockers(part, limits)
-    if not blockers:
-        what = "their goals, or start them apart" if len(names) > 1 else "its goal"
-        return f"{who} {verb} no plan at any risk: lengthen the horizon, move {what}."
-    return (
-        f"{who} {verb} no plan at any risk: {' or '.join(blockers)} stands in the way (without it "
-        "there is one). Move or shrink it, lengthen the horizon, or move a goal."
-    )
-
-
-def _smallest(scenario: Scenario, members: tuple[int, ...], limits: Limits) -> tuple[int, ...]:
-    """Leave out vehicles without whom the others are stuck all the same."""
-    kept = list(members)
-    for i in members:
-        fewer = [j for j in kept if j != i]
-        if fewer and _is_stuck(scenario.subset(tuple(fewer), scenario.risk_bound), limits):
-            kept = fewer
-    return tuple(kept)
-
-
-def _blockers(scenario: Scenario, limits: Limits) -> list[str]:
-    """Return the obstacles without which there is a plan."""
-    found = []
-    for i, obstacle in enumerate(scenario.obstacles):
-        others = scenario.obstacles[:i] + scenario.obstacles[i + 1 :]
-        if _has_plan(replace(scenario, obstacles=others), limits):
-            found.append(f"obstacle {obstacle.name!r}")
-    if scenario.workspace is not None and _has_plan(replace(scenario, workspace=None), limits):
-        found.append("the workspace border")
-    return found
-
-
-def _without_noise(scenario: Scenario) -> Scenario:
-    """Return the same fleet with next to no noise."""
-    quiet = [
-        replace(
-            vehicle,
-            initial_covariance=_QUIET * vehicle.initial_covariance,
-            disturbance_covariance=_QUIET * vehicle.disturbance_covariance,
-        )
-        for vehicle in scenario.vehicles
-    ]
-    return replace(scenario, vehicles=tuple(quiet))
-
-
-def _search(scenario: Scenario, limits: Limits) -> RiskTree:
-    """Search for any plan, whatever its risk."""
-    subjects = whole_subjects(scenario)
-    everyone = tuple(range(len(subjects)))
-    problem = SetProblem.of(scenario, everyone, subjects, _UNIT).without_cost()
-    tree = RiskTree(
-        problem.program, _UNIT, 1.0, gap=1.0, scale=1.0, limits=limits, rater=problem.rater
-    )
-    tree.run(_NODES * len(everyone))
-    return tree
-
-
-def _has_plan(scenario: Scenario, limits: Limits) -> bool:
-    """Whether a plan is found."""
-    return _search(scenario, limits).best is not None
-
-
-def _is_stuck(scenario: Scenario, limits: Limits) -> bool:
-    """Whether it is proven that there is no plan."""
-    return _search(scenario, limits).bound == float("inf")
-
-
-def _up(risk: float) -> str:
-    """Return a risk in two digits, not below it."""
-    unit = 10.0 ** (floor(log10(max(risk, 1e-12))) - 1)
-    return f"{ceil(risk / unit * (1.0 - 1e-9)) * unit:.2g}"
-
-
-def _down(risk: float) -> str:
-    """Return a risk in two digits, not above it."""
-    unit = 10.0 ** (floor(log10(max(risk, 1e-12))) - 1)
-    return f"{floor(risk / unit * (1.0 + 1e-9)) * unit:.2g}"
+        head = f"No plan within {bound} was found, and none was ruled out: {limit_clause(limits)}"
+    advice = ""
+    if found.risk < 0.5:
+        advice = f" Raise risk_bound to {rounded_up(found.risk)}, at which there is one."
+    return f"{head} The safest found runs {rounded_up(found.risk)}, most of it {takers}.{advice}"

@@ -37,9 +37,12 @@ class ScipBackend:
         scip = pyscipopt.Model()
         scip.hideOutput()
         scip.setParam("limits/gap", gap)
+        columns = _declare(pyscipopt, scip, model, limits)
+        if limits.reached:
+            return MilpAnswer(Outcome.LIMIT, None, -float("inf"), 0)
+        # What is left now: declaring a large model takes seconds.
         if np.isfinite(limits.seconds_left):
             scip.setParam("limits/time", limits.seconds_left)
-        columns = _declare(pyscipopt, scip, model)
         _run(scip, limits)
         status = scip.getStatus()
         nodes = int(scip.getNNodes())
@@ -54,8 +57,8 @@ class ScipBackend:
         return MilpAnswer(outcome, x, float(scip.getDualbound()), nodes)
 
 
-def _declare(pyscipopt: ModuleType, scip: Any, model: MilpModel) -> list[Any]:
-    """Declare columns and rows; return the columns."""
+def _declare(pyscipopt: ModuleType, scip: Any, model: MilpModel, limits: Limits) -> list[Any]:
+    """Declare columns and rows, as far as the limits allow; return the columns."""
     columns = [
         scip.addVar(
             lb=float(model.lower[i]),
@@ -67,6 +70,8 @@ def _declare(pyscipopt: ModuleType, scip: Any, model: MilpModel) -> list[Any]:
     ]
     matrix = model.matrix
     for r in range(model.row_lower.size):
+        if limits.reached:
+            break
         span = slice(matrix.indptr[r], matrix.indptr[r + 1])
         row = pyscipopt.quicksum(
             float(value) * columns[j]

@@ -1,0 +1,88 @@
+"""The same scenario with more faces, where the given ones leave no way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.geometry import Polytope
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario
+
+__all__ = ["Finer", "finer_scenarios"]
+
+_FACES = {2: (8, 16, 32), 3: (14, 26)}
+"""Faces around pairs that are tried, by dimension."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finer:
+    """A scenario with more faces.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What a plan of it risks is no less than in the one it was made from.
+    text : str
+        The faces it has.
+    """
+
+    scenario: Scenario
+    text: str
+
+
+def finer_scenarios(scenario: Scenario) -> Iterator[Finer]:
+    """Yield a scenario with more and more faces around pairs and, in the plane, at corners.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With faces that leave no way.
+
+    Yields
+    ------
+    Finer
+        None where faces make no difference: a vehicle alone without obstacles.
+    """
+    has_pairs = scenario.num_vehicles > 1
+    has_corners = scenario.dimension == 2 and bool(scenario.obstacles)
+    for count in _FACES[scenario.dimension]:
+        more = count > scenario.num_pair_faces
+        if not (has_corners or (has_pairs and more)):
+            continue
+        parts = []
+        if has_pairs:
+            parts.append(f"{max(count, scenario.num_pair_faces)} faces around pairs")
+        obstacles = scenario.obstacles
+        if has_corners:
+            obstacles = tuple(_with_corners(o, count) for o in scenario.obstacles)
+            parts.append(f"obstacles' corners cut every {360.0 / count:g} degrees")
+        faces = max(count, scenario.num_pair_faces)
+        yield Finer(replace(scenario, pair_faces=faces, obstacles=obstacles), " and ".join(parts))
+
+
+def _with_corners(obstacle: Obstacle, count: int) -> Obstacle:
+    """Return an obstacle whose pieces have half-spaces at their corners too."""
+    steps = tuple(tuple(_rounded(piece, count) for piece in pieces) for pieces in obstacle.steps)
+    return replace(obstacle, steps=steps)
+
+
+def _rounded(piece: Polytope, count: int) -> Polytope:
+    """Return the same polygon with more normals: none further from the next than 2π / count."""
+    angles = np.sort(np.arctan2(piece.normals[:, 1], piece.normals[:, 0]))
+    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+    more: list[float] = []
+    for angle, gap in zip(angles.tolist(), gaps.tolist(), strict=True):
+        parts = int(np.ceil(gap * count / (2.0 * np.pi) - 1e-9))
+        more += [angle + gap * k / parts for k in range(1, parts)]
+    if not more:
+        return piece
+    extra: Matrix = np.column_stack([np.cos(more), np.sin(more)])
+    return Polytope(
+        np.vstack([piece.normals, extra]),
+        np.concatenate([piece.offsets, piece.support(extra)]),
+        piece.vertices,
+    )

@@ -1,0 +1,83 @@
+"""What the referee says of a plan, and which vehicles planned apart are to blame for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from radmpc.arrays import Indices, Matrix
+from radmpc.model.plan import LedgerRow
+
+__all__ = ["Judge", "Verdict"]
+
+_BESIDES = 0.1
+"""Share of Δ that pairs across sets may keep, together, when the worst of them are merged."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """A certificate as planners need it.
+
+    Attributes
+    ----------
+    certified : float
+        Upper bound on the probability of any collision [-].
+    ledger : tuple of LedgerRow
+        Where it goes; empty where the plan cannot be judged.
+    """
+
+    certified: float
+    ledger: tuple[LedgerRow, ...]
+
+    def across(self, owners: Indices, numbers: Mapping[str, int]) -> dict[tuple[int, int], float]:
+        """Return the risk of every pair of vehicles of different sets, lower number first.
+
+        Parameters
+        ----------
+        owners : (N,) int array
+            The set of each vehicle.
+        numbers : mapping of str to int
+            Every vehicle's number by its name.
+        """
+        found: dict[tuple[int, int], float] = {}
+        for row in self.ledger:
+            # What is far from a vehicle is booked without a partner.
+            if row.cause != "pair" or row.other is None:
+                continue
+            i, j = sorted((numbers[row.vehicle], numbers[row.other]))
+            if owners[i] != owners[j]:
+                found[i, j] = found.get((i, j), 0.0) + row.risk
+        return found
+
+    def to_blame(
+        self, owners: Indices, numbers: Mapping[str, int], granted: float
+    ) -> dict[tuple[int, int], float]:
+        """Return the worst pairs across sets, where without them the plan might be within Δ.
+
+        Parameters
+        ----------
+        owners, numbers : Indices and mapping
+            As of `across`.
+        granted : float
+            Δ.
+
+        Returns
+        -------
+        dict
+            Their risks; empty where the plan is within Δ, or is not without such pairs either.
+        """
+        pairs = self.across(owners, numbers)
+        rest = sum(pairs.values())
+        if self.certified <= granted or rest < min(granted, self.certified - granted):
+            return {}
+        blamed: dict[tuple[int, int], float] = {}
+        for pair, risk in sorted(pairs.items(), key=lambda item: (-item[1], item[0])):
+            if rest <= _BESIDES * granted and blamed:
+                break
+            blamed[pair] = risk
+            rest -= risk
+        return blamed
+
+
+Judge = Callable[[tuple[Matrix, ...]], Verdict]
+"""The referee's verdict on every vehicle's controls, in the scenario's order."""

@@ -1,0 +1,149 @@
+"""Directions beside the faces, for starts and goals that the faces alone call contact.
+
+Faces see a round hull as a box: what is apart along a diagonal may touch by every face. Where a
+start or a goal is such a place, the direction that separates it best joins the faces of that one
+danger. Everything else keeps its faces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.gaussian import tail_probability
+
+__all__ = ["best_clearance", "clearances", "opening_directions"]
+
+_POOR = 1e-3
+"""Risk of the best face from which on a start or a goal is looked at more closely."""
+
+_WORTH = 0.1
+"""Share of that risk that another direction must get below to be added."""
+
+_CONTACT = 1e-9
+"""Slack down to which touching is no contact [m], as the referee has it."""
+
+_HALVINGS = 80
+
+
+def clearances(
+    mean: Vector, covariance: Matrix, normals: Matrix, corners: Matrix, radius: float
+) -> Vector:
+    """Return how many deviations half-spaces keep a mean away from a convex set.
+
+    Parameters
+    ----------
+    mean : (d,) array
+        Mean position, relative to the same origin as the corners [m].
+    covariance : (d, d) array
+        Its covariance [m²].
+    normals : (f, d) array
+        Unit normals that point away from the set.
+    corners : (v, d) array
+        Corners of the set [m].
+    radius : float
+        By how much it is grown [m].
+
+    Returns
+    -------
+    (f,) array
+        Without noise +inf where they touch at most, else −inf.
+    """
+    slack = normals @ mean - (normals @ corners.T).max(axis=1) - radius
+    variances = np.einsum("fa,ab,fb->f", normals, covariance, normals)
+    noisy = variances > 0.0
+    certain = np.where(slack >= -_CONTACT, np.inf, -np.inf)
+    with np.errstate(over="ignore"):
+        return np.where(noisy, slack / np.sqrt(np.where(noisy, variances, 1.0)), certain)
+
+
+def best_clearance(
+    mean: Vector, covariance: Matrix, normals: Matrix, corners: Matrix, radius: float
+) -> tuple[float, Vector]:
+    """Return the largest clearance over faces and corners, and its direction.
+
+    Parameters
+    ----------
+    mean, covariance, normals, corners, radius
+        As of `clearances`; the normals are the faces of the set.
+
+    Returns
+    -------
+    clearance : float
+        In standard deviations. The largest of all directions in the plane, and for pairs; in
+        space the edges of a polytope may allow more.
+    direction : (d,) array
+        Unit normal away from the set.
+    """
+    tried = np.vstack([normals, [_over_corner(mean - c, covariance, radius) for c in corners]])
+    found = clearances(mean, covariance, tried, corners, radius)
+    best = int(found.argmax())
+    return float(found[best]), tried[best]
+
+
+def opening_directions(
+    places: tuple[tuple[Vector, Vector, Matrix], ...],
+    normals: Matrix,
+    corners: tuple[Matrix, ...],
+    radius: float,
+) -> Matrix:
+    """Return directions that open places which the faces close.
+
+    Parameters
+    ----------
+    places : tuple of ((d,) array, (d,) array, (d, d) array)
+        Boxes that hold the mean at the start and at the end [m], and its covariance [m²].
+    normals : (f, d) array
+        The faces.
+    corners : tuple of (v, d) array
+        Corners of the set at each place [m].
+    radius : float
+        By how much it is grown [m].
+
+    Returns
+    -------
+    (e, d) array
+        At most one per place; mostly none.
+    """
+    found: list[Vector] = []
+    for (lower, upper, covariance), points in zip(places, corners, strict=True):
+        # Each face at the corner of the box that is best for it.
+        best = -np.inf
+        for normal in (*normals, *found):
+            mean = np.where(normal > 0.0, upper, lower)
+            one = clearances(mean, covariance, normal[None], points, radius)
+            best = max(best, float(one[0]))
+        risk = float(tail_probability(best))
+        if risk <= _POOR:
+            continue
+        middle = points.mean(axis=0)
+        away = np.where(0.5 * (lower + upper) >= middle, upper, lower)
+        clearance, direction = best_clearance(away, covariance, normals, points, radius)
+        if float(tail_probability(clearance)) < _WORTH * risk:
+            found.append(direction)
+    return np.array(found).reshape(-1, normals.shape[1])
+
+
+def _over_corner(gap: Vector, covariance: Matrix, radius: float) -> Vector:
+    """Return the normal of the ball around a corner where it is nearest to a mean.
+
+    Nearest in the metric of the noise: at ``y = (I + μ Σ)⁻¹ gap`` with ``|y| = radius``.
+    """
+    values, vectors = np.linalg.eigh(covariance)
+    values = np.maximum(values, 0.0)
+    along = vectors.T @ gap
+    low, high = 0.0, 1.0 / max(float(values.max()), 1e-300)
+    for _ in range(_HALVINGS):
+        if np.linalg.norm(along / (1.0 + high * values)) <= radius or high > 1e200:
+            break
+        low, high = high, 4.0 * high
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if np.linalg.norm(along / (1.0 + middle * values)) > radius:
+            low = middle
+        else:
+            high = middle
+    normal = vectors @ (along / (1.0 + low * values))
+    length = float(np.linalg.norm(normal))
+    first: Vector = np.eye(gap.size)[0]
+    return normal / length if length > 1e-150 else first

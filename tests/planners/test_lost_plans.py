@@ -1,0 +1,213 @@
+"""Plans that are easily lost: hidden between sets, above the hull of prices, at contact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radmpc.experiments.families import paper
+from radmpc.io.scenario_file import load_scenario
+from radmpc.model.dynamics import double_integrator
+from radmpc.model.plan import LedgerRow, Status
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified import fleet
+from radmpc.planners.certified.crossing import cross_risks, start_risks
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.verdict import Verdict
+from radmpc.planning import plan
+from radmpc.program.build import build_program, whole_subjects
+from radmpc.referee import certify
+from radmpc.solvers.risk_budget import OVER, BudgetTree
+from radmpc.solvers.risk_lp import RiskLp
+from radmpc.solvers.risk_rating import Rater
+from radmpc.solvers.solution import Limits
+
+SCENES = Path(__file__).parents[1] / "data" / "scenes"
+FOREVER = Limits(float("inf"))
+
+
+def scene(name):
+    return load_scenario(SCENES / f"{name}.json")
+
+
+@pytest.mark.parametrize(
+    ("name", "others"),
+    [
+        ("bow-merge-limit", 8.3783),
+        ("bow-merge-limit-2", 11.1889),
+        ("bow-merge-dear", 25.3239),
+        ("contact-at-start", 4.4401),
+        ("hopeless-price", 2.92),
+    ],
+)
+def test_no_certified_plan_of_another_planner_is_cheaper(name, others):
+    result = plan(scene(name), "certified", time_limit=20.0)
+    assert certify(result.require()).holds
+    assert result.cost <= others * (1.0 + 1e-3)
+    assert result.status is Status.OPTIMAL
+
+
+def passers(acceleration):
+    # Side by side along x, 0.1 m between them at both steps; both curves bend towards each other.
+    start = np.array([[0.0, 0.0], [0.0, 0.9]])
+    vehicles = tuple(
+        Vehicle(
+            name,
+            double_integrator(1.0, 2),
+            np.concatenate([at, np.zeros(2)]),
+            Goal(at - 1.0, at + 1.0, np.ones(2)),
+            0.4,
+            np.full(2, 5.0),
+            1e-4 * np.eye(4),
+            1e-4 * np.eye(4),
+        )
+        for name, at in zip("ab", start, strict=True)
+    )
+    means = np.repeat(start[:, None, :], 2, axis=1)
+    bows = np.zeros((2, 1, 2))
+    # Against the acceleration: the lower one's curve rises where it accelerates downwards.
+    bows[:, 0, 1] = acceleration * np.array([-1.0, 1.0]) / 8.0
+    return Scenario("passers", 1.0, 1, 0.05, vehicles), means, bows
+
+
+def test_risk_between_sets_is_estimated_with_the_bow():
+    scenario, means, bows = passers(0.5)
+    noise = np.repeat(1e-4 * np.eye(2)[None, None], 2, axis=0).repeat(2, axis=1)
+    apart = np.arange(2)
+    straight = cross_risks(scenario, means, noise, apart)
+    bent = cross_risks(scenario, means, noise, apart, bows)
+    assert straight.get((0, 1), 0.0) < 1e-10
+    assert bent[0, 1] > 0.5
+    # Curves that bend away from each other keep their chords' distance.
+    away = cross_risks(scenario, means, noise, apart, -bows)
+    assert away == straight
+
+
+def test_what_is_estimated_between_sets_is_what_one_program_charges():
+    scenario = scene("bow-merge-limit")
+    subjects = whole_subjects(scenario)
+    program = build_program(scenario, subjects[:2], risk_bound=0.05)
+    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
+    made.solve(made.singles, made.first_price(), 1)
+    points = [made.best(m).z for m in made.singles[:2]]
+    z = np.concatenate(points)
+    rating = Rater(program, 0.5).rate(z)
+    one_program = float(rating.cheapest.sum())
+    estimate = made.meetings(made.singles, [made.best(m).z for m in made.singles])[0, 1]
+    assert estimate == pytest.approx(one_program, rel=1e-6)
+
+
+def test_vehicles_without_noise_may_start_in_contact():
+    scenario = scene("contact-at-start")
+    means = np.array([[v.start_position] for v in scenario.vehicles])
+    assert start_risks(scenario, means, np.zeros((2, 1, 2, 2))) == {}
+    means[1, 0] -= [0.01, 0.0]
+    assert start_risks(scenario, means, np.zeros((2, 1, 2, 2)))[0, 1] == 1.0
+
+
+def test_sets_that_the_referee_blames_are_merged_whatever_is_estimated(monkeypatch):
+    monkeypatch.setattr(fleet, "meeting_risks", lambda *everything: {})
+    result = plan(scene("bow-merge-limit"), "certified", time_limit=20.0)
+    assert result.is_certified
+    assert result.cost <= 8.3783 * (1.0 + 1e-3)
+    assert any(len(members) > 1 for members in result.sets)
+    assert all(coupling.value > 0.05 for coupling in result.record.couplings)
+
+
+def verdict(certified, **pairs):
+    rows = [LedgerRow("pair", name[0], name[1], 1, risk) for name, risk in pairs.items()]
+    rows.append(LedgerRow("obstacle", "a", "rock", 1, certified - sum(pairs.values())))
+    rows.append(LedgerRow("pair", "a", None, 1, 0.0))
+    return Verdict(certified, tuple(rows))
+
+
+NUMBERS = {"a": 0, "b": 1, "c": 2}
+
+
+def test_only_rejected_plans_are_blamed_on_pairs_across_sets():
+    apart = np.arange(3)
+    assert verdict(0.04, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
+    assert verdict(0.07, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {(0, 1): 0.03}
+    # Without the pair it would be as hopeless.
+    assert verdict(0.9, ab=0.03).to_blame(apart, NUMBERS, 0.05) == {}
+    # One set already.
+    assert verdict(0.07, ab=0.03).to_blame(np.array([0, 0, 1]), NUMBERS, 0.05) == {}
+
+
+def test_the_worst_pair_is_blamed_first_and_small_ones_are_left_apart():
+    blamed = verdict(0.9, ab=0.5, bc=0.3, ca=1e-4).to_blame(np.arange(3), NUMBERS, 0.05)
+    assert list(blamed) == [(0, 1), (1, 2)]
+
+
+def test_a_row_may_take_one_half_and_the_fleet_more():
+    scenario = replace(scene("bow-merge-dear"), risk_bound=0.1)
+    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
+    assert made.unit == pytest.approx(1.2)
+    program = made.problem((0, 1, 2)).program
+    lp = RiskLp(program, made.unit, 1.0)
+    assert lp.row_cap == 0.5
+    assert lp.floor == 0.0
+    rater = made.problem((0, 1, 2)).rater
+    assert np.all(rater.floor == 0.0)
+
+
+def test_where_the_fleet_may_risk_less_than_one_half_so_may_each_row():
+    scenario = replace(scene("bow-merge-dear"), risk_bound=0.01)
+    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
+    assert made.unit == pytest.approx(0.12)
+    assert RiskLp(made.problem((0,)).program, made.unit, 1.0).row_cap == made.unit
+
+
+def test_a_hard_budget_finds_what_no_price_leads_to():
+    # Between two plans of other sides, which all prices choose, lies a third within the budget.
+    scenario = scene("hopeless-price")
+    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
+    problem = made.problem((0, 1))
+    budget = 0.021
+    tree = BudgetTree(
+        problem.program,
+        budget,
+        1e-4,
+        gap=5e-4,
+        scale=1.0,
+        limits=FOREVER,
+        rater=Rater(problem.program, budget),
+    )
+    tree.run(2_000)
+    assert not tree.is_limited
+    assert tree.best.risk <= budget * (1.0 + OVER)
+    assert tree.best.cost == pytest.approx(tree.bound, rel=2e-3)
+    risks = []
+    for price in np.geomspace(0.1, 100.0, 10):
+        made.solve(((0, 1),), price, 4)
+        risks.append(made.best((0, 1)).risk)
+    between = [risk for risk in risks if 0.8 * budget <= risk <= budget]
+    assert not between
+
+
+def test_the_budget_stays_positive_where_the_starts_alone_exceed_the_bound():
+    near = replace(scene("bow-merge-limit"), avoidance="steps", risk_bound=0.02)
+    vehicles = tuple(replace(v, initial_covariance=2e-3 * np.eye(4)) for v in near.vehicles)
+    made = Fleet(replace(near, vehicles=vehicles), 1e-3, FOREVER, lambda done, total: None)
+    assert made.initial > near.risk_bound
+    made.set_budget(-1.0)
+    assert 0.0 < made.budget < near.risk_bound
+
+
+def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):
+    calls = []
+    run = PriceSearch.run
+
+    def late(self):
+        calls.append(len(calls))
+        return None if len(calls) == 1 else run(self)
+
+    monkeypatch.setattr(PriceSearch, "run", late)
+    result = plan(paper(3, 2), "certified")
+    assert result.status is Status.OPTIMAL
+    assert len(calls) == 2

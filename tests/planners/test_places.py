@@ -1,0 +1,125 @@
+"""What starts and goals risk by themselves, against brute force."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radmpc.model.dynamics import double_integrator
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.places import floors
+from radmpc.program.build import whole_subjects
+
+SAMPLES = 200_000
+
+
+def vehicle(name, start, goal, *, d=2, half=0.2, covariance=0.04):
+    noise = np.diag([covariance] * d + [1e-9] * d)
+    return Vehicle(
+        name=name,
+        system=double_integrator(1.0, d),
+        start=np.array(start, dtype=float),
+        goal=Goal.at(goal, half, 3.0),
+        radius=0.3,
+        control_limit=20.0,
+        initial_covariance=noise,
+        disturbance_covariance=1e-12,
+    )
+
+
+def scenario(*vehicles, **rest):
+    settings = {"name": "places", "dt": 1.0, "horizon": 3, "risk_bound": 0.05} | rest
+    return Scenario(vehicles=vehicles, **settings)
+
+
+def found(problem):
+    return floors(problem, whole_subjects(problem))
+
+
+def hit_rate(rng, mean, covariance, lower, upper, radius):
+    points = rng.multivariate_normal(mean, covariance, SAMPLES)
+    gaps = np.maximum(np.maximum(lower - points, points - upper), 0.0)
+    return float(np.mean(np.linalg.norm(gaps, axis=1) < radius))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_start_beside_a_box_risks_what_samples_of_it_do(seed):
+    rng = np.random.default_rng(seed)
+    start = rng.uniform(0.9, 1.5, 2)
+    problem = scenario(
+        vehicle("a", start, (9, 9)), obstacles=(Obstacle.box("box", [-1, -1], [1, 1]),)
+    )
+    danger = found(problem).starts[0]
+    rate = hit_rate(rng, start, 0.04 * np.eye(2), -np.ones(2), np.ones(2), 0.3)
+    assert danger.risk == pytest.approx(rate, abs=5e-3)
+    assert (danger.cause, danger.other, danger.at_goal) == ("obstacle", "box", False)
+
+
+def test_a_pair_of_starts_risks_what_samples_of_it_do():
+    rng = np.random.default_rng(1)
+    problem = scenario(vehicle("a", (0, 0), (9, 9)), vehicle("b", (0.5, 0.5), (-9, -9)))
+    rate = hit_rate(rng, np.full(2, 0.5), 0.08 * np.eye(2), np.zeros(2), np.zeros(2), 0.6)
+    [danger] = found(problem).starts
+    assert danger.risk == pytest.approx(rate, abs=5e-3)
+    assert danger.distance == pytest.approx(np.sqrt(0.5))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_point_of_a_goal_risks_less_than_the_least_of_the_goal(seed):
+    rng = np.random.default_rng(seed)
+    goal = rng.uniform(-0.3, 0.3, 2)
+    walls = (
+        Obstacle.box("left", [-3, -3], [-0.85, 3]),
+        Obstacle.box("right", [0.8, -3], [3, 3]),
+        Obstacle.polygon("top", [(-1, 1.3), (1, 1.2), (0, 3)]),
+    )
+    problem = scenario(
+        vehicle("a", (0, -9), goal, half=0.4),
+        obstacles=walls,
+        workspace=Workspace(np.array([-9.0, -9.5]), np.array([9.0, 9.0])),
+    )
+    least = found(problem).vehicles[0, 1]
+    assert least > 0.0
+    sums = []
+    for point in goal + rng.uniform(-0.4, 0.4, (12, 2)):
+        there = scenario(vehicle("a", point, (8, 8)), obstacles=walls, workspace=problem.workspace)
+        sums.append(found(there).vehicles[0, 0])
+    assert least <= min(sums) * (1.0 + 1e-4)
+
+
+def test_a_goal_beside_one_wall_risks_what_its_farthest_corner_does():
+    wall = Obstacle.box("wall", [-3, -3], [-1.2, 3])
+    problem = scenario(vehicle("a", (0, -9), (-0.9, 0), half=0.3), obstacles=(wall,))
+    there = scenario(vehicle("a", (-0.6, 0.3), (8, 8)), obstacles=(wall,))
+    assert found(problem).vehicles[0, 1] == pytest.approx(found(there).total, rel=1e-3)
+
+
+def test_the_least_risk_of_goals_in_space_is_that_of_their_farthest_corners():
+    one = vehicle("a", (0, 0, 0), (5, 5, 5), d=3)
+    two = vehicle("b", (9, 9, 9), (5.2, 5.2, 5.2), d=3)
+    [danger] = found(scenario(one, two)).goals
+    assert danger.distance == pytest.approx(np.sqrt(3.0) * 0.6, abs=1e-5)
+    far = vehicle("a", (0, 0, 0), (9, 9, 9), d=3), vehicle("b", (0.6, 0.6, 0.6), (0, 9, 9), d=3)
+    [apart] = found(scenario(*far)).starts
+    assert danger.risk == pytest.approx(apart.risk, rel=1e-3)
+
+
+def test_places_far_from_everything_risk_nothing():
+    rock = Obstacle.box("rock", [40, 40], [41, 41])
+    problem = scenario(
+        vehicle("a", (0, 0), (9, 9)), vehicle("b", (0, 9), (9, 0)), obstacles=(rock,)
+    )
+    answer = found(problem)
+    assert answer.total == 0.0
+    assert answer.starts == answer.goals == ()
+
+
+def test_starts_that_only_just_touch_without_noise_risk_nothing():
+    for gap, expected in ((0.6, 0.0), (0.6 - 5e-10, 0.0), (0.599, 1.0)):
+        problem = scenario(
+            vehicle("a", (0, 0), (9, 9), covariance=0.0),
+            vehicle("b", (gap, 0), (9, -9), covariance=0.0),
+        )
+        assert found(problem).total == expected
