@@ -13,6 +13,10 @@ from radmpc.program.reserve import shares_of_reserve
 
 __all__ = ["Body", "Part", "RowBlock", "Windows", "danger_rows"]
 
+_LEAST_DEVIATION = 1e-8
+"""Noise that is there counts as at least so much [m]: solvers refuse slopes of 1e15 and more, which
+deviations left over by cancellation give, and what this keeps is below a tenth of a micrometer."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
@@ -192,12 +196,13 @@ def _end(
     largest = np.where(normals > 0.0, normals * high, normals * low).sum(axis=2)
     smallest = np.where(normals > 0.0, normals * low, normals * high).sum(axis=2)
     variances = np.einsum("wfa,wab,wfb->wf", normals, covariances, normals)
+    deviations = np.sqrt(np.maximum(variances, 0.0))
     return _End(
         kind,
         is_near,
         steps,
         offsets,
-        np.sqrt(np.maximum(variances, 0.0)),
+        np.where(deviations > 0.0, np.maximum(deviations, _LEAST_DEVIATION), 0.0),
         offsets - largest,
         # Reach is exact only up to rounding: keep what misses by less than a micrometer.
         offsets - smallest + 1e-6,

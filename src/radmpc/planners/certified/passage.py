@@ -94,7 +94,8 @@ class Passage:
             When to stop early.
         """
         walk, unit = self.walk, self.walk.unit
-        haste = walk.motion.start_cost
+        # Where no effort is needed, or none counts, any price makes haste.
+        haste = walk.motion.start_cost or 1.0
         # A step is worth about a hundredth of the bound.
         rate = haste / (_STEP_SHARE * self.rater.program.risk_bound)
         way = walk.way(rate, haste)
