@@ -19,6 +19,7 @@ KINDS: Mapping[str, str] = MappingProxyType(
         "warning": "a Python warning",
         "unsafe": "a rate surely above certificate and saturation",
         "unlike": "two simulations that surely differ",
+        "loose": "a certificate above what the plan's simple bounds sum to",
         "infeasible": "certified says infeasible, another has a certified plan",
         "lost": "certified ends without a plan, another has a certified one",
         "dear": "certified's plan dearer than another's certified one by more than its gap",

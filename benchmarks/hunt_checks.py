@@ -55,6 +55,9 @@ _ROUNDING = 1e-6
 
 _GAP = 1e-3
 
+_LOOSE = 1.01
+"""What a certificate may be of simple bounds: it has more half-spaces to choose from."""
+
 
 @dataclass(frozen=True, slots=True)
 class Effort:
@@ -140,6 +143,10 @@ def examine(scenario: Scenario, seed: int, index: int, effort: Effort) -> Catch:
                 _fly(notes, name, answer.result, effort.samples, index)
     for name, answer in answers.items():
         _check_time(notes, name, answer, effort)
+        certificate = answer.result.certificate
+        if certificate is not None and certificate.certified > _LOOSE * answer.simple + 1e-12:
+            text = f"{certificate.certified:.4g} against {answer.simple:.4g} by simple bounds"
+            notes.add("loose", f"{name}: {text}, Δ {scenario.risk_bound:.3g}")
     main = answers.get("certified")
     if main is not None:
         _check_answer(notes, main, answers, effort)
