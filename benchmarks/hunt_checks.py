@@ -73,12 +73,15 @@ class Effort:
         Flights of a plan; 0 flies none.
     hang : float
         Seconds after which a call counts as hung, beyond its limit.
+    planners : tuple of str
+        Who plans, keys of `PLANNERS`.
     """
 
     time_limit: float = 4.0
     other_limit: float = 2.0
     samples: int = 20_000
     hang: float = 30.0
+    planners: tuple[str, ...] = tuple(PLANNERS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,10 +136,10 @@ def examine(scenario: Scenario, seed: int, index: int, effort: Effort) -> Catch:
     """
     begun, notes = time.perf_counter(), Notes()
     answers: dict[str, _Answer] = {}
-    for name, planner in PLANNERS.items():
+    for name in effort.planners:
         limit = effort.time_limit if name == "certified" else effort.other_limit
         with watched(notes, name, limit + effort.hang):
-            answers[name] = _planned(scenario, planner, limit, index)
+            answers[name] = _planned(scenario, PLANNERS[name], limit, index)
     if effort.samples:
         for name, answer in answers.items():
             with watched(notes, f"flying {name}'s", 2.0 * effort.hang):

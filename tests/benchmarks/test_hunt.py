@@ -21,16 +21,18 @@ from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
 
 SEED = 0
-CHUNK = 15
-EFFORT = Effort(time_limit=1.5, other_limit=0.7, samples=2_000)
+CHUNK = 12
+EFFORT = Effort(1.0, 0.5, samples=2_000, planners=("certified", "ira", "dlp"))
 
-# What a slow machine alone brings about is left to long runs: late, late_cpu, lost, given_up.
+# What a slow machine alone brings about is left to long runs: late, late_cpu, lost, given_up;
+# and so is dear_exact: sides and simple bounds are what is planned with.
 SURE = {
-    "error", "warning", "unsafe", "unlike", "infeasible", "dear", "early", "broken", "bound",
+    "error", "warning", "unsafe", "unlike", "loose", "infeasible", "dear", "early", "broken",
+    "bound",
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("chunk", range(12))
+@pytest.mark.parametrize("chunk", range(10))
 def test_nothing_is_caught_in_small_nasty_scenes(chunk: int):
     caught = [run_scene(SEED, i, EFFORT) for i in range(chunk * CHUNK, (chunk + 1) * CHUNK)]
     wrong = [f"{c.index}: {c.notes}" for c in caught if SURE & set(c.kinds.split())]
