@@ -20,9 +20,10 @@ _FAR = 8.0
 _CONTACT = 1e-9
 """What vehicles without noise may miss their distance by [m]: what programmes and referee allow."""
 
-_RESERVES = ((1.0, 1.0),)
-"""How much of the bow a half-space may keep back at the start and at the end of an interval: the
-splits that programmes know."""
+_USUAL = (1.0, 1.0)
+_FIRST, _LAST = (0.0, 4.0), (4.0, 0.0)
+"""How much of the bow a half-space may keep back at the start and at the end of an interval: 4θ² and
+4(1 − θ)², at θ = ½ in general, and at starts and goals also all of it at the other end."""
 
 
 def cross_risks(
@@ -117,12 +118,15 @@ def meeting_risks(
 def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tensor:
     """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
     near, far = slice(None, -1), slice(1, None)
-    risks = [
-        _tails(apart_by[:, near] - at_start * bow, deviations[:, near])
-        + _tails(apart_by[:, far] - at_end * bow, deviations[:, far])
-        for at_start, at_end in _RESERVES
-    ]
-    return np.asarray(np.minimum.reduce(risks))
+
+    def held(reserve: tuple[float, float]) -> Tensor:
+        at_start = _tails(apart_by[:, near] - reserve[0] * bow, deviations[:, near])
+        return at_start + _tails(apart_by[:, far] - reserve[1] * bow, deviations[:, far])
+
+    risks = held(_USUAL)
+    risks[:, 0] = np.minimum(risks[:, 0], held(_FIRST)[:, 0])
+    risks[:, -1] = np.minimum(risks[:, -1], held(_LAST)[:, -1])
+    return risks
 
 
 def _towards(bows: Tensor, faces: Tensor) -> Tensor:
