@@ -20,10 +20,9 @@ _FAR = 8.0
 _CONTACT = 1e-9
 """What vehicles without noise may miss their distance by [m]: what programmes and referee allow."""
 
-_USUAL = (1.0, 1.0)
-_FIRST, _LAST = (0.0, 4.0), (4.0, 0.0)
-"""How much of the bow a half-space may keep back at the start and at the end of an interval: 4θ² and
-4(1 − θ)², at θ = ½ in general, and at starts and goals also all of it at the other end."""
+_SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
+"""Shares θ of the reserve for the bow at the near end that are tried: 4θ² of the bow there, and
+4(1 − θ)² at the far end."""
 
 
 def cross_risks(
@@ -119,14 +118,12 @@ def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tenso
     """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
     near, far = slice(None, -1), slice(1, None)
 
-    def held(reserve: tuple[float, float]) -> Tensor:
-        at_start = _tails(apart_by[:, near] - reserve[0] * bow, deviations[:, near])
-        return at_start + _tails(apart_by[:, far] - reserve[1] * bow, deviations[:, far])
+    def held(share: float) -> Tensor:
+        reserves = 4.0 * share**2 * bow, 4.0 * (1.0 - share) ** 2 * bow
+        at_start = _tails(apart_by[:, near] - reserves[0], deviations[:, near])
+        return at_start + _tails(apart_by[:, far] - reserves[1], deviations[:, far])
 
-    risks = held(_USUAL)
-    risks[:, 0] = np.minimum(risks[:, 0], held(_FIRST)[:, 0])
-    risks[:, -1] = np.minimum(risks[:, -1], held(_LAST)[:, -1])
-    return risks
+    return np.asarray(np.minimum.reduce([held(share) for share in _SHARES]))
 
 
 def _towards(bows: Tensor, faces: Tensor) -> Tensor:
