@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import check_word, is_integer, is_number, told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.gaussian import clearance_for, tail_probability
@@ -92,10 +92,15 @@ class Ira:
     direction: str = "to_active"
 
     def __post_init__(self) -> None:
-        """Refuse unknown words."""
-        if self.direction not in {"to_active", "to_inactive"}:
+        """Refuse unknown words, and numbers out of range."""
+        check_word(self.direction, ("to_active", "to_inactive"), "direction")
+        for name in ("active_tol", "keep"):
+            share = getattr(self, name)
+            if not (is_number(share) and 0.0 <= share <= 1.0):
+                raise ScenarioError(f"{name} must lie between 0 and 1, got {told(share)}")
+        if not (is_integer(self.max_iterations) and self.max_iterations >= 1):
             raise ScenarioError(
-                f"direction must be 'to_active' or 'to_inactive', got {self.direction!r}"
+                f"max_iterations must be an integer >= 1, got {told(self.max_iterations)}"
             )
 
     def __str__(self) -> str:
@@ -114,6 +119,10 @@ class Pool:
     """
 
     charge: str = "allocated"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown words."""
+        check_word(self.charge, ("allocated", "used"), "charge")
 
     def __str__(self) -> str:
         return "pool" if self.charge == "allocated" else f"pool({self.charge})"
