@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy.typing as npt
 
+from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.model.scenario import Scenario
 
@@ -74,6 +75,7 @@ class Trajectory(Frozen):
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
+        field_text(self.name, ("name",))
         put = object.__setattr__
         put(self, "controls", as_matrix(self.controls, path=("controls",)))
         put(self, "means", as_matrix(self.means, path=("means",)))

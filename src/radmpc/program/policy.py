@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import check_word, is_integer, is_number, told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.gaussian import clearance_for, tail_probability
@@ -82,7 +82,7 @@ class Uniform:
 
     def __post_init__(self) -> None:
         """Refuse unknown words."""
-        _check_spread(self.spread)
+        check_word(self.spread, ("reached", "all"), "spread")
 
     def __str__(self) -> str:
         return "uniform" + _spread_text(self.spread)
@@ -113,11 +113,16 @@ class Ira:
     spread: Spread = "reached"
 
     def __post_init__(self) -> None:
-        """Refuse unknown words."""
-        _check_spread(self.spread)
-        if self.direction not in {"to_active", "to_inactive"}:
+        """Refuse unknown words, and numbers out of range."""
+        check_word(self.direction, ("to_active", "to_inactive"), "direction")
+        check_word(self.spread, ("reached", "all"), "spread")
+        for name in ("active_tol", "keep"):
+            share = getattr(self, name)
+            if not (is_number(share) and 0.0 <= share <= 1.0):
+                raise ScenarioError(f"{name} must lie between 0 and 1, got {told(share)}")
+        if not (is_integer(self.max_iterations) and self.max_iterations >= 1):
             raise ScenarioError(
-                f"direction must be 'to_active' or 'to_inactive', got {self.direction!r}"
+                f"max_iterations must be an integer >= 1, got {told(self.max_iterations)}"
             )
 
     def __str__(self) -> str:
@@ -143,7 +148,8 @@ class Pool:
 
     def __post_init__(self) -> None:
         """Refuse unknown words."""
-        _check_spread(self.spread)
+        check_word(self.charge, ("allocated", "used"), "charge")
+        check_word(self.spread, ("reached", "all"), "spread")
 
     def __str__(self) -> str:
         name = "pool" if self.charge == "allocated" else f"pool({self.charge})"
@@ -159,12 +165,6 @@ class Optimal:
 
 
 Policy = NoRisk | Sigmas | Uniform | Ira | Pool | Optimal
-
-
-def _check_spread(spread: str) -> None:
-    """Refuse unknown words."""
-    if spread not in {"reached", "all"}:
-        raise ScenarioError(f"spread must be 'reached' or 'all', got {spread!r}")
 
 
 def _spread_text(spread: Spread) -> str:
