@@ -1,0 +1,148 @@
+"""A hunt for wrong answers: small nasty scenes, planned in several ways, flown and compared.
+
+Run ``python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs 2 --out hunt.csv``. Each scene is a
+line of the table, written and synced at once; the same command goes on where an interrupted one
+stopped, and prints how often each kind of wrong answer was met, and where. ``--scenes 0`` reports
+on what there is. ``--index 17`` plays one scene again, tells what every planner says, and with
+``--save scene.json`` writes it as a scenario file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import itertools
+import logging
+import multiprocessing
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import closing
+from pathlib import Path
+
+from hunt_catch import COLUMNS, KINDS, Catch, catch_of
+from hunt_checks import Effort, examine, run_scene
+from hunt_scenes import draw_scene
+from radmpc.io.scenario_file import save_scenario
+
+_MOST_NAMED = 40
+"""Scenes named per kind in the summary."""
+
+
+def main() -> None:
+    """Play one scene, or all that are missing, and print what was caught."""
+    options = _options()
+    effort = Effort(options.time_limit, options.time_limit / 2.0, options.samples)
+    if options.index is not None:
+        _replay(options, effort)
+        return
+    if options.out is None:
+        sys.exit("--out is needed: the table of scenes, CSV")
+    catches = _known(options.out, options.seed, options.time_limit)
+    done = {catch.index for catch in catches}
+    missing = [i for i in range(options.scenes) if i not in done]
+    is_terminal = sys.stderr.isatty()
+    with closing(_run(missing, options.jobs, options.seed, effort)) as running:
+        for catch in running:
+            _append(options.out, catch)
+            catches.append(catch)
+            if is_terminal:
+                text = f"\r{len(catches)}/{options.scenes} scenes"
+                print(text, end="", file=sys.stderr, flush=True)
+    if is_terminal:
+        print(file=sys.stderr)
+    print("\n".join(summary(sorted(catches, key=lambda catch: catch.index))))
+
+
+def _options() -> argparse.Namespace:
+    """Return what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=int, default=1000, help="scenes in all")
+    parser.add_argument("--seed", type=int, default=0, help="of everything random")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--time-limit", type=float, default=4.0, help="seconds; half for others")
+    parser.add_argument("--samples", type=int, default=20_000, help="flights per plan")
+    parser.add_argument("--out", type=Path, help="table of scenes, CSV")
+    parser.add_argument("--index", type=int, help="play this scene alone")
+    parser.add_argument("--save", type=Path, help="scenario file for it")
+    return parser.parse_args()
+
+
+def _replay(options: argparse.Namespace, effort: Effort) -> None:
+    """Play one scene and tell everything."""
+    scenario = draw_scene(options.seed, options.index)
+    if options.save is not None:
+        save_scenario(scenario, options.save)
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    catch = examine(scenario, options.seed, options.index, effort)
+    for name, text in catch.as_row().items():
+        for line in text.split(" | "):
+            print(f"{name:>12}  {line}")
+
+
+def _known(path: Path, seed: int, time_limit: float) -> list[Catch]:
+    """Return the scenes of an earlier run; a line cut off by its end is dropped."""
+    if not path.exists():
+        return []
+    content = path.read_bytes()
+    whole = content[: content.rfind(b"\n") + 1]
+    if len(whole) < len(content):
+        os.truncate(path, len(whole))
+    catches = [catch_of(row) for row in csv.DictReader(whole.decode("utf-8").splitlines())]
+    if any((catch.seed, catch.time_limit) != (seed, time_limit) for catch in catches):
+        sys.exit(f"{path}: was made with another seed or time limit")
+    return catches
+
+
+def _append(path: Path, catch: Catch) -> None:
+    """Add a line to the table so that it outlives a crash."""
+    with path.open("a", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        if file.tell() == 0:
+            writer.writeheader()
+        writer.writerow(catch.as_row())
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _run(indices: Sequence[int], jobs: int, seed: int, effort: Effort) -> Iterator[Catch]:
+    """Yield one scene after the other, here or from processes."""
+    if jobs == 1:
+        for index in indices:
+            yield run_scene(seed, index, effort)
+        return
+    left = iter(indices)
+    context = multiprocessing.get_context("spawn")  # threads and forks do not go together
+    with ProcessPoolExecutor(jobs, context) as executor:
+        running: set[Future[Catch]] = set()
+        while True:
+            for index in itertools.islice(left, 2 * jobs - len(running)):
+                running.add(executor.submit(run_scene, seed, index, effort))
+            if not running:
+                return
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield future.result()
+
+
+def summary(catches: Sequence[Catch]) -> list[str]:
+    """Return the lines of the summary: what was hunted, and each kind of catch with its scenes."""
+    if not catches:
+        return ["no scenes yet"]
+    states = Counter(catch.status for catch in catches)
+    told = ", ".join(f"{count} {status}" for status, count in sorted(states.items()))
+    lines = [f"{len(catches)} scenes, seed {catches[0].seed}; certified: {told}", ""]
+    for kind, meaning in KINDS.items():
+        found = [catch.index for catch in catches if kind in catch.kinds.split()]
+        named = ", ".join(str(index) for index in found[:_MOST_NAMED])
+        more = f" and {len(found) - _MOST_NAMED} more" if len(found) > _MOST_NAMED else ""
+        lines.append(
+            f"- **{kind}** {len(found)} ({meaning})" + (f": {named}{more}" if found else "")
+        )
+    return lines
+
+
+if __name__ == "__main__":
+    main()
