@@ -43,9 +43,7 @@ class Path:
     hang: np.ndarray
 
     def at(self, share: float, who: np.ndarray | slice) -> np.ndarray:
-        return (
-            self.begin[who] + share * self.way[who] - share * (1.0 - share) * self.hang[who]
-        )
+        return self.begin[who] + share * self.way[who] - share * (1.0 - share) * self.hang[who]
 
     def drift(self, looks: int) -> np.ndarray:
         """How far the vehicle gets from the closest of some looks, at most."""

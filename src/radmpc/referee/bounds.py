@@ -43,9 +43,12 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
     (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
-    if not intervals:
-        return np.concatenate([instant_risks(block) for block in blocks(encounters)])
-    return np.concatenate([_interval_risks(block, motion) for block in blocks(encounters)])
+    if intervals:
+        found = np.concatenate([_interval_risks(block, motion) for block in blocks(encounters)])
+    else:
+        found = np.concatenate([instant_risks(block) for block in blocks(encounters)])
+    # What surely happens once need not be charged for more.
+    return found / np.maximum(found.sum(axis=1, keepdims=True), 1.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
