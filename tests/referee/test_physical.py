@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fleets import PLENTY, euler, permuted, plain, random_plan, stepper, thrusters
+from fleets import PLENTY, euler, permuted, stepper, thrusters
 from physical import fly
 from referee_scenes import make_plan
 from scipy.stats import binomtest, fisher_exact
 
-from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain, rollout
+from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario, Workspace

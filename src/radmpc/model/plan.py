@@ -31,7 +31,7 @@ class Status(Enum):
     def sentence(self) -> str:
         """What a user needs to know, advice included."""
         return {
-            Status.OPTIMAL: "plan found, proven optimal within the gap",
+            Status.OPTIMAL: "plan found, proven optimal by simple bounds, within the gap",
             Status.FEASIBLE: "plan found, without a proof that it is the best",
             Status.INFEASIBLE: "no plan found",
             Status.LIMIT: "ended before any plan was found (time limit, node limit or Ctrl-C)",
