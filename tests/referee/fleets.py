@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from referee_scenes import make_plan
 from scipy.spatial.transform import Rotation
@@ -182,8 +184,6 @@ def random_plan(seed: int) -> Plan:
 
 def moved(vehicle: Vehicle, shift: np.ndarray) -> Vehicle:
     """Return a vehicle that starts elsewhere."""
-    from dataclasses import replace
-
     start = vehicle.start.copy()
     start[list(vehicle.system.position)] += shift
     return replace(vehicle, start=start)

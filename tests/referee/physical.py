@@ -201,7 +201,7 @@ class _Distance:
         return _gaps(self._at(share)[0], places) if len(places) else np.zeros(0)
 
     def at_least(self, share: float, places: np.ndarray) -> np.ndarray:
-        """How far places are beyond some face of the hull: no farther than it, and quickly found."""
+        """How far places are beyond a face of the hull: not above the distance, and cheap."""
         equations = self._at(share)[1]
         return (places @ equations[:, :-1].T + equations[:, -1]).max(axis=1)
 

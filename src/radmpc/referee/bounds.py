@@ -48,7 +48,7 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
     else:
         found = np.concatenate([instant_risks(block) for block in blocks(encounters)])
     # What surely happens once need not be charged for more.
-    return found / np.maximum(found.sum(axis=1, keepdims=True), 1.0)
+    return np.asarray(found / np.maximum(found.sum(axis=1, keepdims=True), 1.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
