@@ -191,3 +191,16 @@ def test_where_highs_fails_a_fresh_one_is_asked(times):
     point = lp.point()
     assert cost @ point == pytest.approx(bound, abs=1e-6)
     assert np.all((point >= lower - 1e-9) & (point <= upper + 1e-9))
+
+
+def test_where_highs_goes_round_in_circles_a_fresh_one_is_asked(monkeypatch):
+    problem = next(p for p in map(random_lp, range(6, 40)) if np.isfinite(least_of(*p)))
+    lp = recorded(HighsLp, problem)
+    # One pivot is not enough, as no number of pivots is in a circle.
+    monkeypatch.setattr("radmpc.solvers.highs_lp._PIVOTS", 0)
+    monkeypatch.setattr("radmpc.solvers.highs_lp._LEAST_PIVOTS", 1)
+    monkeypatch.setattr("radmpc.solvers.highs_lp._FRESH", 1_000)
+    outcome, bound = lp.solve()
+    assert outcome is LpOutcome.OPTIMAL
+    assert bound == pytest.approx(least_of(*problem), abs=1e-6)
+    assert lp.solves == 3
