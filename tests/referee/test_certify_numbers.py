@@ -269,3 +269,23 @@ def test_the_bound_is_compared_without_tolerance():
     assert not below.holds
     assert below.problems == ()
     assert "does not hold" in below.summary
+
+
+@pytest.mark.parametrize("gap", [1e-3, 5e-3])
+def test_driving_off_from_contact_is_charged_by_what_each_end_has_to_spare(gap: float):
+    # Accelerating away, the curve hangs 0.06 m towards the wall it touches: nearly all of that is
+    # to be kept at the far end, 0.24 + gap away, and only what there is at the near one.
+    start = np.array([0.0, 0.4 + gap, 0.0, 0.0])
+    vehicle = replace(
+        glider("v", [0.0, 0.0], [0.0, 4.0]),
+        start=start,
+        initial_covariance=np.zeros((4, 4)),
+        disturbance_covariance=np.diag([0.0, 4e-4, 0.0, 0.0]),
+    )
+    wall = Obstacle.box("wall", [-9, -1], [9, 0])
+    scenario = Scenario("off", 1.0, 1, 0.05, (vehicle,), (wall,), avoidance="intervals")
+    certificate = certify(make_plan(scenario, [np.array([[0.3, 0.48]])]))
+    # Margins m0 and m1 hold if their roots sum to those of the bow; the mean ends 0.24 m further.
+    share = np.sqrt(gap / 0.24)
+    left = 0.24 + gap - 0.24 * (1.0 - share) ** 2
+    assert certificate.certified <= 1.05 * ndtr(-left / 0.02) + 1e-12

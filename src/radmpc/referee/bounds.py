@@ -10,7 +10,7 @@ import numpy as np
 from radmpc.arrays import Tensor, Vector
 from radmpc.referee.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
-from radmpc.referee.halfspace import Sites, end_margins, end_risks, refine
+from radmpc.referee.halfspace import Sites, end_margins, end_risks, refine, shared_risks
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.parts import part_charges
 from radmpc.referee.persistence import best_shares
@@ -162,7 +162,7 @@ def _chained(sites: Sites, tried: Tensor) -> tuple[Vector, Tensor]:
         Of each interval.
     """
     count, num_intervals = len(tried), len(sites.means) // len(tried)
-    found = end_risks(sites, np.repeat(tried, num_intervals, axis=0))
+    found = shared_risks(sites, np.repeat(tried, num_intervals, axis=0))
     found = found.reshape(count, num_intervals, -1, found.shape[2])
     choices = cheapest_chain(found[..., :-1], found[..., -1])
     begins = np.ones(choices.shape, dtype=bool)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Workspace
 from radmpc.referee.contact import origin_distances, solid_distances
-from radmpc.referee.halfspace import CONTACT_TOL
+from radmpc.referee.reserve import CONTACT_TOL
 from radmpc.referee.sweep import SweepPart
 from radmpc.referee.turning import TurningSolid, comes_within
 

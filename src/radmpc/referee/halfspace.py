@@ -18,24 +18,23 @@ import numpy as np
 from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.referee.reserve import held, in_deviations, reserves
 
 __all__ = [
-    "CONTACT_TOL",
     "Sites",
     "chord_margins",
     "clearances",
     "deviations",
     "end_margins",
     "end_risks",
-    "in_deviations",
     "refine",
-    "reserves",
     "sags",
+    "shared_risks",
     "unit",
 ]
 
-# Touching is no collision. Without noise that must not hang on the last bit of a sum.
-CONTACT_TOL = 1e-9
+_NEGLIGIBLE = 1e-15
+"""Risk at equal shares of the reserve below which no other is tried [-]."""
 
 _ROUNDS = 9
 _FIRST_STEP = 0.4
@@ -110,21 +109,27 @@ def end_risks(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) ->
     return risks
 
 
+def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
+    """Return `end_risks` at the share of the reserve that costs each direction least.
+
+    Where a vehicle starts at contact, the one direction that holds does so at its own share only.
+    """
+    margins, spread = chord_margins(sites, directions), deviations(sites, directions)
+    sag = sags(sites, directions)
+    risks: Tensor = ndtr(-in_deviations(margins - reserves(sites.is_near, sag, 0.5), spread))
+    bowed = (sag > 0.0) & (risks.sum(axis=2) > _NEGLIGIBLE)
+    if bowed.any():
+        levels, _ = held(sites.is_near, margins[bowed], spread[bowed], sag[bowed])
+        risks[bowed] = ndtr(-levels)
+    return risks
+
+
 def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
     """Return the margins of `end_margins` in standard deviations, (S, C, E).
 
-    Without noise ±inf: touching, up to `CONTACT_TOL`, is no collision.
+    Without noise ±inf: touching, up to rounding, is no collision.
     """
     return in_deviations(end_margins(sites, directions, shares), deviations(sites, directions))
-
-
-def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
-    """Return margins in standard deviations; ±inf without noise."""
-    noisy = spread > 0.0
-    certain = np.where(margins < -CONTACT_TOL, -np.inf, np.inf)
-    with np.errstate(over="ignore"):  # a margin of meters over a deviation of 1e-160
-        scaled: Tensor = np.where(noisy, margins / np.where(noisy, spread, 1.0), certain)
-    return scaled
 
 
 def deviations(sites: Sites, directions: Tensor) -> Tensor:
@@ -159,7 +164,7 @@ def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) 
     margins = chord_margins(sites, directions)
     sag = sags(sites, directions)
     if sag.any():
-        margins -= reserves(sites, sag, shares)
+        margins -= reserves(sites.is_near, sag, shares)
     return margins
 
 
@@ -180,12 +185,6 @@ def chord_margins(sites: Sites, directions: Tensor) -> Tensor:
 def sags(sites: Sites, directions: Tensor) -> Matrix:
     """Return how far the mean curves hang towards the sets in mid-interval, (S, C) [m]."""
     return np.asarray(np.maximum((directions @ sites.bows[:, :, None])[:, :, 0], 0.0))
-
-
-def reserves(sites: Sites, sag: Matrix, shares: Tensor | float) -> Tensor:
-    """Return what each end keeps in reserve for a sag, (S, C, E) [m]."""
-    near, far = 4.0 * sag * np.square(shares), 4.0 * sag * np.square(1.0 - np.asarray(shares))
-    return np.stack([near if is_near else far for is_near in sites.is_near], axis=2)
 
 
 def unit(vectors: Tensor) -> Tensor:
@@ -233,7 +232,7 @@ def refine(
     edges = sites.edges[:, 0] if leaders is None else sites.edges[leaders, 0]
     ridges = unit(edges[:, :, 1] - edges[:, :, 0])
     best = directions.copy()
-    lowest = score(end_risks(sites, best[:, None]))[:, 0]
+    lowest = score(shared_risks(sites, best[:, None]))[:, 0]
     rows = np.arange(len(best))
     step = _FIRST_STEP
     for _ in range(_ROUNDS):
@@ -241,7 +240,7 @@ def refine(
         trial = unit(best[:, None, :] + step * offsets)
         if ridges.shape[1]:
             trial = np.concatenate([trial, _along_ridges(best, ridges, step)], axis=1)
-        found = score(end_risks(sites, trial))
+        found = score(shared_risks(sites, trial))
         choice = found.argmin(axis=1)
         better = found[rows, choice] < lowest
         best[better] = trial[rows, choice][better]

@@ -18,19 +18,10 @@ from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.bivariate import exceeds_alone
-from radmpc.referee.halfspace import (
-    Sites,
-    chord_margins,
-    deviations,
-    in_deviations,
-    reserves,
-    sags,
-)
+from radmpc.referee.halfspace import Sites, chord_margins, deviations, sags
+from radmpc.referee.reserve import held, in_deviations
 
 __all__ = ["Crossed", "best_shares", "path_charges"]
-
-_SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
-"""Shares of the reserve for the bow that are tried for the near end; any is valid."""
 
 _TELLING = 1e-4
 """Share of an encounter's sum, spread over its parts, below which an event is charged whole."""
@@ -62,17 +53,11 @@ def best_shares(sites: Sites, directions: Matrix) -> Vector:
 def _held(sites: Sites, margins: Tensor, spread: Tensor, sag: Matrix) -> tuple[Matrix, Vector]:
     """Return the clearances of each site's ends, (S, E), with the cheapest shares, (S,)."""
     levels = in_deviations(margins[:, 0], spread[:, 0])
-    shares = np.full(len(margins), _SHARES[0])
+    shares = np.full(len(margins), 0.5)
     bowed = np.flatnonzero(sag[:, 0] > 0.0)
-    if not bowed.size:
-        return levels, shares
-    margins, spread = margins[bowed, 0], spread[bowed, 0]
-    # Margins less the reserve at one share after the other, side by side.
-    kept = margins[:, None] - reserves(sites, sag[bowed], np.array(_SHARES)[None, :])
-    found = in_deviations(kept, spread[:, None])
-    best = ndtr(-found).sum(axis=2).argmin(axis=1)
-    levels[bowed] = found[np.arange(bowed.size), best]
-    shares[bowed] = np.array(_SHARES)[best]
+    if bowed.size:
+        ends = margins[bowed, 0], spread[bowed, 0], sag[bowed, 0]
+        levels[bowed], shares[bowed] = held(sites.is_near, *ends)
     return levels, shares
 
 

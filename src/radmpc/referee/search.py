@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.referee.halfspace import Sites, end_risks, refine, unit
+from radmpc.referee.halfspace import Sites, refine, shared_risks, unit
 from radmpc.referee.tangent import tangent_directions
 
 __all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
@@ -73,7 +73,7 @@ def _sum_over_ends(risks: Tensor) -> Tensor:
 def _cheapest(sites: Sites, tried: Tensor) -> tuple[Matrix, Vector]:
     """Return the best of some directions for each site, and its risk."""
     rows = np.arange(len(tried))
-    found = end_risks(sites, tried).sum(axis=2)
+    found = shared_risks(sites, tried).sum(axis=2)
     choice = found.argmin(axis=1)
     return tried[rows, choice], found[rows, choice]
 
