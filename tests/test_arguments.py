@@ -51,7 +51,6 @@ def boat(**changes: object) -> Vehicle:
     return replace(BOAT, **changes)
 
 
-# fmt: off - a table
 ARGUMENTS: dict[str, tuple[Call, str]] = {
     "a file's name for a scenario": (
         lambda: radmpc.plan("fleet.yaml"),
@@ -192,6 +191,15 @@ ARGUMENTS: dict[str, tuple[Call, str]] = {
         r"plan must be a Plan, got a R",
     ),
     "couplings on a list": (lambda: radmpc.plot_couplings(PLAN, [1]), r"ax must be .*, got \[1\]"),
+    "a title of a number": (lambda: radmpc.plot_plan(PLAN, title=3), r"title must be text or None"),
+    "endless time": (
+        lambda: radmpc.plan(SCENE, time_limit=10**400),
+        r"time_limit must be a number",
+    ),
+    "a horizon below zero": (
+        lambda: BOAT.covariances(-1),
+        r"horizon must be an integer >= 0, got -1",
+    ),
     "a film of a result": (
         lambda: radmpc.animate_plan(RESULT),
         r"plan must be a Plan, got a Result",
@@ -232,7 +240,6 @@ ARGUMENTS: dict[str, tuple[Call, str]] = {
         r"rng must be an integer >= 0",
     ),
 }
-# fmt: on
 
 
 def check_one_line(error: Exception) -> None:
@@ -295,3 +302,8 @@ def test_whatever_submits_is_an_executor() -> None:
 def test_a_value_is_told_in_one_short_line(value: object, text: str) -> None:
     assert re.fullmatch(text, told(value))
     assert len(told(value)) <= 60
+
+
+def test_a_name_with_a_nul_is_no_file_to_write_either() -> None:
+    with pytest.raises(radmpc.FileFormatError, match="is no file name"):
+        radmpc.save_plan(PLAN, "a\0b")

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import os
 import reprlib
+import sys
+from collections.abc import Collection
 from numbers import Integral, Real
 from typing import TypeGuard
 
 import numpy as np
 
-from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.errors import ArgumentError, ArgumentTypeError, FileFormatError, ScenarioError
 
 __all__ = [
     "check_callable",
@@ -19,8 +21,10 @@ __all__ = [
     "check_path",
     "check_rng",
     "check_time_limit",
+    "check_word",
     "field_integer",
     "field_number",
+    "field_parts",
     "field_text",
     "is_integer",
     "is_number",
@@ -61,6 +65,11 @@ def is_number(value: object) -> TypeGuard[float]:
 def is_integer(value: object) -> TypeGuard[int]:
     """Whether a value is an integer, of Python's or numpy's; neither a bool nor 10.0 is."""
     return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def is_beyond_float(value: float) -> bool:
+    """Whether a number is an integer too large for a float."""
+    return is_integer(value) and abs(int(value)) > sys.float_info.max
 
 
 def check_kind(
@@ -149,8 +158,12 @@ def check_path(path: object, name: str = "path") -> None:
     ------
     ArgumentTypeError
         If it is neither text nor a path.
+    FileFormatError
+        If it holds a NUL, which no name of a file does.
     """
     check_kind(path, (str, os.PathLike), name, "the name of a file (str or Path)")
+    if "\0" in str(path):
+        raise FileFormatError(f"{told(str(path))}: is no file name: it holds a NUL")
 
 
 def check_rng(rng: object) -> None:
@@ -187,7 +200,7 @@ def check_time_limit(seconds: object) -> None:
     allowed = "a number of seconds >= 0 or None"
     if not is_number(seconds):
         raise ArgumentTypeError(f"time_limit must be {allowed}, got {told(seconds)}")
-    if not float(seconds) >= 0.0:
+    if not 0.0 <= seconds <= math.inf or is_beyond_float(seconds):
         raise ArgumentError(f"time_limit must be {allowed}, got {told(seconds)}")
 
 
@@ -199,7 +212,7 @@ def field_number(value: object, path: tuple[str | int, ...]) -> float:
     ScenarioError
         If it is no number.
     """
-    if not is_number(value):
+    if not is_number(value) or is_beyond_float(value):
         raise ScenarioError(f"must be a number, got {told(value)}", path)
     return float(value)
 
@@ -215,6 +228,33 @@ def field_integer(value: object, path: tuple[str | int, ...]) -> int:
     if not is_integer(value):
         raise ScenarioError(f"must be an integer, got {told(value)}", path)
     return int(value)
+
+
+def field_parts(value: object, allowed: str, path: tuple[str | int, ...]) -> tuple[object, ...]:
+    """Return parts of a scenario as a tuple.
+
+    Raises
+    ------
+    ScenarioError
+        If the value cannot be iterated over.
+    """
+    try:
+        return tuple(value)  # type: ignore[arg-type] # that is the question
+    except TypeError as error:
+        raise ScenarioError(f"must be {allowed}, got {told(value)}", path) from error
+
+
+def check_word(value: object, words: Collection[str], name: str) -> None:
+    """Refuse what is none of a planner's words.
+
+    Raises
+    ------
+    ScenarioError
+        With the words allowed.
+    """
+    if not (isinstance(value, str) and value in words):
+        known = " or ".join(map(repr, words))
+        raise ScenarioError(f"{name} must be {known}, got {told(value)}")
 
 
 def field_text(value: object, path: tuple[str | int, ...]) -> None:

@@ -30,7 +30,7 @@ Tensor = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 
 
-_NUMBERS = "biufO"
+_NUMBERS = "iufO"
 """Kinds of numpy's types that hold numbers; objects may."""
 
 

@@ -29,7 +29,8 @@ from radmpc.io.export.exporting import Origin
 from radmpc.model.dynamics import rollout
 from radmpc.planners.planner import Centralized, Couplings, Distance, Receding
 from radmpc.planners.presets import parse_planner
-from radmpc.program.policy import Sigmas, Uniform
+from radmpc.program.policy import Ira, Pool, Sigmas, Uniform
+from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
 from radmpc.solvers.rrt import Rrt
 
@@ -50,7 +51,6 @@ def boat(**changes: object) -> Vehicle:
     return replace(BOAT, **changes)
 
 
-# fmt: off - a table
 SCENARIOS: dict[str, tuple[Call, str]] = {
     "no step": (lambda: double_integrator(0, 2), r"^dt: must be > 0 s, got 0"),
     "a step that is none": (lambda: double_integrator(np.nan, 2), r"^dt: must be > 0 s, got nan"),
@@ -77,6 +77,46 @@ SCENARIOS: dict[str, tuple[Call, str]] = {
     "an index alone": (
         lambda: LinearSystem(np.eye(2), np.eye(2), 0, None),
         r"^position: must be distinct .* got 0",
+    ),
+    "no position": (
+        lambda: LinearSystem(np.eye(2), np.eye(2), None, None),
+        r"^position: .* got None$",
+    ),
+    "no place in a fleet": (lambda: SCENE.subset([2], 0.1), r"^indices: .* from 0 to 1, got \[2\]"),
+    "a place of text": (
+        lambda: SCENE.subset("x", 0.1),
+        r"^indices\[0\]: must be an integer, got 'x'",
+    ),
+    "a place of another plane": (lambda: BOAT.goal.contains([0], None), r"^position: must have 2"),
+    "a part of a plan without a name": (
+        lambda: Trajectory(3, [[0]], [[0]], [[[0]]]),
+        r"^name: must be text, got 3",
+    ),
+    "a number too large": (lambda: boat(radius=10**400), r"^radius: must be a number, got 10"),
+    "truth for a limit": (
+        lambda: boat(control_limit=True),
+        r"^control_limit: must be numbers, got T",
+    ),
+    "a list for a word": (
+        lambda: Receding("reset", ["once"]),
+        r"arrivals must be 'once' or 'every_",
+    ),
+    "a policy for an approximation": (
+        lambda: Couplings(0.1, Pool()),
+        r"must be a Receding, got a P",
+    ),
+    "an unknown charge": (
+        lambda: Pool("none"),
+        r"charge must be 'allocated' or 'used', got 'none'",
+    ),
+    "a share above one": (lambda: Ira(keep=2), r"keep must lie between 0 and 1, got 2"),
+    "no iterations": (
+        lambda: Ira(max_iterations=0),
+        r"max_iterations must be an integer >= 1, got 0",
+    ),
+    "a list for a solver": (
+        lambda: BigM(["highs"]),
+        r"backend must be one of highs, .* \['highs'\]",
     ),
     "matrices as text": (
         lambda: LinearSystem("A", "B", (0, 1), None),
@@ -215,7 +255,6 @@ SCENARIOS: dict[str, tuple[Call, str]] = {
     "a place as text": (lambda: Origin("a", 0.0), r"^latitude: must lie between .*, got 'a'"),
     "data that are none": (lambda: radmpc.from_dict(PLAN), r"must be a mapping, got a Plan"),
 }
-# fmt: on
 
 
 @pytest.mark.parametrize(("call", "expected"), SCENARIOS.values(), ids=SCENARIOS)

@@ -93,7 +93,7 @@ def test_an_explanation_that_ran_out_of_time_says_so():
 
 def test_vehicles_that_meet_within_the_first_interval_are_coupled():
     common = {
-        "radius": 0.25,
+        "radius": 0.3,
         "control_limit": np.full(2, 3.0),
         "half": 0.5,
         "goal_speed": None,

@@ -15,12 +15,11 @@ from radmpc.model.plan import LedgerRow, Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified import fleet
-from radmpc.planners.certified.crossing import cross_risks, start_risks
+from radmpc.planners.certified.crossing import cross_risks
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.verdict import Verdict
 from radmpc.planning import plan
-from radmpc.program.build import build_program, whole_subjects
 from radmpc.referee import certify
 from radmpc.solvers.risk_budget import OVER, BudgetTree
 from radmpc.solvers.risk_lp import RiskLp
@@ -88,26 +87,18 @@ def test_risk_between_sets_is_estimated_with_the_bow():
     assert away == straight
 
 
-def test_what_is_estimated_between_sets_is_what_one_program_charges():
-    scenario = scene("bow-merge-limit")
-    subjects = whole_subjects(scenario)
-    program = build_program(scenario, subjects[:2], risk_bound=0.05)
+def test_what_is_estimated_between_sets_counts_the_bow():
+    scenario = scene("bow-merge-dear")
     made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
     made.solve(made.singles, made.first_price(), 1)
-    points = [made.best(m).z for m in made.singles[:2]]
-    z = np.concatenate(points)
-    rating = Rater(program, 0.5).rate(z)
-    one_program = float(rating.cheapest.sum())
-    estimate = made.meetings(made.singles, [made.best(m).z for m in made.singles])[0, 1]
-    assert estimate == pytest.approx(one_program, rel=1e-6)
-
-
-def test_vehicles_without_noise_may_start_in_contact():
-    scenario = scene("contact-at-start")
-    means = np.array([[v.start_position] for v in scenario.vehicles])
-    assert start_risks(scenario, means, np.zeros((2, 1, 2, 2))) == {}
-    means[1, 0] -= [0.01, 0.0]
-    assert start_risks(scenario, means, np.zeros((2, 1, 2, 2)))[0, 1] == 1.0
+    points = [made.best(m).z for m in made.singles]
+    means = np.array(
+        [made.problems[m].means(z)[0] for m, z in zip(made.singles, points, strict=True)]
+    )
+    straight = cross_risks(scenario, means, made.covariances, np.arange(3))
+    estimate = made.meetings(made.singles, points)
+    assert straight[0, 1] < 1e-3
+    assert estimate[0, 1] > 0.05
 
 
 def test_sets_that_the_referee_blames_are_merged_whatever_is_estimated(monkeypatch):

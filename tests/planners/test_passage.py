@@ -204,4 +204,4 @@ def test_where_effort_is_free_a_passage_seeks_the_least_risk():
     found = free.passage.found(1.0, 1.0, limits, None)
     assert found.cost == 0.0
     assert found.risk <= problem.passage.found(1.0, 1.0, limits, None).risk
-    assert found.risk <= 0.02
+    assert found.risk <= 0.05

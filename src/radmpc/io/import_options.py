@@ -63,7 +63,9 @@ class ImportOptions:
                 f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",
                 ("risk_bound",),
             )
-        if self.avoidance not in (None, "steps", "intervals"):
+        if self.avoidance is not None and not (
+            isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}
+        ):
             raise ScenarioError(
                 f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
             )

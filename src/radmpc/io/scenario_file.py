@@ -12,6 +12,7 @@ from radmpc.io.decoding import decode_scenario
 from radmpc.io.document import read_document
 from radmpc.io.encoding import encode_scenario
 from radmpc.io.json_text import write_json
+from radmpc.io.text import one_line
 from radmpc.io.yaml_writing import write_yaml
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
@@ -73,6 +74,6 @@ def save_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:
     writer = _WRITERS.get(Path(path).suffix.lower())
     if writer is None:
         raise FileFormatError(
-            f"{os.fspath(path)}: a scenario file must end in .yaml, .yml or .json"
+            one_line(f"{os.fspath(path)}: a scenario file must end in .yaml, .yml or .json")
         )
     write_text(path, writer(encode_scenario(scenario)))

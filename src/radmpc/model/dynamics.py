@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import solve_discrete_are
 
-from radmpc.arguments import check_kind, field_integer, field_number, told
+from radmpc.arguments import check_kind, field_integer, field_number, field_parts
 from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 
@@ -64,7 +64,7 @@ class LinearSystem(Frozen):
         object.__setattr__(self, "A", as_matrix(A, (n, n), ("A",)))
         object.__setattr__(self, "B", as_matrix(self.B, (n, None), ("B",)))
         for name, indices in (("position", self.position), ("velocity", self.velocity)):
-            if indices is None:
+            if indices is None and name == "velocity":
                 continue
             object.__setattr__(self, name, _as_indices(indices, n, name))
         if len(self.position) not in (2, 3):
@@ -118,12 +118,11 @@ class LinearSystem(Frozen):
 
 def _as_indices(given: object, num_states: int, name: str) -> tuple[int, ...]:
     """Return distinct indices into a state as a tuple."""
-    allowed = f"must be distinct state indices from 0 to {num_states - 1}"
-    if not isinstance(given, Iterable):
-        raise ScenarioError(f"{allowed}, got {told(given)}", (name,))
-    indices = tuple(field_integer(i, (name, k)) for k, i in enumerate(given))
+    allowed = f"distinct state indices from 0 to {num_states - 1}"
+    parts = field_parts(given, allowed, (name,))
+    indices = tuple(field_integer(i, (name, k)) for k, i in enumerate(parts))
     if any(not 0 <= i < num_states for i in indices) or len(set(indices)) != len(indices):
-        raise ScenarioError(f"{allowed}, got {list(indices)}", (name,))
+        raise ScenarioError(f"must be {allowed}, got {list(indices)}", (name,))
     return indices
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_text, told
+from radmpc.arguments import field_parts, field_text
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
@@ -243,9 +243,11 @@ class Obstacle:
         ScenarioError
             If there is no outline, or one has no point.
         """
-        if not isinstance(outlines, Iterable):
-            raise ScenarioError(f"must be one outline per step, got {told(outlines)}", ("moving",))
-        points = tuple(_places(o, ("moving", k)) for k, o in enumerate(outlines))
+        given = field_parts(outlines, "one outline per step", ("moving",))
+        points = tuple(
+            _places(o, ("moving", k))  # type: ignore[arg-type] # checked there
+            for k, o in enumerate(given)
+        )
         if not points:
             raise ScenarioError("needs one outline per step, got none", ("moving",))
         steps = []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy.typing as npt
 
+from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.model.scenario import Scenario
 
@@ -30,7 +31,7 @@ class Status(Enum):
     def sentence(self) -> str:
         """What a user needs to know, advice included."""
         return {
-            Status.OPTIMAL: "plan found, proven optimal within the gap",
+            Status.OPTIMAL: "plan found, proven optimal by simple bounds, within the gap",
             Status.FEASIBLE: "plan found, without a proof that it is the best",
             Status.INFEASIBLE: "no plan found",
             Status.LIMIT: "ended before any plan was found (time limit, node limit or Ctrl-C)",
@@ -74,6 +75,7 @@ class Trajectory(Frozen):
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
+        field_text(self.name, ("name",))
         put = object.__setattr__
         put(self, "controls", as_matrix(self.controls, path=("controls",)))
         put(self, "means", as_matrix(self.means, path=("means",)))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 
-from radmpc.arguments import field_integer, field_number, field_text, one, told
+from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, told
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import growth
 from radmpc.model.obstacle import Obstacle
@@ -254,20 +254,30 @@ class Scenario:
         -------
         Scenario
             The same in everything else.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no vehicle at some place.
         """
-        chosen = tuple(self.vehicles[i] for i in indices)
+        parts = field_parts(indices, "a sequence of places in vehicles", ("indices",))
+        places = [field_integer(i, ("indices", k)) for k, i in enumerate(parts)]
+        if any(not 0 <= i < len(self.vehicles) for i in places):
+            raise ScenarioError(
+                f"must be places from 0 to {len(self.vehicles) - 1}, got {places}", ("indices",)
+            )
+        chosen = tuple(self.vehicles[i] for i in places)
         return replace(self, vehicles=chosen, risk_bound=risk_bound)
 
 
 def _all_of(kind: type[_Part], given: object, field: str) -> tuple[_Part, ...]:
     """Return parts as a tuple, all of one kind."""
-    if not isinstance(given, Iterable):
-        raise ScenarioError(f"must be a sequence of {kind.__name__}s, got {told(given)}", (field,))
-    parts = tuple(given)
-    for i, part in enumerate(parts):
+    parts = []
+    for i, part in enumerate(field_parts(given, f"a sequence of {kind.__name__}s", (field,))):
         if not isinstance(part, kind):
             raise ScenarioError(f"must be {one(kind)}, got {told(part)}", (field, i))
-    return parts
+        parts.append(part)
+    return tuple(parts)
 
 
 def _check_printable(name: str, path: tuple[str | int, ...]) -> None:

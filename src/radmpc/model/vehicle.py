@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_number, field_text, told
+from radmpc.arguments import check_integer, field_number, field_text, told
 from radmpc.arrays import (
     Frozen,
     Matrix,
@@ -119,12 +119,19 @@ class Goal(Frozen):
         -------
         bool
             True within the box and at most at the speed.
+
+        Raises
+        ------
+        ScenarioError
+            If a vector has another size or is not finite.
         """
-        place = np.asarray(position)
+        tol = field_number(tol, ("tol",))
+        place = as_vector(position, self.lower.size, ("position",))
         inside = np.all(place >= self.lower - tol) and np.all(place <= self.upper + tol)
         if self.speed is None or velocity is None:
             return bool(inside)
-        return bool(inside and np.all(np.abs(velocity) <= self.speed + tol))
+        speed = np.abs(as_vector(velocity, self.lower.size, ("velocity",)))
+        return bool(inside and np.all(speed <= self.speed + tol))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -252,7 +259,13 @@ class Vehicle(Frozen):
         -------
         (T+1, n, n) array
             Covariances at k = 0..T.
+
+        Raises
+        ------
+        ArgumentError
+            If the horizon is no integer or below 0.
         """
+        check_integer(horizon, "horizon", 0)
         return covariances(
             self.system,
             self.initial_covariance,

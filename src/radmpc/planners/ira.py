@@ -12,7 +12,9 @@ from radmpc.program.policy import (
     Ira,
     NoRisk,
     Policy,
+    Pool,
     Sigmas,
+    Uniform,
     allocated,
     allocation_from,
     margins_of,
@@ -110,7 +112,8 @@ def solve_under_policy(
     budget = program.budget * (1.0 - _RESERVE)
     if budget <= 0.0:
         return Solved(_NOTHING, None, ())
-    allotment = uniform_allocation(program, budget)
+    spread = policy.spread if isinstance(policy, Uniform | Ira | Pool) else "reached"
+    allotment = uniform_allocation(program, budget, spread)
     if isinstance(policy, Ira):
         ira = _Ira(program, policy, solver, gap, limits, budget, stage, vehicles, propose)
         return ira.run(allotment)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import get_args
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import check_word, is_number, told
 from radmpc.errors import ScenarioError
 from radmpc.program.policy import Ira, NoRisk, Optimal, Policy, Pool, Sigmas, Uniform
 from radmpc.solvers.big_m import BigM
@@ -57,12 +57,8 @@ class Receding:
 
     def __post_init__(self) -> None:
         """Refuse unknown words."""
-        if self.covariances not in {"schedule", "reset"}:
-            raise ScenarioError(
-                f"covariances must be 'schedule' or 'reset', got {self.covariances!r}"
-            )
-        if self.arrivals not in {"once", "every_step"}:
-            raise ScenarioError(f"arrivals must be 'once' or 'every_step', got {self.arrivals!r}")
+        check_word(self.covariances, ("schedule", "reset"), "covariances")
+        check_word(self.arrivals, ("once", "every_step"), "arrivals")
         if not (is_number(self.sigmas) and 0.0 <= self.sigmas <= 10.0):
             raise ScenarioError(f"sigmas must lie between 0 and 10, got {told(self.sigmas)}")
 
@@ -96,6 +92,10 @@ class Couplings:
             raise ScenarioError(
                 f"couplings threshold must be in [0, 1], got {told(self.threshold)}"
             )
+        for name, kind in (("approximation", Receding), ("approximation_policy", Pool)):
+            part = getattr(self, name)
+            if not isinstance(part, kind):
+                raise ScenarioError(f"{name} must be a {kind.__name__}, got {told(part)}")
 
     def __str__(self) -> str:
         how = "" if self.approximation == Receding() else f", {self.approximation}"

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from types import NoneType
+
 from matplotlib.axes import Axes
 from mpl_toolkits.mplot3d import Axes3D
 
+from radmpc.arguments import check_kind
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.curves import confidence_ellipses, mean_path
@@ -48,6 +51,7 @@ def plot_plan(
     """
     check_plan(plan)
     check_axes(ax, plan.scenario.dimension)
+    check_kind(title, (str, NoneType), "title", "text or None")
     extent = plan_extent(plan)
     lines = num_title_lines(plan, details=details) + num_legend_lines(plan)
     axes = new_axes(extent, lines) if ax is None else ax

@@ -35,6 +35,7 @@ class ProgramBuilder:
     avoidances: list[Exposure] = field(default_factory=list)
     initial: list[tuple[Exposure, float]] = field(default_factory=list)
     settled_risk: float = 0.0
+    num_settled: int = 0
     initial_risk: float = 0.0
     parts: tuple[Part, ...] = ()
 
@@ -146,9 +147,8 @@ class ProgramBuilder:
     ) -> None:
         """Add one danger: its rows, and the risk it carries already."""
         block = danger_rows(body, windows, self.scenario.risk_bound)
-        if block is None:
-            return
         self.settled_risk += block.settled_risk
+        self.num_settled += block.num_settled
         if block.avoidance_sizes.size == 0:
             return
         base = len(self.exposures)
@@ -215,6 +215,7 @@ class ProgramBuilder:
             risk_bound=risk_bound,
             initial_risk=self.initial_risk + self.settled_risk,
             settled_risk=self.settled_risk,
+            num_settled=self.num_settled,
             initial=tuple(self.initial),
         )
 

@@ -7,10 +7,11 @@ thing at one step) get it, and each distinct event that is chosen pays it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from radmpc.arguments import is_number, told
+from radmpc.arguments import check_word, is_integer, is_number, told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.gaussian import clearance_for, tail_probability
@@ -62,12 +63,29 @@ class Sigmas:
         return f"sigmas({self.count:g})"
 
 
+Spread = Literal["reached", "all"]
+"""Over which constraints Δ is spread evenly: those that reach leaves, or all there are."""
+
+
 @dataclass(frozen=True, slots=True)
 class Uniform:
-    """The same risk for every row, decided beforehand (Blackmore, Ono and Williams)."""
+    """The same risk for every row, decided beforehand (Blackmore, Ono and Williams).
+
+    Attributes
+    ----------
+    spread : {'reached', 'all'}
+        Whether constraints that no admissible control can violate get a share, too. They need
+        none: leaving them out gives the others more. The paper's text gives every constraint one.
+    """
+
+    spread: Spread = "reached"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown words."""
+        check_word(self.spread, ("reached", "all"), "spread")
 
     def __str__(self) -> str:
-        return "uniform"
+        return "uniform" + _spread_text(self.spread)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,22 +102,32 @@ class Ira:
         Solves at the most.
     direction : {'to_active', 'to_inactive'}
         Who receives risk. The paper states both; only the first lowers the cost.
+    spread : {'reached', 'all'}
+        Who has a share in the first pass, see `Uniform`.
     """
 
     active_tol: float = 0.01
     keep: float = 0.7
     max_iterations: int = 20
     direction: str = "to_active"
+    spread: Spread = "reached"
 
     def __post_init__(self) -> None:
-        """Refuse unknown words."""
-        if self.direction not in {"to_active", "to_inactive"}:
+        """Refuse unknown words, and numbers out of range."""
+        check_word(self.direction, ("to_active", "to_inactive"), "direction")
+        check_word(self.spread, ("reached", "all"), "spread")
+        for name in ("active_tol", "keep"):
+            share = getattr(self, name)
+            if not (is_number(share) and 0.0 <= share <= 1.0):
+                raise ScenarioError(f"{name} must lie between 0 and 1, got {told(share)}")
+        if not (is_integer(self.max_iterations) and self.max_iterations >= 1):
             raise ScenarioError(
-                f"direction must be 'to_active' or 'to_inactive', got {self.direction!r}"
+                f"max_iterations must be an integer >= 1, got {told(self.max_iterations)}"
             )
 
     def __str__(self) -> str:
-        return "ira" if self.direction == "to_active" else f"ira({self.direction})"
+        name = "ira" if self.direction == "to_active" else f"ira({self.direction})"
+        return name + _spread_text(self.spread)
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,12 +139,21 @@ class Pool:
     charge : {'allocated', 'used'}
         What leaves the pool for an executed step: what its rows were allotted (the paper), or
         only the risk they turned out to run.
+    spread : {'reached', 'all'}
+        Who has a share in a subproblem, see `Uniform`.
     """
 
     charge: str = "allocated"
+    spread: Spread = "reached"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown words."""
+        check_word(self.charge, ("allocated", "used"), "charge")
+        check_word(self.spread, ("reached", "all"), "spread")
 
     def __str__(self) -> str:
-        return "pool" if self.charge == "allocated" else f"pool({self.charge})"
+        name = "pool" if self.charge == "allocated" else f"pool({self.charge})"
+        return name + _spread_text(self.spread)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +167,14 @@ class Optimal:
 Policy = NoRisk | Sigmas | Uniform | Ira | Pool | Optimal
 
 
-def uniform_allocation(program: DisjunctiveProgram, budget: float) -> Vector:
+def _spread_text(spread: Spread) -> str:
+    """Return what a policy's name says of its spread."""
+    return "" if spread == "reached" else "(all rows)"
+
+
+def uniform_allocation(
+    program: DisjunctiveProgram, budget: float, spread: Spread = "reached"
+) -> Vector:
     """Spread a budget evenly, so that no selection can spend more.
 
     Exposures whose rows no control moves get the least risk they carry in any case on top.
@@ -141,6 +185,8 @@ def uniform_allocation(program: DisjunctiveProgram, budget: float) -> Vector:
         The programme.
     budget : float
         Risk to spread, > 0.
+    spread : {'reached', 'all'}
+        Whether what reach has settled gets a share, too.
 
     Returns
     -------
@@ -152,8 +198,9 @@ def uniform_allocation(program: DisjunctiveProgram, budget: float) -> Vector:
     left = budget - float((counts * unavoidable).sum())
     if counts.sum() == 0 or left <= 0.0:
         return unavoidable
-    spread: Vector = unavoidable + left / float(counts.sum())
-    return spread
+    shares = counts.sum() + (program.num_settled if spread == "all" else 0)
+    allotted: Vector = unavoidable + left / float(shares)
+    return allotted
 
 
 def margins_of(program: DisjunctiveProgram, allocation: Vector) -> Vector:

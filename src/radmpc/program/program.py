@@ -131,6 +131,8 @@ class DisjunctiveProgram:
     settled_risk : float
         The part of ``initial_risk`` that is of settled avoidances: the most that they can run,
         which a plan may undercut and a lower bound must not charge.
+    num_settled : int
+        How many avoidances reach has settled.
     """
 
     cost: Vector
@@ -155,6 +157,7 @@ class DisjunctiveProgram:
     initial_risk: float
     initial: tuple[tuple[Exposure, float], ...]
     settled_risk: float = 0.0
+    num_settled: int = 0
 
     @property
     def num_columns(self) -> int:

@@ -105,6 +105,7 @@ class RowBlock:
     avoidance_sizes: Indices
     avoidance_windows: Indices
     settled_risk: float
+    num_settled: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +126,7 @@ class _End:
     most: Vector
 
 
-def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock | None:
+def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
     """Return the rows of one danger, or its settled risk alone.
 
     A window some face of which holds for every admissible control with a risk of at most
@@ -143,8 +144,8 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock | N
 
     Returns
     -------
-    RowBlock or None
-        None where every window is settled at a risk of exactly 0.
+    RowBlock
+        Without rows where every window is settled.
     """
     num_windows = len(windows.near)
     enough = float(clearance_for(min(SETTLED_RISK, SETTLED_SHARE * risk_bound)))
@@ -172,7 +173,7 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock | N
     risks = sum(tail_probability(_clearance(end, bow, shares[0])[every, safest]) for end in ends)
     settled_risk = float(np.sum(np.asarray(risks)[settled]))
     if np.all(settled):
-        return None if settled_risk == 0.0 else _empty_block(settled_risk)
+        return _empty_block(settled_risk, num_windows)
     possible = (best >= 0.0) & ~settled[:, None]
     offered = np.stack([possible & np.isfinite(share) for share in shares], axis=2)
     window, face, option = np.nonzero(offered)
@@ -243,10 +244,12 @@ def _worst_bow(body: Body, windows: Windows) -> Vector:
     return bow
 
 
-def _empty_block(settled_risk: float) -> RowBlock:
+def _empty_block(settled_risk: float, num_settled: int) -> RowBlock:
     """Return a block without rows."""
     none, ints = np.zeros(0), np.zeros(0, dtype=np.int64)
-    return RowBlock(ints, ints, none, none, none, ints, ints, ints, ints, ints, settled_risk)
+    return RowBlock(
+        ints, ints, none, none, none, ints, ints, ints, ints, ints, settled_risk, num_settled
+    )
 
 
 def _assemble(
@@ -290,6 +293,7 @@ def _assemble(
         avoidance_sizes=kept[1],
         avoidance_windows=np.flatnonzero(kept[0]),
         settled_risk=settled_risk,
+        num_settled=int(np.count_nonzero(~kept[0])),
     )
 
 

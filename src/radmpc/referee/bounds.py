@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Tensor, Vector
 from radmpc.referee.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
 from radmpc.referee.halfspace import Sites, end_margins, end_risks, refine, shared_risks
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.parts import part_charges
+from radmpc.referee.parts import MANY_PARTS, NUM_PARTS, part_charges
 from radmpc.referee.persistence import best_shares
 from radmpc.referee.planar import grown_polygon_risks
 from radmpc.referee.search import NEGLIGIBLE, best_directions
@@ -43,9 +44,18 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
     (B, T+1) array
         Sums over steps bound the probability that the encounter collides at all.
     """
-    if not intervals:
-        return np.concatenate([instant_risks(block) for block in blocks(encounters)])
-    return np.concatenate([_interval_risks(block, motion) for block in blocks(encounters)])
+    if intervals:
+        found = np.concatenate([_interval_risks(block, motion) for block in blocks(encounters)])
+    else:
+        found = np.concatenate([instant_risks(block) for block in blocks(encounters)])
+    # What surely happens once need not be charged for more.
+    return np.asarray(found / np.maximum(found.sum(axis=1, keepdims=True), 1.0))
+
+
+Flags = npt.NDArray[np.bool_]
+
+_LARGE = 0.1
+"""Share of all encounters' sum from which on one is looked at in many parts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,10 +138,25 @@ def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     chosen = (worth[:, None] * num_intervals + np.arange(num_intervals)).ravel()
     chained, turned = _chained(sites.take(chosen), tried)
     close = encounters.take(worth)
-    parted = part_charges(close, motion, (own[worth], turned))
+    parted = part_charges(close, motion, (own[worth], turned), NUM_PARTS)
     is_better = parted.sum(axis=1) < chained.sum(axis=1)
-    charged[worth] = np.where(is_better[:, None], parted, chained)
+    found = np.where(is_better[:, None], parted, chained)
+    sums = found.sum(axis=1)
+    large = np.flatnonzero((sums > _LARGE * sums.sum()) & _is_curved(close))
+    if large.size:
+        guides = own[worth[large]], turned[large]
+        finer = part_charges(close.take(large), motion, guides, MANY_PARTS)
+        is_better = finer.sum(axis=1) < sums[large]
+        found[large[is_better]] = finer[is_better]
+    charged[worth] = found
     return charged
+
+
+def _is_curved(encounters: Encounters) -> Flags:
+    """Return which paths are curved by more than their noise hides, or bent by feedback, (B,)."""
+    bow = np.linalg.norm(encounters.bows, axis=2).max(axis=1)
+    variances = np.einsum("btii->bt", encounters.covariances).max(axis=1)
+    return np.asarray((bow > np.sqrt(variances)) | (encounters.bent_covariances is not None))
 
 
 def _ends(sites: Sites, directions: Tensor) -> tuple[Tensor, Vector]:

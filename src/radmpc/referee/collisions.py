@@ -1,7 +1,7 @@
 """Which sampled paths collide: at a step, or on the way to the next.
 
-The path between two steps is the mean curve plus the linear interpolation of the deviation:
-``x(t) = p + t (p' − p) − 4 b t (1 − t)`` with t from 0 to 1 and b the bow. It is split into chords
+The path between two steps is ``x(t) = p + t (p' − p) − 4 b t (1 − t)`` with t from 0 to 1 and b the
+bow of the control that is flown, feedback and all. It is split into chords
 whose own bow is below a millimeter, each tested exactly. At a step both ends coincide.
 """
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import block_array, coo_array, csr_array, eye_array
 
+from radmpc.arguments import told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.program.program import DisjunctiveProgram
@@ -52,8 +53,9 @@ class BigM:
 
     def __post_init__(self) -> None:
         """Refuse unknown backends."""
-        if self.backend not in BACKENDS:
-            raise ScenarioError(f"backend must be one of {', '.join(BACKENDS)}, got {self.backend}")
+        if not (isinstance(self.backend, str) and self.backend in BACKENDS):
+            known = ", ".join(BACKENDS)
+            raise ScenarioError(f"backend must be one of {known}, got {told(self.backend)}")
 
     def __str__(self) -> str:
         return "big_m" if self.backend == "highs" else f"big_m({self.backend})"

@@ -89,7 +89,7 @@ class RiskLp:
         self.price = price
         self.row_cap = min(unit, CONVEX_RISK)
         self.floor = float(clearance_for(self.row_cap))
-        self._row_scale = min(1.0, _DEAR / price)
+        self._row_scale = 1.0 if price <= _DEAR else _DEAR / price
         self.dropped_solves = 0
         rows = program.rows
         self._right = rows.offsets - rows.normals @ program.constant

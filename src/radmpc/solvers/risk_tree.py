@@ -163,7 +163,7 @@ class RiskTree:
         base : float
             Least cost of any solution, at price 0; a cost is never negative.
         """
-        share = min(1.0, self.price / price)
+        share = 1.0 if self.price >= price else self.price / price
         self._open, self._parked = [], []
         if self.rater.is_hopeless:
             return

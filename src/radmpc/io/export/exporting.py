@@ -137,7 +137,7 @@ def export_plan(
     check_path(path)
     check_kind(options, (ExportOptions, NoneType), "options", "ExportOptions or None")
     options = options or ExportOptions()
-    if to not in FORMATS:
+    if not (isinstance(to, str) and to in FORMATS):
         raise ScenarioError(f"--to must be one of {', '.join(FORMATS)}, got {told(to)}")
     job = _job(plan, to, options)
     target = Path(path)

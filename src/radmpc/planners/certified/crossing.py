@@ -20,9 +20,9 @@ _FAR = 8.0
 _CONTACT = 1e-9
 """What vehicles without noise may miss their distance by [m]: what programmes and referee allow."""
 
-_RESERVES = ((1.0, 1.0),)
-"""How much of the bow a half-space may keep back at the start and at the end of an interval: the
-splits that programmes know."""
+_SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
+"""Shares θ of the reserve for the bow at the near end that are tried: 4θ² of the bow there, and
+4(1 − θ)² at the far end."""
 
 
 def cross_risks(
@@ -117,12 +117,13 @@ def meeting_risks(
 def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tensor:
     """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
     near, far = slice(None, -1), slice(1, None)
-    risks = [
-        _tails(apart_by[:, near] - at_start * bow, deviations[:, near])
-        + _tails(apart_by[:, far] - at_end * bow, deviations[:, far])
-        for at_start, at_end in _RESERVES
-    ]
-    return np.asarray(np.minimum.reduce(risks))
+
+    def held(share: float) -> Tensor:
+        reserves = 4.0 * share**2 * bow, 4.0 * (1.0 - share) ** 2 * bow
+        at_start = _tails(apart_by[:, near] - reserves[0], deviations[:, near])
+        return at_start + _tails(apart_by[:, far] - reserves[1], deviations[:, far])
+
+    return np.asarray(np.minimum.reduce([held(share) for share in _SHARES]))
 
 
 def _towards(bows: Tensor, faces: Tensor) -> Tensor:

@@ -12,6 +12,7 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.best import Best
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.generous import spend_more
 from radmpc.planners.certified.last_resort import last_resort
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.verdict import Judge
@@ -72,6 +73,7 @@ def plan_certified(
             return _empty(scenario, answer, begun)
         explanation = answer.explanation
     search.close()
+    spend_more(search, time.perf_counter() - begun)
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)
     bound = best.reported(fleet, gap)

@@ -15,6 +15,8 @@ __all__ = ["Round", "run_round"]
 _CROSS_SHARE = 0.1
 """Share of the gap that risk between sets may cost before they are merged."""
 
+_NO_PRICE = 1e-200
+
 _CROSS_BUDGET = 0.2
 """Share of the budget that risk between sets may take before they are merged."""
 
@@ -132,7 +134,11 @@ def _allowed_cross(fleet: Fleet, plans: Sequence[Incumbent], price: float) -> fl
     """Return the risk between sets that costs a small share of the gap, and of the budget."""
     cost = sum(plan.cost + price * plan.risk / fleet.unit for plan in plans)
     return max(
-        0.0, min(_CROSS_SHARE * fleet.gap * cost / price * fleet.unit, _CROSS_BUDGET * fleet.budget)
+        0.0,
+        min(
+            _CROSS_SHARE * fleet.gap * cost / max(price, _NO_PRICE) * fleet.unit,
+            _CROSS_BUDGET * fleet.budget,
+        ),
     )
 
 

@@ -1,0 +1,259 @@
+"""A second simulator: vehicles moved through time in plain loops, sharing no code with the referee.
+
+A mission is drawn whole. Over a step a double integrator flies ``p + v t + a t²/2`` under the
+control it holds, ``clip(ū + K (x − x̄))`` under feedback, and the disturbance of the step comes in
+evenly; all else goes straight from step to step. Every path is looked at 200 times per step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.spatial import ConvexHull
+
+from radmpc.model.obstacle import BoxShape, MovingShape, Obstacle, PolygonShape
+from radmpc.model.plan import Plan
+from radmpc.model.vehicle import Vehicle
+
+LOOKS = 200
+COARSE = 8
+
+
+@dataclass(frozen=True)
+class Flown:
+    """How many of some missions collided, by what, and asked for more control than there is."""
+
+    missions: int
+    collisions: int
+    pair_collisions: int
+    obstacle_collisions: int
+    workspace_exits: int
+    saturated: int
+
+
+@dataclass
+class Path:
+    """One step of one vehicle in all missions: ``begin + s way − s (1 − s) hang``, (S, d) each."""
+
+    begin: np.ndarray
+    way: np.ndarray
+    hang: np.ndarray
+
+    def at(self, share: float, who: np.ndarray | slice) -> np.ndarray:
+        return self.begin[who] + share * self.way[who] - share * (1.0 - share) * self.hang[who]
+
+    def drift(self, looks: int) -> np.ndarray:
+        """How far the vehicle gets from the closest of some looks, at most."""
+        fastest = np.linalg.norm(self.way, axis=1) + np.linalg.norm(self.hang, axis=1)
+        return fastest / (2 * looks)
+
+    def minus(self, other: Path) -> Path:
+        return Path(self.begin - other.begin, self.way - other.way, self.hang - other.hang)
+
+
+def fly(plan: Plan, missions: int, seed: int) -> Flown:
+    """Fly a plan many times."""
+    rng = np.random.default_rng(seed)
+    scenario = plan.scenario
+    saturated = np.zeros(missions, dtype=bool)
+    paths = [
+        list(_paths(v, t.controls, scenario.dt, missions, rng, saturated))
+        for v, t in zip(scenario.vehicles, plan.trajectories, strict=True)
+    ]
+    pair, obstacle, outside = (np.zeros(missions, dtype=bool) for _ in range(3))
+    intervals = scenario.avoidance == "intervals"
+    for k in range(scenario.horizon + (0 if intervals else 1)):
+        here = [steps[k] if intervals else _moment(steps, k) for steps in paths]
+        things = [_Distance(thing, k, intervals) for thing in scenario.obstacles]
+        for i, vehicle in enumerate(scenario.vehicles):
+            for j in range(i):
+                reach = vehicle.radius + scenario.vehicles[j].radius
+                pair |= _hits(here[i].minus(here[j]), reach, lambda _, x: _norm(x), intervals)
+            for distance in things:
+                obstacle |= _hits(here[i], vehicle.radius, distance, intervals)
+            if scenario.workspace is not None:
+                lower, upper = scenario.workspace.lower, scenario.workspace.upper
+
+                def room(_: float, x: np.ndarray, low=lower, high=upper) -> np.ndarray:
+                    return np.minimum(x - low, high - x).min(axis=1)
+
+                outside |= _hits(here[i], 0.0, room, intervals)
+    counts = (pair | obstacle | outside, pair, obstacle, outside, saturated)
+    return Flown(missions, *(int(c.sum()) for c in counts))
+
+
+def _paths(
+    vehicle: Vehicle,
+    controls: np.ndarray,
+    dt: float,
+    missions: int,
+    rng: np.random.Generator,
+    saturated: np.ndarray,
+) -> Iterator[Path]:
+    """Draw a vehicle's missions and yield each step's path."""
+    A, B, axes = vehicle.system.A, vehicle.system.B, list(vehicle.system.position)
+    n = len(A)
+    mean = vehicle.start.copy()
+    state = mean + rng.multivariate_normal(
+        np.zeros(n), vehicle.initial_covariance, missions, method="svd"
+    )
+    for planned in controls:
+        asked = np.tile(planned, (missions, 1))
+        if vehicle.gain is not None:
+            asked = asked + (state - mean) @ vehicle.gain.T
+        limit = vehicle.control_limit
+        saturated |= np.any(np.abs(asked) > limit + 2e-6, axis=1)
+        given = asked if vehicle.gain is None else np.clip(asked, -limit, limit)
+        noise = rng.multivariate_normal(
+            np.zeros(n), vehicle.disturbance_covariance, missions, method="svd"
+        )
+        following = state @ A.T + given @ B.T + noise
+        if is_pushed_point(A, B, axes, dt):
+            velocity = ((state @ A.T - state) / dt)[:, axes]
+            acceleration = (given @ B.T)[:, axes] * 2.0 / dt**2
+            # p + v t + a t²/2 + (t/dt) w, written in s = t/dt.
+            way = velocity * dt + 0.5 * acceleration * dt**2 + noise[:, axes]
+            yield Path(state[:, axes], way, 0.5 * acceleration * dt**2)
+        else:
+            begin = state[:, axes]
+            yield Path(begin, following[:, axes] - begin, np.zeros_like(begin))
+        mean = A @ mean + B @ planned
+        state = following
+
+
+def is_pushed_point(A: np.ndarray, B: np.ndarray, axes: list[int], dt: float) -> bool:
+    """Whether controls are held accelerations, velocities and positions their exact integrals."""
+    d, n = len(axes), len(A)
+    rest = [i for i in range(n) if i not in axes]
+    carried = A - np.eye(n)
+    link = carried[np.ix_(axes, rest)]
+    only_carried = np.abs(carried).sum() - np.abs(link).sum() < 1e-9 * dt
+    one_each = n == 2 * d and np.allclose(link @ link.T, dt**2 * np.eye(d), rtol=1e-9, atol=0.0)
+    one_each = one_each and np.count_nonzero(link > 0.0) == d
+    return one_each and only_carried and np.allclose(B[axes], 0.5 * link @ B[rest], rtol=1e-9)
+
+
+def _moment(steps: list[Path], k: int) -> Path:
+    """Return where a vehicle is at step k, as a path that stays there."""
+    place = steps[k].begin if k < len(steps) else steps[-1].begin + steps[-1].way
+    return Path(place, np.zeros_like(place), np.zeros_like(place))
+
+
+def _norm(x: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(x, axis=1)
+
+
+def _hits(path: Path, reach: float, distance, moving: bool) -> np.ndarray:
+    """Whether a path ever comes closer than a reach; ``distance`` takes a share and places."""
+    everyone = slice(None)
+    if not moving:
+        return distance(0.0, path.at(0.0, everyone)) < reach - 1e-9
+    hit = np.zeros(len(path.begin), dtype=bool)
+    close = hit.copy()
+    drift = path.drift(COARSE) + getattr(distance, "travel", 0.0) / (2 * COARSE)
+    for share in (np.arange(COARSE) + 0.5) / COARSE:
+        gaps = _closer(distance, share, path.at(share, everyone), reach + drift)
+        hit |= gaps < reach - 1e-9
+        close |= gaps < reach + drift
+    for share in np.linspace(0.0, 1.0, LOOKS + 1):
+        left = np.flatnonzero(close & ~hit)
+        if left.size:
+            gaps = _closer(distance, share, path.at(share, left), np.full(left.size, reach))
+            hit[left] = gaps < reach - 1e-9
+    return hit
+
+
+def _closer(distance, share: float, places: np.ndarray, limit: np.ndarray) -> np.ndarray:
+    """Return distances that are exact where they are below a limit."""
+    if not isinstance(distance, _Distance):
+        return distance(share, places)
+    gaps = distance.at_least(share, places)
+    near = np.flatnonzero(gaps < limit)
+    gaps[near] = distance(share, places[near])
+    return gaps
+
+
+class _Distance:
+    """Distance of places to an obstacle as it is at a share of a step; 0 inside."""
+
+    def __init__(self, thing: Obstacle, step: int, moving: bool) -> None:
+        shape = thing.shape
+        self.travel = 0.0
+        self._known: dict[float, tuple[object, np.ndarray]] = {}
+        if isinstance(shape, MovingShape):
+            before = shape.outlines[step]
+            after = shape.outlines[step + 1] if moving else before
+            sweep = (after[None] - before[:, None]).reshape(-1, before.shape[1])
+            self.travel = float(np.linalg.norm(sweep, axis=1).max())
+            self._outlines = before, after
+        else:
+            corners = _outline(shape)
+            self._outlines = None
+            solid = shape
+            if isinstance(shape, PolygonShape):
+                solid = _solid(corners, keep=True)
+            self._known[0.0] = solid, ConvexHull(corners).equations
+
+    def __call__(self, share: float, places: np.ndarray) -> np.ndarray:
+        return _gaps(self._at(share)[0], places) if len(places) else np.zeros(0)
+
+    def at_least(self, share: float, places: np.ndarray) -> np.ndarray:
+        """How far places are beyond a face of the hull: not above the distance, and cheap."""
+        equations = self._at(share)[1]
+        return (places @ equations[:, :-1].T + equations[:, -1]).max(axis=1)
+
+    def _at(self, share: float) -> tuple[object, np.ndarray]:
+        """Return the obstacle at a share of the step, and the faces of its hull."""
+        share = 0.0 if self._outlines is None else share
+        if share not in self._known:
+            before, after = self._outlines
+            cloud = (1.0 - share) * before[:, None] + share * after[None]
+            corners = cloud.reshape(-1, before.shape[1])
+            self._known[share] = _solid(corners, keep=False), ConvexHull(corners).equations
+        return self._known[share]
+
+
+def _outline(shape: BoxShape | PolygonShape) -> np.ndarray:
+    """Return the corners of a shape that stands still."""
+    if isinstance(shape, PolygonShape):
+        return shape.vertices
+    sides = np.stack([shape.lower, shape.upper], axis=1)
+    return np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(sides))
+
+
+def _solid(points: np.ndarray, *, keep: bool):
+    """Return a polygon, or a polytope's faces and triangles; ``keep`` the order of the points."""
+    if points.shape[1] == 2:
+        polygon = shapely.Polygon(points) if keep else shapely.MultiPoint(points).convex_hull
+        shapely.prepare(polygon)
+        return polygon
+    found = ConvexHull(points)
+    return found.equations, points[found.simplices]
+
+
+def _gaps(solid, places: np.ndarray) -> np.ndarray:
+    """Return the distances of places to a solid."""
+    if isinstance(solid, shapely.Geometry):
+        return shapely.distance(shapely.points(places), solid)
+    if isinstance(solid, BoxShape):
+        return _norm(np.maximum(np.maximum(solid.lower - places, places - solid.upper), 0.0))
+    equations, triangles = solid
+    inside = np.all(places @ equations[:, :3].T + equations[:, 3] <= 0.0, axis=1)
+    return np.where(inside, 0.0, _to_triangles(places[:, None], triangles).min(axis=1))
+
+
+def _to_triangles(places: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Return distances to triangles: to the plane above one, else to its nearest side."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normal = np.cross(b - a, c - a)
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    above, along = True, np.inf
+    for p, q in ((a, b), (b, c), (c, a)):
+        above = above & (((places - p) * np.cross(normal, q - p)).sum(axis=2) >= 0.0)
+        share = ((places - p) * (q - p)).sum(axis=2) / ((q - p) ** 2).sum(axis=1)
+        foot = p + np.clip(share, 0.0, 1.0)[:, :, None] * (q - p)
+        along = np.minimum(along, np.linalg.norm(places - foot, axis=2))
+    return np.where(above, np.abs(((places - a) * normal).sum(axis=2)), along)
