@@ -8,7 +8,7 @@ INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check format lint types floors docs test clean
+.PHONY: help demo nightly check format lint types floors docs test clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -39,6 +39,10 @@ floors: $(INSTALLED_DEV) ## who may import whom
 docs: $(INSTALLED_DEV) ## the site, into site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "the site is in site/index.html"
+
+nightly: $(INSTALLED_DEV) ## what takes too long for every check: all spoiled files, a longer hunt
+	RADMPC_THOROUGH=1 $(BIN)/pytest -n $(WORKERS) tests/cli/test_spoiled_files.py
+	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
 test: $(INSTALLED_DEV) ## all tests, with branch coverage
 	$(BIN)/pytest -n $(WORKERS) --cov --cov-fail-under=90

@@ -8,6 +8,7 @@ import pytest
 from .conftest import Run, assert_one_line
 
 KEYS = ["holds", "bound", "certified", "rate", "rate_low", "rate_high", "samples", "problems"]
+KEYS += ["saturation_bound", "saturation_rate", "warnings"]
 
 
 @pytest.fixture
@@ -101,11 +102,14 @@ def test_a_rate_above_the_certificate_speaks_against_both(
 ) -> None:
     class Alarming:
         samples, rate, rate_low, rate_high = 100, 0.5, 0.4, 0.6
+        saturation_rate = 0.3
 
     monkeypatch.setattr("radmpc.console.verifying.simulate", lambda *a, **k: Alarming())
     result = run("verify", plan_file, "--json")
     assert result.exit_code == 1
-    assert "collision rate is at least 0.4" in json.loads(result.stdout)["problems"][0]
+    [problem] = json.loads(result.stdout)["problems"]
+    assert "collision rate is at least 0.4" in problem
+    assert "controls saturate in 30 % of missions" in problem
 
 
 def test_collisions_are_counted_in_whole_missions(
@@ -113,6 +117,7 @@ def test_collisions_are_counted_in_whole_missions(
 ) -> None:
     class Counted:
         samples, rate, rate_low, rate_high = 100_000, 0.00204, 0.00177, 0.00234
+        saturation_rate = 0.0
 
     monkeypatch.setattr("radmpc.console.verifying.simulate", lambda *a, **k: Counted())
     expected = "204 of 100000 missions collide: 0.00204 (0.00177 to 0.00234 with 95 % confidence)"

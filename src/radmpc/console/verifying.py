@@ -34,12 +34,12 @@ class Verification:
         Simulated collision rate and its confidence interval.
     samples : int
         Simulated missions.
+    problems : tuple of str
+        What does not hold.
     saturation_bound : float or None
         Upper bound on the probability that feedback ever asks for more control than there is.
     saturation_rate : float or None
         Share of simulated missions in which it does, and is cut off.
-    problems : tuple of str
-        What does not hold.
     warnings : tuple of str
         What the certificate does not speak of.
     """
@@ -51,9 +51,9 @@ class Verification:
     rate_low: float | None
     rate_high: float | None
     samples: int
-    saturation_bound: float | None
-    saturation_rate: float | None
     problems: tuple[str, ...]
+    saturation_bound: float | None = None
+    saturation_rate: float | None = None
     warnings: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, object]:
@@ -80,7 +80,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
     """
     bound = plan.scenario.risk_bound
     if not plan.trajectories:
-        return Verification(False, bound, *(None,) * 4, 0, None, None, _reasons(plan))
+        return Verification(False, bound, None, None, None, None, 0, _reasons(plan))
     certificate = certify(plan)
     problems = certificate.problems
     try:
@@ -95,7 +95,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
         # Arrays that do not fit the scenario cannot be flown: an answer, not bad usage.
         reasons = problems or (str(error),)
         certified, saturation = certificate.certified, certificate.saturation
-        return Verification(False, bound, certified, None, None, None, 0, saturation, None, reasons)
+        return Verification(False, bound, certified, None, None, None, 0, reasons, saturation)
     # An upper bound below a rate that is surely larger would be wrong: do not trust either.
     is_contradicted = simulation.rate_low > max(bound, certificate.certified)
     if is_contradicted:
@@ -113,9 +113,9 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
         rate_low=simulation.rate_low,
         rate_high=simulation.rate_high,
         samples=simulation.samples,
+        problems=problems,
         saturation_bound=certificate.saturation,
         saturation_rate=simulation.saturation_rate,
-        problems=problems,
         warnings=() if warning is None else (warning,),
     )
 
