@@ -43,10 +43,13 @@ def spend_more(search: PriceSearch, seconds: float) -> None:
     fleet, best = search.fleet, search.best
     scenario, limits = fleet.scenario, fleet.limits
     bound = scenario.risk_bound
-    while bound < _MOST and _is_worth_it(fleet, best):
+    if not _is_worth_it(fleet, best):
+        return
+    while bound < _MOST:
         if limits.reached or seconds > _PATIENCE * (seconds + limits.seconds_left):
             return
-        bound = min(_MORE * bound, _MOST)
+        # Other sides may be cheaper still: the largest bound is tried in any case.
+        bound = min(_MORE * bound, _MOST) if _is_worth_it(fleet, best) else _MOST
         lenient = replace(scenario, risk_bound=bound)
         other = Fleet(lenient, fleet.gap, limits, fleet.progress, fleet.executor)
         judge = _scaled(search.judge, bound / scenario.risk_bound)
