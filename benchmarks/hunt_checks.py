@@ -8,19 +8,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-import numpy as np
-
 from calibration_report import lower_limit
+from hunt_bounds import simple_bounds
 from hunt_catch import Catch, Notes, watched
 from hunt_flight import plain_collisions
 from hunt_scenes import draw_scene
-from radmpc.gaussian import tail_probability
-from radmpc.model.plan import Plan, Status
+from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Centralized, Planner
 from radmpc.planners.presets import PRESETS
 from radmpc.planning import plan
-from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import Ira, Sigmas, Uniform
 from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
@@ -161,25 +158,8 @@ def _planned(scenario: Scenario, planner: Planner, limit: float, index: int) -> 
     begun, cpu = time.perf_counter(), time.process_time()
     result = plan(scenario, planner, rng=index, time_limit=limit)
     taken = time.perf_counter() - begun, time.process_time() - cpu
-    simple = math.inf if result.plan is None else _simple_bounds(result.plan)
+    simple = math.inf if result.plan is None else simple_bounds(result.plan)
     return _Answer(result, *taken, simple)
-
-
-def _simple_bounds(record: Plan) -> float:
-    """Return what a plan's simple bounds sum to, by the best side of each avoidance alone."""
-    scenario = record.scenario
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
-    controls = [t.controls.ravel() for t in record.trajectories]
-    z = np.concatenate([part for u in controls for part in (u.clip(min=0.0), (-u).clip(min=0.0))])
-    chances = tail_probability(program.clearances(z))
-    selection = [
-        min(sides, key=lambda side: chances[program.rows_of(side)].sum(), default=-1)
-        for sides in map(program.alternatives_of, range(program.num_avoidances))
-    ]
-    if -1 in selection:
-        return math.inf
-    chosen = np.array(selection, dtype=np.int64)
-    return program.initial_risk + float(program.event_risks(z, chosen).sum())
 
 
 def _fly(notes: Notes, name: str, result: Result, samples: int, index: int) -> None:
@@ -236,8 +216,9 @@ def _check_answer(
         sums = f"simple bounds sum to {best.simple:.3g} of {result.record.scenario.risk_bound:.3g}"
         reason = f"{sums}; after {main.seconds:.1f} s: {result.explanation or ''}"
         notes.add(kind, f"{name} has {best.cost:.9g}; {reason}")
+    ended = main.seconds < _EARLY * effort.time_limit
     for kind, group in (
-        ("dear", {n: a for n, a in others.items() if a.is_simple}),
+        ("dear" if ended else "dear_late", {n: a for n, a in others.items() if a.is_simple}),
         ("dear_exact", {n: a for n, a in others.items() if not a.is_simple}),
     ):
         if group and result.plan is not None:
@@ -246,7 +227,7 @@ def _check_answer(
                 text = f"gap {_gap(result):.2g}, {main.seconds:.1f} s"
                 notes.add(kind, f"{main.cost:.9g} against {name}'s {best.cost:.9g}, {text}")
     is_open = result.plan is not None and _gap(result) > _GAP * (1.0 + _ROUNDING)
-    if is_open and main.cost > _ROUNDING and main.seconds < _EARLY * effort.time_limit:
+    if is_open and main.cost > _ROUNDING and ended:
         notes.add("given_up", f"gap {_gap(result):.3g} after {main.seconds:.1f} s")
     _check_bound(notes, result, answers)
 

@@ -24,8 +24,8 @@ SEED = 0
 CHUNK = 12
 EFFORT = Effort(1.0, 0.5, samples=2_000, planners=("certified", "ira", "dlp"))
 
-# What a slow machine alone brings about is left to long runs: late, late_cpu, lost, given_up;
-# and so is dear_exact: sides and simple bounds are what is planned with.
+# What a slow machine alone brings about is left to long runs: late, late_cpu, dear_late, lost;
+# and so are given_up and dear_exact: sides and simple bounds are what is planned with.
 SURE = {
     "error", "warning", "unsafe", "unlike", "loose", "infeasible", "dear", "early", "broken",
     "bound",
@@ -110,7 +110,7 @@ def caught_with(monkeypatch: pytest.MonkeyPatch, change: object, samples: int = 
 
     monkeypatch.setattr(hunt_checks, "plan", lie)
     scenario = replace(draw_scene(SEED, 1), risk_bound=0.3)
-    return examine(scenario, SEED, 1, Effort(5.0, 5.0, samples))
+    return examine(scenario, SEED, 1, Effort(60.0, 60.0, samples))
 
 
 def test_a_lower_bound_above_a_plan_is_caught(monkeypatch: pytest.MonkeyPatch):
