@@ -8,7 +8,7 @@ INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 
 .DEFAULT_GOAL := help
-.PHONY: help demo nightly check format lint types floors docs test clean
+.PHONY: help demo coverage nightly check format lint types floors docs test clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -40,11 +40,14 @@ docs: $(INSTALLED_DEV) ## the site, into site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "the site is in site/index.html"
 
-nightly: $(INSTALLED_DEV) ## what takes too long for every check: all spoiled files, a longer hunt
+nightly: coverage ## what takes too long for every check: coverage, all spoiled files, a longer hunt
 	RADMPC_THOROUGH=1 $(BIN)/pytest -n $(WORKERS) tests/cli/test_spoiled_files.py
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
-test: $(INSTALLED_DEV) ## all tests, with branch coverage
+test: $(INSTALLED_DEV) ## all tests
+	$(BIN)/pytest -n $(WORKERS)
+
+coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third longer
 	$(BIN)/pytest -n $(WORKERS) --cov --cov-fail-under=90
 
 clean: ## remove the environment and everything made

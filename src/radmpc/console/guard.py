@@ -105,7 +105,7 @@ def _verdict(error: Exception) -> tuple[str, Code]:
     """Return the line and the exit code for an error."""
     if isinstance(error, _USAGE_ERRORS):
         return _usage_line(error), Code.BAD_INPUT
-    if isinstance(error, typer.Abort):
+    if isinstance(error, typer.Abort) or _is_interrupted_import(error):
         return "interrupted", Code.NO
     if isinstance(error, NoPlanError):
         return str(error), Code.NO
@@ -115,6 +115,18 @@ def _verdict(error: Exception) -> tuple[str, Code]:
         return _file_line(error), Code.BAD_INPUT
     what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     return f"internal error: {what} (--debug shows where)", Code.INTERNAL
+
+
+def _is_interrupted_import(error: BaseException | None) -> bool:
+    """Whether Ctrl-C fell into the initialization of a compiled module, which hides it."""
+    if not isinstance(error, ImportError):
+        return False
+    cause = error.__cause__ or error.__context__
+    while cause is not None:
+        if isinstance(cause, KeyboardInterrupt):
+            return True
+        cause = cause.__cause__ or cause.__context__
+    return False
 
 
 def _usage_line(error: Any) -> str:
