@@ -36,7 +36,8 @@ __all__ = [
 _NEGLIGIBLE = 1e-15
 """Risk at equal shares of the reserve below which no other is tried [-]."""
 
-_ROUNDS = 9
+# Of the search over whole intervals: nine rounds find less than 0.1 % better chains of parts.
+_ROUNDS = 5
 _FIRST_STEP = 0.4
 _SHRINK = 0.4
 
