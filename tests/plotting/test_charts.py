@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 from radmpc.geometry import box
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk
 from radmpc.model.scenario import Scenario
-from radmpc.plotting import plot_couplings, plot_distances, plot_risk
+from radmpc.plotting import Chart, plot_chart, plot_couplings, plot_distances, plot_risk
 from radmpc.plotting.clearances import _nearest_of, closest_clearances
 
 from .conftest import HORIZON, make_plan, make_vehicle
@@ -184,3 +184,10 @@ def test_a_moving_obstacle_that_passes_over_between_steps_is_seen(flat_plan: Pla
         for k, p in enumerate(still)
     ]
     np.testing.assert_allclose(np.maximum(ferry.at_steps(ferry.distance), -0.5), away, atol=1e-9)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_chart_of_a_study_without_results_says_so() -> None:
+    ax = plot_chart(Chart((), "Runtime", "vehicles N", "seconds", is_log=True))
+    assert texts(ax) == ["no results yet"]
+    assert ax.get_legend() is None

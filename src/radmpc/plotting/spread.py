@@ -11,7 +11,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from radmpc.plotting.figure import DPI
-from radmpc.plotting.style import COLUMN_WIDTH, LABEL_SIZE, PALETTE, TICK_SIZE, TITLE_SIZE
+from radmpc.plotting.style import (
+    COLUMN_WIDTH,
+    LABEL_SIZE,
+    MUTED,
+    PALETTE,
+    TICK_SIZE,
+    TITLE_SIZE,
+)
 
 __all__ = ["Chart", "Spread", "plot_chart"]
 
@@ -109,6 +116,13 @@ def plot_chart(chart: Chart, ax: Axes | None = None) -> Axes:
     for name, spine in axes.spines.items():
         spine.set_linewidth(0.5)
         spine.set_visible(name in {"left", "bottom"})
+    if not spreads:
+        # A study interrupted before its first result: a chart without lines, and none to explain.
+        axes.text(
+            0.5, 0.5, "no results yet", transform=axes.transAxes, ha="center", va="center",
+            fontsize=LABEL_SIZE, color=MUTED,
+        )  # fmt: skip
+        return axes
     axes.legend(
         loc="upper center",
         bbox_to_anchor=(0.5, -0.16),
