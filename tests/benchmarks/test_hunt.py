@@ -23,7 +23,7 @@ from radmpc.result import Result
 
 SEED = 0
 CHUNK = 12
-EFFORT = Effort(1.0, 0.5, samples=2_000, planners=("certified", "ira", "dlp"))
+EFFORT = Effort(1.0, 0.5, samples=2_000, planners=("certified", "ira", "dlp", "radmpc"))
 
 # What a slow machine alone brings about is left to long runs: late, late_cpu, dear_late, lost;
 # and so are given_up and dear_exact: sides and simple bounds are what is planned with.

@@ -42,6 +42,9 @@ def scene(name):
         ("bow-merge-dear", 25.3239),
         ("contact-at-start", 4.4401),
         ("hopeless-price", 2.92),
+        ("formation-of-three", 50.8136),
+        ("formation-at-contact", 5.1941),
+        ("start-of-little-room", 33.7111),
     ],
 )
 def test_no_certified_plan_of_another_planner_is_cheaper(name, others):

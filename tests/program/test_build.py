@@ -177,12 +177,75 @@ def test_the_bow_of_a_turn_towards_an_obstacle_is_in_the_rows():
         k = label.step
         tau = np.linspace(0.0, 1.0, 50)[:, None]
         curve = means[k, :2] + tau * means[k, 2:] + 0.5 * tau**2 * controls[k]
-        clear = np.sort((curve @ wall.normals.T - wall.offsets - 0.5).min(axis=0))
-        rows = [program.rows_of(a) for a in program.alternatives_of(avoidance)]
-        promised = np.sort([slacks[r].min() for r in rows])
-        # The rows never promise more than the curve keeps; axis-parallel faces promise all of it
-        # unless the curve turns away before its end.
-        assert np.all(promised <= clear[-len(promised) :] + 1e-9)
+        clear = (curve @ wall.normals.T - wall.offsets - 0.5).min(axis=0)
+        # The rows never promise more than the curve keeps.
+        for alternative in program.alternatives_of(avoidance):
+            rows = program.rows_of(alternative)
+            places = program.rows.normals[rows[:1]].toarray()[0, : program.num_positions]
+            normal = -places.reshape(-1, 2).sum(axis=0)
+            face = int(np.linalg.norm(wall.normals - normal, axis=1).argmin())
+            assert wall.normals[face] == pytest.approx(normal)
+            assert slacks[rows].min() <= clear[face] + 1e-9
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_rows_of_a_pair_reserve_the_sagitta_of_their_relative_path(seed):
+    rng = np.random.default_rng(seed)
+    scenario = _scenario(
+        _vehicle("a"), _vehicle("b", (0.0, 2.5), (8.0, 2.5)), avoidance="intervals"
+    )
+    program = _build(scenario)
+    subjects = whole_subjects(scenario)
+    both = [rng.uniform(-1.0, 1.0, (8, 2)) for _ in range(2)]
+    z = np.concatenate([_halves(controls) for controls in both])
+    for controls, read in zip(both, controls_of(subjects, z), strict=True):
+        assert read == pytest.approx(controls)
+    means = [rollout(v.system, v.start, u) for v, u in zip(scenario.vehicles, both, strict=True)]
+    relative, control = means[0] - means[1], both[0] - both[1]
+    radii = sum(v.radius for v in scenario.vehicles)
+    slacks = program.slacks(z)
+    kept = []
+    for avoidance, label in enumerate(program.avoidances):
+        k = label.step
+        for alternative in program.alternatives_of(avoidance):
+            rows = program.rows_of(alternative)
+            places = program.rows.normals[rows[:1]].toarray()[0, : program.num_positions]
+            normal = -places[: program.num_positions // 2].reshape(-1, 2).sum(axis=0)
+            near, far = ((relative[j, :2] @ normal) - radii for j in (k, k + 1))
+            towards = 0.125 * control[k] @ normal
+            if towards <= 0.0:
+                # A path that bends away needs no more than its chord does.
+                assert slacks[rows].min() == pytest.approx(min(near, far))
+                kept.append("away")
+            else:
+                tau = np.linspace(0.0, 1.0, 50)
+                gap = (1.0 - tau) * near + tau * far - 4.0 * tau * (1.0 - tau) * towards
+                assert slacks[rows].min() <= gap.min() + 1e-9
+                kept.append("towards")
+    assert kept.count("away") >= 5
+    assert kept.count("towards") >= 5
+
+
+def test_vehicles_that_accelerate_alike_keep_formation_within_a_hand_of_contact():
+    """Side by side, both turn together: their relative path is straight."""
+    scenario = _scenario(
+        _vehicle("a", (0.0, 0.0), (2.0, 8.0)),
+        _vehicle("b", (1.3, 0.0), (3.3, 8.0)),
+        avoidance="intervals",
+        horizon=4,
+    )
+    program = _build(scenario)
+    controls = np.array([[0.5, 2.0], [0.5, 2.0], [-0.5, -2.0], [-0.5, -2.0]])
+    z = np.tile(_halves(controls), 2)
+    slacks = program.slacks(z)
+    for avoidance in range(program.num_avoidances):
+        best = max(slacks[program.rows_of(a)].min() for a in program.alternatives_of(avoidance))
+        assert best == pytest.approx(0.3)
+
+
+def _halves(controls):
+    """Return the variables of one vehicle's controls."""
+    return np.concatenate([np.maximum(controls, 0.0).ravel(), np.maximum(-controls, 0.0).ravel()])
 
 
 def test_a_pair_far_apart_is_settled_and_charged_at_its_bound():
@@ -243,7 +306,7 @@ def test_a_system_without_a_continuous_model_has_no_sagitta():
     straight = _build(_scenario(replace(vehicle, system=euler), obstacles=(wall,)))
     curved = _build(_scenario(vehicle, obstacles=(wall,)))
     assert _pulls(straight) == {False}
-    assert _pulls(curved) == {True}
+    assert True in _pulls(curved)
 
 
 def _pulls(program):

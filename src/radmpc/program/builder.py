@@ -12,11 +12,12 @@ from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
+from radmpc.program.danger import Body, Part, RowBlock, Windows
 from radmpc.program.hard import hard_rows
 from radmpc.program.keepout import KeepOut
 from radmpc.program.openings import opening_directions
 from radmpc.program.program import ChanceRows, DisjunctiveProgram, Exposure
-from radmpc.program.rows import Body, Part, RowBlock, Windows, danger_rows
+from radmpc.program.rows import danger_rows
 from radmpc.program.subject import Subject
 
 __all__ = ["ProgramBuilder"]

@@ -12,6 +12,8 @@ as a start, often has room for all of the reserve or for none: that is what othe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from radmpc.arrays import Vector
@@ -21,15 +23,19 @@ __all__ = ["shares_of_reserve"]
 _LEAST_GAIN = 0.02
 """Difference of shares below which a second one is not worth an alternative [-]."""
 
+_LESS = 0.25
+"""Share that a start or goal of little room is offered beside those that its room allows [-]: the
+sagitta is mostly less than the worst, which they reckon with."""
 
-def shares_of_reserve(near: Vector, far: Vector, bow: Vector) -> list[Vector]:
+
+def shares_of_reserve(near: Sequence[Vector], far: Sequence[Vector], bow: Vector) -> list[Vector]:
     """Return the shares θ of the near end that are worth an alternative each.
 
     Parameters
     ----------
-    near, far : (w, f) array
+    near, far : sequence of (w, f) array
         What each end of each window keeps to spare, wherever the vehicles may be [m]; negative
-        where it may lack.
+        where it may lack. The first beyond what is charged nothing, the others at some risk.
     bow : (w, f) array
         Largest sagitta towards the face [m].
 
@@ -40,17 +46,27 @@ def shares_of_reserve(near: Vector, far: Vector, bow: Vector) -> list[Vector]:
     """
     curved = bow > 0.0
     scale = np.where(curved, 4.0 * bow, 1.0)
-    # The largest shares that the ends can keep at no cost whatever the vehicles do.
-    free_near = np.where(curved, np.sqrt(np.clip(near / scale, 0.0, 1.0)), 0.5)
-    free_far = np.where(curved, np.sqrt(np.clip(far / scale, 0.0, 1.0)), 0.5)
+
+    def largest(spare: Vector) -> Vector:
+        """Return the largest share that an end can keep of the worst sagitta."""
+        return np.where(curved, np.sqrt(np.clip(spare / scale, 0.0, 1.0)), 0.5)
+
+    free_near, free_far = largest(near[0]), largest(far[0])
     usual = np.full(bow.shape, 0.5)
     usual = np.where(free_far > 0.5, 1.0 - free_far, usual)
     usual = np.where(free_near > 0.5, free_near, usual)
-    # A start is where it is, and a goal nearly so: what they can spare is known beforehand.
-    first, last = (np.full(bow.shape, np.nan) for _ in range(2))
-    is_short = curved[0] & (free_near[0] < 0.5 - _LEAST_GAIN) & (usual[0] > free_near[0])
-    first[0] = np.where(is_short, free_near[0], np.nan)
-    is_short = curved[-1] & (free_far[-1] < 0.5 - _LEAST_GAIN) & (usual[-1] < 1.0 - free_far[-1])
-    last[-1] = np.where(is_short, 1.0 - free_far[-1], np.nan)
-    extra = [share for share in (first, last) if np.isfinite(share).any()]
-    return [usual, *extra]
+    shares = [usual]
+    for window, ends in ((0, near), (-1, far)):
+        # A start is where it is, and a goal nearly so: what they can spare is known beforehand.
+        own: Vector = usual[window] if window == 0 else 1.0 - usual[window]
+        rooms = [largest(spare)[window] for spare in ends]
+        tried = [own]
+        for less in (*rooms, np.where(rooms[-1] < own, _LESS, own)):
+            is_new = np.all([np.abs(less - other) > _LEAST_GAIN for other in tried], axis=0)
+            is_worth = is_new & (less < own) & curved[window]
+            tried.append(np.where(is_worth, less, own))
+            if is_worth.any():
+                share = np.full(bow.shape, np.nan)
+                share[window, is_worth] = (less if window == 0 else 1.0 - less)[is_worth]
+                shares.append(share)
+    return shares

@@ -81,6 +81,13 @@ class Rater:
         self._starts = starts[:-1]
         self._rows = program.alternative_rows
         self._is_single = bool(np.all(np.diff(starts) == 1))
+        # Rows of one event are neighbors within an alternative and are charged once.
+        owners = np.repeat(np.arange(program.num_alternatives), np.diff(starts))
+        events = program.rows.events[self._rows]
+        begins = np.append(True, (np.diff(owners) != 0) | (np.diff(events) != 0))[: owners.size]
+        self._event_starts = np.flatnonzero(begins)
+        self._has_twins = self._event_starts.size < owners.size
+        self._starts_of_events = np.searchsorted(self._event_starts, self._starts)
         self.is_hopeless = bool(np.any(self._blank.all(axis=1))) or bool(
             np.any(program.upper < program.lower)
         )
@@ -109,7 +116,10 @@ class Rater:
             short = misses[self._row_table]
         else:
             members = self._rows
-            by_side = np.add.reduceat(risks[members], self._starts)[self.table]
+            by_event = risks[members]
+            if self._has_twins:
+                by_event = np.maximum.reduceat(by_event, self._event_starts)
+            by_side = np.add.reduceat(by_event, self._starts_of_events)[self.table]
             short = np.maximum.reduceat(misses[members], self._starts)[self.table]
         by_side = np.where(self._blank, np.inf, by_side)
         short = np.where(self._blank, np.inf, short)

@@ -102,7 +102,7 @@ def meeting_risks(
     if scenario.avoidance == "intervals":
         bow = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
         if bows is not None:
-            bow = _towards(bows[one], faces) + _towards(-bows[two], faces)
+            bow = np.maximum((bows[one] - bows[two]) @ faces.T, 0.0)
         by_face = _along_intervals(apart_by, deviations, bow)
     else:
         by_face = _tails(apart_by[:, 1:], deviations[:, 1:])
@@ -124,12 +124,6 @@ def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tenso
         return at_start + _tails(apart_by[:, far] - reserves[1], deviations[:, far])
 
     return np.asarray(np.minimum.reduce([held(share) for share in _SHARES]))
-
-
-def _towards(bows: Tensor, faces: Tensor) -> Tensor:
-    """Return how far curves leave their chords against faces at most, axis by axis, (p, T, f)."""
-    upper = np.maximum(bows, 0.0) @ np.maximum(faces, 0.0).T
-    return np.asarray(upper + np.minimum(bows, 0.0) @ np.minimum(faces, 0.0).T)
 
 
 def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:

@@ -24,7 +24,7 @@ intervals, with the whole bow in reserve, can sum to thousands of times what it 
 _LARGEST_SET = 4
 """Vehicles of a set beyond which the search takes too long to be made again."""
 
-_PATIENCE = 0.2
+_PATIENCE = 0.4
 """Share of the time that the first search may have taken."""
 
 

@@ -1,0 +1,146 @@
+"""Rows laid out: the entries of every alternative over positions and controls, events numbered."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.program.danger import Body, End, Part, RowBlock, Windows
+
+__all__ = ["empty_block", "lay_out"]
+
+
+def empty_block(settled_risk: float, num_settled: int) -> RowBlock:
+    """Return a block without rows."""
+    none, ints = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return RowBlock(
+        ints, ints, none, none, none, ints, ints, ints, ints, ints, settled_risk, num_settled
+    )
+
+
+def lay_out(
+    body: Body,
+    windows: Windows,
+    ends: list[End],
+    chosen: tuple[Indices, Indices, Vector],
+    settled_risk: float,
+    kept: tuple[np.ndarray, Indices],
+) -> RowBlock:
+    """Return the rows of chosen alternatives, ends fastest.
+
+    Parameters
+    ----------
+    body : Body
+        What is kept apart.
+    windows : Windows
+        From what, when.
+    ends : list of End
+        What an alternative holds, its conditions.
+    chosen : tuple of (a,) array
+        Window, face and share θ of the near end of each alternative.
+    settled_risk : float
+        Charged for the windows without a choice.
+    kept : tuple of (w,) array
+        Which windows ask for a choice, and how many alternatives each of these has.
+
+    Returns
+    -------
+    RowBlock
+        Numbers count from 0.
+    """
+    window, face, share = chosen
+    num_ends, count = len(ends), len(window)
+    normals = windows.normals[window, face]
+    shares = np.stack([share if end.is_near else 1.0 - share for end in ends], axis=1)
+    reserves = 4.0 * np.square(shares) * float(windows.intervals)
+    # One row where at most one control bends the path towards the face, else two: see below.
+    counts = 1 + ((reserves > 0.0) & (_num_pulls(body, normals) > 1)[:, None])
+    firsts = np.cumsum(counts.ravel()) - counts.ravel()
+    firsts = firsts.reshape(count, num_ends)
+    entries: list[tuple[Indices, Indices, Vector]] = []
+    for e, end in enumerate(ends):
+        steps, reserve = end.steps[window], reserves[:, e]
+        is_split = counts[:, e] == 2
+        plain = firsts[:, e]
+        bent = plain[is_split] + 1
+        for part in body.parts:
+            entries.append(_position_entries(part, plain, normals, steps))
+            entries.append(_position_entries(part, bent, normals[is_split], steps[is_split]))
+            if windows.intervals and part.sagitta.any():
+                one, two = ~is_split & (reserve > 0.0), is_split
+                entries.append(
+                    _half_bow_entries(part, plain[one], normals[one], window[one], reserve[one])
+                )
+                entries.append(_bow_entries(part, bent, normals[two], window[two], reserve[two]))
+    repeats = counts.ravel()
+    direction = np.repeat(windows.directions[window, face], num_ends)
+    kinds = np.tile([end.kind for end in ends], count)
+    every_step = np.stack([end.steps[window] for end in ends], axis=1)
+    keys, events = _numbered(every_step.ravel(), 2 * direction + kinds)
+    offsets = np.stack([end.offsets[window, face] for end in ends], axis=1)
+    deviations = np.stack([end.deviations[window, face] for end in ends], axis=1)
+    return RowBlock(
+        entry_rows=np.concatenate([rows.ravel() for rows, _, _ in entries]),
+        entry_outputs=np.concatenate([outputs.ravel() for _, outputs, _ in entries]),
+        entry_values=np.concatenate([values.ravel() for _, _, values in entries]),
+        offsets=np.repeat(offsets.ravel(), repeats),
+        deviations=np.repeat(deviations.ravel(), repeats),
+        events=np.repeat(events, repeats),
+        event_steps=keys,
+        alternative_sizes=counts.sum(axis=1),
+        avoidance_sizes=kept[1],
+        avoidance_windows=np.flatnonzero(kept[0]),
+        settled_risk=settled_risk,
+        num_settled=int(np.count_nonzero(~kept[0])),
+    )
+
+
+def _position_entries(
+    part: Part, rows: Indices, normals: Vector, steps: Indices
+) -> tuple[Indices, Indices, Vector]:
+    """Return the entries ``sign · normal`` at the position of each row's step."""
+    d = normals.shape[1]
+    outputs = part.position + steps[:, None] * d + np.arange(d)
+    return np.repeat(rows, d), outputs, part.sign * normals
+
+
+def _num_pulls(body: Body, normals: Vector) -> Indices:
+    """Return how many controls bend the mean curve along each normal, (c,)."""
+    pulls = [np.abs(normals @ part.sagitta) > 1e-12 for part in body.parts]
+    return np.asarray(np.concatenate(pulls, axis=1).sum(axis=1))
+
+
+# With S the sagitta per control, the curve leaves its chord by −4 s (1 − s) S u, so it comes closer
+# along n by at most b = −n·S u (relative: the sum over both parts, with their signs), and only
+# where b > 0. A reserve of c·max(0, b) is two rows of one event, margin >= 0 and margin >= c·b.
+# Where only one control has a part in b, max(0, b) is one of the halves of |u| that the cost needs
+# anyway, and one row says both.
+
+
+def _bow_entries(
+    part: Part, rows: Indices, normals: Vector, window: Indices, reserve: Vector
+) -> tuple[Indices, Indices, Vector]:
+    """Return the entries that reserve a multiple of the mean curve's sagitta, signed."""
+    pull = reserve[:, None] * (part.sign * (normals @ part.sagitta))
+    m = pull.shape[1]
+    plus = part.controls + window[:, None] * m + np.arange(m)
+    outputs = np.concatenate([plus, plus + part.control_bounds.size], axis=1)
+    return np.repeat(rows, 2 * m), outputs, np.concatenate([-pull, pull], axis=1)
+
+
+def _half_bow_entries(
+    part: Part, rows: Indices, normals: Vector, window: Indices, reserve: Vector
+) -> tuple[Indices, Indices, Vector]:
+    """Return the entries that reserve a multiple of it where it comes closer, by halves of |u|."""
+    pull = part.sign * (normals @ part.sagitta)
+    m = pull.shape[1]
+    span = part.control_bounds.size
+    outputs = part.controls + window[:, None] * m + np.arange(m) + np.where(pull > 0.0, span, 0)
+    return np.repeat(rows, m), outputs, reserve[:, None] * np.abs(pull)
+
+
+def _numbered(steps: Indices, directions: Indices) -> tuple[Indices, Indices]:
+    """Return the step of each distinct (step, direction) and the number of each row's pair."""
+    width = int(directions.max(initial=0)) + 1
+    keys, numbers = np.unique(steps * width + directions, return_inverse=True)
+    return keys // width, numbers
