@@ -45,6 +45,8 @@ def scene(name):
         ("formation-of-three", 50.8136),
         ("formation-at-contact", 5.1941),
         ("start-of-little-room", 33.7111),
+        ("dear-by-faces-152", 4.5808),
+        ("dear-by-faces-156", 1.7003),
     ],
 )
 def test_no_certified_plan_of_another_planner_is_cheaper(name, others):

@@ -15,6 +15,7 @@ from radmpc.program.builder import ProgramBuilder
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.subject import Response, Subject, make_subject
+from radmpc.program.turned import Turned
 
 __all__ = ["build_program", "controls_of", "responses", "whole_subjects"]
 
@@ -45,6 +46,7 @@ def build_program(
     risk_bound: float,
     first_step: int = 0,
     temporal: Sequence[KeepOut] = (),
+    turned: Turned | None = None,
 ) -> DisjunctiveProgram:
     """Build the programme of some vehicles (paper, Eqs. 1-3, 7, 8 and section Avoidance).
 
@@ -60,13 +62,16 @@ def build_program(
         Absolute step at which the subjects start.
     temporal : sequence of KeepOut
         Other vehicles' temporal obstacles; booked as pairs.
+    turned : Turned or None
+        Paths of the subjects that half-spaces are turned to: one for every window in place of the
+        faces of obstacles and pairs.
 
     Returns
     -------
     DisjunctiveProgram
         Risk present at the first step charged where it is k = 0.
     """
-    builder = ProgramBuilder(scenario, tuple(subjects), first_step)
+    builder = ProgramBuilder(scenario, tuple(subjects), first_step, turned)
     horizon = subjects[0].horizon
     intervals = scenario.avoidance == "intervals"
     still: list[KeepOut] = []

@@ -19,6 +19,7 @@ from radmpc.program.openings import opening_directions
 from radmpc.program.program import ChanceRows, DisjunctiveProgram, Exposure
 from radmpc.program.rows import danger_rows
 from radmpc.program.subject import Subject
+from radmpc.program.turned import Turned
 
 __all__ = ["ProgramBuilder"]
 
@@ -30,6 +31,7 @@ class ProgramBuilder:
     scenario: Scenario
     subjects: tuple[Subject, ...]
     first_step: int
+    turned: Turned | None = None
     blocks: list[RowBlock] = field(default_factory=list)
     block_exposures: list[Indices] = field(default_factory=list)
     exposures: list[Exposure] = field(default_factory=list)
@@ -66,7 +68,9 @@ class ProgramBuilder:
         if keepout.start is not None and keepout.shapes:
             ends = (keepout.shapes[0].vertices, keepout.shapes[-1].vertices)
             extra = opening_directions(_places(body), keepout.start.normals, ends, radius)
-        if len(extra):
+        if self.turned is not None and keepout.shapes:
+            keepout = self.turned.around(i, keepout)
+        elif len(extra):
             keepout = keepout.with_directions(extra, intervals=self.intervals)
         windows = Windows(
             -keepout.normals,
@@ -82,7 +86,7 @@ class ProgramBuilder:
         self._add(body, windows, cause, subject.vehicle.name, keepout.name)
 
     def keep_apart(self, i: int, j: int) -> None:
-        """Keep two vehicles apart by faces around their relative position."""
+        """Keep two vehicles apart by faces around their relative position, or by turned ones."""
         one, two = self.subjects[i], self.subjects[j]
         faces = sphere_directions(self.scenario.num_pair_faces, self.scenario.dimension)
         distance = one.vehicle.radius + two.vehicle.radius
@@ -101,7 +105,10 @@ class ProgramBuilder:
         offsets = np.full(len(faces), -distance)
         names = (one.vehicle.name, two.vehicle.name)
         self._charge_start(body, -faces, offsets, ("pair", *names))
-        self._add(body, self._constant_windows(-faces, offsets), "pair", *names)
+        windows = self._constant_windows(-faces, offsets)
+        if self.turned is not None:
+            windows = self.turned.between(i, j)
+        self._add(body, windows, "pair", *names)
 
     def keep_in_workspace(self, i: int) -> None:
         """Keep a vehicle's center inside: convex, so every face is an avoidance of its own."""

@@ -51,6 +51,8 @@ class Best:
     within: list[tuple[float, float]] = field(default_factory=list)
     """What simple bounds may sum to beyond the starts, and the least cost of any plan within."""
     steps: list[Step] = field(default_factory=list)
+    turned_price: float | None = None
+    """What a little more Δ would save by half-spaces turned to the plan; None if it has none."""
 
     def bound(self, fleet: Fleet) -> float:
         """Return the least cost of any plan whose simple bounds sum to no more than its own."""
@@ -79,6 +81,8 @@ class Best:
             return None
         if self.certified < _SPENT * granted:
             return 0.0 if self.spent < _SPENT * fleet.most_budget else None
+        if self.turned_price is not None:
+            return self.turned_price
         units = max(fleet.budget, self.spent) / fleet.unit
         _, price = max(self.rounds, key=lambda found: found[0] - found[1] * units)
         return price / fleet.unit * self.spent / self.certified

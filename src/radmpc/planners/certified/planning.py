@@ -12,9 +12,9 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.best import Best
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.generous import spend_more
 from radmpc.planners.certified.last_resort import last_resort
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.turning import turn_half_spaces
 from radmpc.planners.certified.verdict import Judge
 from radmpc.planners.certified.why_not import WhyNot, sure_why_not
 from radmpc.planners.draft import Draft
@@ -22,6 +22,9 @@ from radmpc.planners.planner import Planner
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["plan_certified"]
+
+_SEARCH_SHARE = 0.9
+"""Share of the time for the search among faces, once there is a plan to turn half-spaces to."""
 
 
 def plan_certified(
@@ -58,22 +61,23 @@ def plan_certified(
     ruled_out = sure_why_not(scenario, limits)
     if ruled_out is not None:
         return _empty(scenario, ruled_out, begun)
-    fleet = Fleet(
-        scenario, planner.gap, limits, lambda done, n: progress("sets", done, n), executor
-    )
+    begin = limits.within(_SEARCH_SHARE * limits.seconds_left)
+    fleet = Fleet(scenario, planner.gap, begin, lambda done, n: progress("sets", done, n), executor)
     best = Best()
     search = PriceSearch(fleet, best, planner.gap, judge)
     if fleet.budget > 0.0:
         search.run()
     explanation = ""
     if not best.controls:
+        fleet.limits = limits
         search, answer = last_resort(search)
         fleet, best = search.fleet, search.best
         if not best.controls:
             return _empty(scenario, answer, begun)
         explanation = answer.explanation
     search.close()
-    spend_more(search, time.perf_counter() - begun)
+    fleet.limits = limits
+    turn_half_spaces(fleet, best, judge)
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)
     bound = best.reported(fleet, gap)

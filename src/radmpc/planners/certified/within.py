@@ -172,7 +172,9 @@ class WithinBudget:
             )
             tree.resume(_frontier(self.fleet, members, budget), price, None)
             self._trees[members, budget] = tree
-        return self._trees[members, budget]
+        tree = self._trees[members, budget]
+        tree.limits = self.fleet.limits
+        return tree
 
 
 def _round(

@@ -1,0 +1,222 @@
+"""Half-spaces turned to where they separate best along given paths, one for every window.
+
+The faces of a program are a choice of directions made beforehand. Any other direction is as valid:
+what a path keeps from a convex set along one unit normal, it keeps from the set. Turned to the path
+at hand, half-spaces allow it at least as much as faces do, and paths nearby mostly more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.geometry import sphere_directions
+from radmpc.program.danger import Windows
+from radmpc.program.keepout import KeepOut
+from radmpc.program.subject import Subject
+
+__all__ = ["Turned"]
+
+_COARSE = {2: 48, 3: 162}
+"""Directions tried first, by dimension; 7.5 degrees apart in the plane, about 16 in space."""
+
+_SPACING = {2: 0.13, 3: 0.28}
+"""Angle between neighbors among them [rad]."""
+
+_LEVELS = 5
+"""Times that the directions around the best are tried, at a third of the distance each."""
+
+_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Shares of the near end of the reserve for the sagitta; see `radmpc.program.reserve`."""
+
+_LEAST_DEVIATION = 1e-9
+"""Noise below which clearances are compared by their length [m]."""
+
+Supports = Callable[[Tensor], tuple[Vector, Vector]]
+"""From normals, (w, c, d), to how far what is avoided reaches along them at both ends [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Encounter:
+    """A path past something, window by window.
+
+    Attributes
+    ----------
+    ends : tuple of (w, d) array
+        Mean (relative) position at the windows' ends; one where steps alone count [m].
+    covariances : tuple of tuple of (w, d, d) array
+        What the position deviates by at each end; two of them where feedback bends the path [m²].
+    sagittas : (w, d) array
+        How far the mean path hangs off its chord at mid-step [m].
+    supports : callable
+        Of what is avoided, its size and the vehicle's.
+    """
+
+    ends: tuple[Tensor, ...]
+    covariances: tuple[tuple[Tensor, ...], ...]
+    sagittas: Tensor
+    supports: Supports
+
+    def clearances(self, normals: Tensor) -> Vector:
+        """Return the least clearance of both ends along normals, at the best share, (w, c)."""
+        reaches = self.supports(normals)[-len(self.ends) :]
+        margins, deviations = [], []
+        for end, reach, events in zip(self.ends, reaches, self.covariances, strict=True):
+            margins.append(np.einsum("wcd,wd->wc", normals, end) - reach)
+            variances = [np.einsum("wca,wab,wcb->wc", normals, c, normals) for c in events]
+            largest = np.sqrt(np.maximum(np.maximum.reduce(variances), 0.0))
+            deviations.append(np.maximum(largest, _LEAST_DEVIATION))
+        if len(self.ends) == 1:
+            alone: Vector = margins[0] / deviations[0]
+            return alone
+        bow = 4.0 * np.maximum(np.einsum("wcd,wd->wc", normals, self.sagittas), 0.0)
+        best: Vector = np.full(bow.shape, -np.inf)
+        for share in _SHARES:
+            near: Vector = (margins[0] - share**2 * bow) / deviations[0]
+            far: Vector = (margins[1] - (1.0 - share) ** 2 * bow) / deviations[1]
+            best = np.maximum(best, np.minimum(near, far))
+        return best
+
+    def best_normals(self, tried: Tensor) -> Tensor:
+        """Return the best normal of each window, (w, d), from those tried on, (w, c, d)."""
+        count, _, dimension = tried.shape
+        every = np.arange(count)
+        scores = self.clearances(tried)
+        best: Tensor = tried[every, scores.argmax(axis=1)]
+        step = 0.5 * _SPACING[dimension]
+        for _ in range(_LEVELS):
+            around = _around(best, step)
+            best = around[every, self.clearances(around).argmax(axis=1)]
+            step /= 3.0
+        return best
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Turned:
+    """Paths of some vehicles, from the first step on, that half-spaces are turned to.
+
+    Attributes
+    ----------
+    subjects : tuple of Subject
+        The vehicles.
+    means : (n, T+1, d) array
+        Their mean positions [m].
+    controls : tuple of (T, m) array
+        Their nominal controls.
+    intervals : bool
+        Whether windows are intervals.
+    """
+
+    subjects: tuple[Subject, ...]
+    means: Tensor
+    controls: Sequence[Tensor]
+    intervals: bool
+
+    def around(self, i: int, keepout: KeepOut) -> KeepOut:
+        """Return a thing with the best half-space at every window in place of its faces.
+
+        Parameters
+        ----------
+        i : int
+            Whose path.
+        keepout : KeepOut
+            With its shapes.
+        """
+        subject, shapes = self.subjects[i], keepout.shapes
+        count = len(keepout.near)
+        radius = subject.vehicle.radius
+
+        def supports(normals: Tensor) -> tuple[Vector, Vector]:
+            if len(shapes) == 1:
+                flat = shapes[0].support(normals.reshape(-1, normals.shape[2]))
+                both = flat.reshape(normals.shape[:2]) + radius
+                return both, both
+            first, last = (
+                np.array([shapes[w + end].support(normals[w]) for w in range(count)]) + radius
+                for end in (0, 1)
+            )
+            return first, last
+
+        encounter = self._encounter(self.means[i], self._sagittas(i), (subject,), supports)
+        coarse = sphere_directions(_COARSE[self.means.shape[2]], self.means.shape[2])
+        tried = [np.broadcast_to(coarse, (count, *coarse.shape))]
+        if np.isfinite(keepout.near).all():
+            tried.append(keepout.normals)
+        normals = encounter.best_normals(np.concatenate(tried, axis=1))[:, None, :]
+        near, far = (reach - radius for reach in supports(normals))
+        return replace(
+            keepout,
+            normals=normals,
+            near=near if self.intervals else far,
+            far=far,
+            directions=_numbers(normals),
+            shapes=(),
+        )
+
+    def between(self, i: int, j: int) -> Windows:
+        """Return the best half-space between two vehicles at every window."""
+        one, two = self.subjects[i], self.subjects[j]
+        distance = one.vehicle.radius + two.vehicle.radius
+
+        def supports(normals: Tensor) -> tuple[Vector, Vector]:
+            both = np.full(normals.shape[:2], distance)
+            return both, both
+
+        encounter = self._encounter(
+            self.means[i] - self.means[j],
+            self._sagittas(i) - self._sagittas(j),
+            (one, two),
+            supports,
+        )
+        coarse = sphere_directions(_COARSE[self.means.shape[2]], self.means.shape[2])
+        tried = np.broadcast_to(coarse, (self.means.shape[1] - 1, *coarse.shape))
+        normals = encounter.best_normals(tried)[:, None, :]
+        offsets = np.full((len(normals), 1), -distance)
+        return Windows(-normals, offsets, offsets, _numbers(normals), self.intervals)
+
+    def _sagittas(self, i: int) -> Tensor:
+        """Return how far a vehicle's path hangs off its chords, (T, d) [m]."""
+        return np.asarray(self.controls[i] @ self.subjects[i].vehicle.system.sagitta.T)
+
+    def _encounter(
+        self, path: Tensor, sagittas: Tensor, subjects: tuple[Subject, ...], supports: Supports
+    ) -> _Encounter:
+        """Return a (relative) path with the noise of who is on it."""
+        covariances = np.sum([s.position_covariances for s in subjects], axis=0)
+        if not self.intervals:
+            return _Encounter((path[1:],), ((covariances[1:],),), sagittas, supports)
+        at_start: tuple[Tensor, ...] = (covariances[:-1],)
+        if any(s.bent_covariances is not None for s in subjects):
+            bent = [
+                s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
+                for s in subjects
+            ]
+            at_start = (covariances[:-1], np.sum(bent, axis=0))
+        return _Encounter((path[:-1], path[1:]), (at_start, (covariances[1:],)), sagittas, supports)
+
+
+def _around(normals: Tensor, step: float) -> Tensor:
+    """Return normals and others by about a step from them, (w, c, d)."""
+    dimension = normals.shape[1]
+    if dimension == 2:
+        tangents = np.stack([-normals[:, 1], normals[:, 0]], axis=1)[:, None, :]
+        moves = np.array([[0.0], [-2.0], [-1.0], [1.0], [2.0]])
+    else:
+        axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
+        first = np.cross(normals, axis)
+        first /= np.linalg.norm(first, axis=1, keepdims=True)
+        tangents = np.stack([first, np.cross(normals, first)], axis=1)
+        angles = 0.25 * np.pi * np.arange(8)
+        circle = np.column_stack([np.cos(angles), np.sin(angles)])
+        moves = np.vstack([np.zeros((1, 2)), circle, 2.0 * circle])
+    moved = normals[:, None, :] + step * np.einsum("cm,wmd->wcd", moves, tangents)
+    return np.asarray(moved / np.linalg.norm(moved, axis=2, keepdims=True))
+
+
+def _numbers(normals: Tensor) -> Indices:
+    """Return numbers of directions, equal where normals are, (w, 1)."""
+    _, numbers = np.unique(normals[:, 0].round(9), axis=0, return_inverse=True)
+    return np.asarray(numbers.reshape(-1, 1))
