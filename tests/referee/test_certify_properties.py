@@ -11,6 +11,7 @@ from scipy.special import ndtr
 
 from radmpc.experiments.families import paper
 from radmpc.geometry import sphere_directions
+from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
 from radmpc.referee.bounds import window_halfspaces
@@ -28,9 +29,7 @@ def test_moving_the_scene_leaves_the_bound_alone(seed, avoidance):
     shift = np.random.default_rng(seed + 1).uniform(-100, 100, 2)
     here = certify(scene_plan(paths, covariances, clouds, avoidance=avoidance))
     there = certify(scene_plan(paths + shift, covariances, clouds + shift, avoidance=avoidance))
-    # Along intervals the best of some chains of directions is taken, and ties fall differently.
-    rel = 1e-5 if avoidance == "steps" else 2e-2
-    assert there.certified == pytest.approx(here.certified, rel=rel, abs=1e-12)
+    assert there.certified == pytest.approx(here.certified, rel=1e-6, abs=1e-12)
 
 
 @QUICK
@@ -59,9 +58,32 @@ def test_a_quarter_turn_of_the_scene_leaves_the_bound_alone(seed, avoidance):
     turned = turn @ covariances @ turn.T
     here = certify(scene_plan(paths, covariances, clouds, avoidance=avoidance))
     there = certify(scene_plan(paths @ turn.T, turned, clouds @ turn.T, avoidance=avoidance))
-    # Along intervals the best of some chains of directions is taken, and ties fall differently.
-    rel = 1e-5 if avoidance == "steps" else 2e-2
+    # The pattern search along intervals may take either of two directions as good as each other.
+    rel = 1e-5 if avoidance == "steps" else 1e-4
     assert there.certified == pytest.approx(here.certified, rel=rel, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [20, 74, 128, 139, 151, 170])
+def test_a_quarter_turn_leaves_paths_through_others_and_obstacles_alone(seed):
+    # Half-spaces that fail for certain, and pieces of unequal numbers of corners.
+    paths, covariances, clouds = random_scene(seed)
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+    turned = turn @ covariances @ turn.T
+    here = certify(scene_plan(paths, covariances, clouds, avoidance="intervals"))
+    there = certify(scene_plan(paths @ turn.T, turned, clouds @ turn.T, avoidance="intervals"))
+    assert there.certified == pytest.approx(here.certified, rel=1e-4, abs=1e-12)
+
+
+@QUICK
+@given(SEEDS, st.integers(4, 30))
+def test_an_obstacle_far_away_changes_nothing_whatever_its_corners(seed, corners):
+    paths, covariances, clouds = random_scene(seed)
+    plan = scene_plan(paths, covariances, clouds, avoidance="intervals")
+    angles = 2.0 * np.pi * np.arange(corners) / corners
+    far = 500.0 + np.column_stack([np.cos(angles), np.sin(angles)])
+    obstacles = (*plan.scenario.obstacles, Obstacle.polygon("far", far))
+    there = replace(plan, scenario=replace(plan.scenario, obstacles=obstacles))
+    assert certify(there).certified == pytest.approx(certify(plan).certified, rel=1e-12)
 
 
 @QUICK
