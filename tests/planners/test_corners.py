@@ -93,7 +93,7 @@ def test_an_explanation_that_ran_out_of_time_says_so():
 
 def test_vehicles_that_meet_within_the_first_interval_are_coupled():
     common = {
-        "radius": 0.3,
+        "radius": 0.25,
         "control_limit": np.full(2, 3.0),
         "half": 0.5,
         "goal_speed": None,
@@ -105,9 +105,12 @@ def test_vehicles_that_meet_within_the_first_interval_are_coupled():
         _vehicle("b", (1.886, 0.669, -0.153, 1.493), (0.312, 6.015), **common),
         horizon=6,
     )
-    result = plan(scenario, "multi-vehicle")
-    assert result.sets == (("a", "b"),)
-    assert result.is_certified
+    for seed in range(4):
+        result = plan(scenario, "multi-vehicle", rng=seed)
+        assert result.sets == (("a", "b"),)
+        assert result.is_certified
+        # Who goes first swerves as far as it can: clear at both ends, and hardly so between.
+        assert result.couplings[0].value > 1e-5
 
 
 def test_the_reach_at_the_start_is_the_start_however_fast_it_begins():

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from radmpc.experiments.families import paper
 from radmpc.model.dynamics import double_integrator
@@ -103,8 +104,42 @@ def test_the_bound_that_is_proposed_would_do_and_a_smaller_one_than_proven_would
     assert found.risk <= 1.05 * found.bound
     assert plan(replace(problem, risk_bound=1.02 * found.risk), "certified").is_certified
     below = replace(problem, risk_bound=0.95 * found.bound)
+    # The bound is one on simple bounds: along intervals the referee may certify less.
     by_simple_bounds = Planner(Ira(), Branch(), Centralized())
     assert plan(below, by_simple_bounds).status is Status.INFEASIBLE
+
+
+def beside_a_wall(sigmas, risk_bound, avoidance):
+    """A vehicle that starts so many deviations clear of a long wall and goes away from it."""
+    away = 0.3 + sigmas * np.sqrt(1e-3)
+    wall = Obstacle.box("wall", [-3.0, -1.0], [-away, 1.0])
+    problem = scenario(
+        vehicle("a", (0, 0), (10, 0)), far(), obstacles=(wall,), risk_bound=risk_bound
+    )
+    return replace(problem, avoidance=avoidance)
+
+
+@pytest.mark.parametrize("sigmas", [2.0, 2.5])
+def test_where_simple_bounds_are_exact_no_planner_has_a_plan_below_the_proven_bound(sigmas):
+    problem = beside_a_wall(sigmas, 1e-3, "steps")
+    found = least_risk(problem, Limits())
+    assert found.bound == pytest.approx(ndtr(-sigmas), rel=1e-6)
+    enough = plan(replace(problem, risk_bound=1.02 * found.risk), "certified")
+    assert enough.is_certified
+    assert enough.certificate.certified >= found.bound * (1.0 - 1e-6)
+    below = replace(problem, risk_bound=0.99 * found.bound)
+    for planner in ("certified", Planner(Ira(), Branch(), Centralized())):
+        assert plan(below, planner).status is Status.INFEASIBLE
+
+
+def test_along_intervals_no_plan_is_certified_below_what_its_start_runs():
+    alone = float(ndtr(-2.0))
+    below = plan(beside_a_wall(2.0, 0.99 * alone, "intervals"), "certified")
+    assert below.status is Status.INFEASIBLE
+    assert "start of vehicle 'a' is too close to obstacle 'wall'" in below.explanation
+    above = plan(beside_a_wall(2.0, 1.25 * alone, "intervals"), "certified")
+    assert above.is_certified
+    assert alone <= above.certificate.certified <= 1.25 * alone
 
 
 def test_the_least_risk_of_a_fleet_is_what_a_plan_with_it_runs():

@@ -1,6 +1,7 @@
 """Laws that hold for every scene."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.special import ndtr
 
 from radmpc.experiments.families import paper
 from radmpc.geometry import sphere_directions
+from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
 from radmpc.referee.bounds import window_halfspaces
@@ -28,9 +30,7 @@ def test_moving_the_scene_leaves_the_bound_alone(seed, avoidance):
     shift = np.random.default_rng(seed + 1).uniform(-100, 100, 2)
     here = certify(scene_plan(paths, covariances, clouds, avoidance=avoidance))
     there = certify(scene_plan(paths + shift, covariances, clouds + shift, avoidance=avoidance))
-    # Along intervals the best of some chains of directions is taken, and ties fall differently.
-    rel = 1e-5 if avoidance == "steps" else 2e-2
-    assert there.certified == pytest.approx(here.certified, rel=rel, abs=1e-12)
+    assert there.certified == pytest.approx(here.certified, rel=1e-6, abs=1e-12)
 
 
 @QUICK
@@ -59,9 +59,30 @@ def test_a_quarter_turn_of_the_scene_leaves_the_bound_alone(seed, avoidance):
     turned = turn @ covariances @ turn.T
     here = certify(scene_plan(paths, covariances, clouds, avoidance=avoidance))
     there = certify(scene_plan(paths @ turn.T, turned, clouds @ turn.T, avoidance=avoidance))
-    # Along intervals the best of some chains of directions is taken, and ties fall differently.
-    rel = 1e-5 if avoidance == "steps" else 2e-2
-    assert there.certified == pytest.approx(here.certified, rel=rel, abs=1e-12)
+    assert there.certified == pytest.approx(here.certified, rel=1e-5, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [20, 74, 128, 139, 151, 170])
+def test_a_quarter_turn_leaves_paths_through_others_and_obstacles_alone(seed):
+    # Half-spaces that fail for certain, and pieces of unequal numbers of corners.
+    paths, covariances, clouds = random_scene(seed)
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+    turned = turn @ covariances @ turn.T
+    here = certify(scene_plan(paths, covariances, clouds, avoidance="intervals"))
+    there = certify(scene_plan(paths @ turn.T, turned, clouds @ turn.T, avoidance="intervals"))
+    assert there.certified == pytest.approx(here.certified, rel=1e-4, abs=1e-12)
+
+
+@QUICK
+@given(SEEDS, st.integers(4, 30))
+def test_an_obstacle_far_away_changes_nothing_whatever_its_corners(seed, corners):
+    paths, covariances, clouds = random_scene(seed)
+    plan = scene_plan(paths, covariances, clouds, avoidance="intervals")
+    angles = 2.0 * np.pi * np.arange(corners) / corners
+    far = 500.0 + np.column_stack([np.cos(angles), np.sin(angles)])
+    obstacles = (*plan.scenario.obstacles, Obstacle.polygon("far", far))
+    there = replace(plan, scenario=replace(plan.scenario, obstacles=obstacles))
+    assert certify(there).certified == pytest.approx(certify(plan).certified, rel=1e-12)
 
 
 @QUICK
@@ -83,20 +104,70 @@ def test_growing_a_radius_never_lowers_the_bound(seed, avoidance, radius, growth
     large = certify(
         scene_plan(paths, covariances, clouds, radius=radius + growth, avoidance=avoidance)
     )
-    # Along intervals the best of some chains of directions is taken, not of all.
+    # Along intervals it need not be so for two reasons. Hunter's bound itself is not monotone: of
+    # three events, P(V0) + P(V1 - V0) + P(V2 - V1) falls from 1.8 to 1 when V0 and V2 of 0.9 each
+    # get a V1 that is certain between them. And the best of some chains is taken, not of all. Of
+    # 2,050 encounters of 250 such scenes, grown by 1e-6 to 0.1 m, ten were charged less.
     rel = 1e-5 if avoidance == "steps" else 2e-2
     assert large.certified >= small.certified * (1.0 - rel)
 
 
 @QUICK
+@given(SEEDS, st.floats(0.1, 0.4), st.floats(0.0, 0.2))
+def test_along_intervals_a_radius_is_charged_at_least_what_any_smaller_one_risks_at_steps(
+    seed, radius, growth
+):
+    # What holds exactly: the risk is monotone, and the bound is above it.
+    paths, covariances, clouds = random_scene(seed)
+    small = certify(scene_plan(paths, covariances, clouds, radius=radius, avoidance="steps"))
+    large = certify(
+        scene_plan(paths, covariances, clouds, radius=radius + growth, avoidance="intervals")
+    )
+    assert large.certified >= worst_steps(small) * (1.0 - 1e-5)
+
+
+def worst_steps(certificate):
+    """Return the sum over encounters of the risk at the worst step of each, exact in the plane."""
+    worst = {}
+    for row in certificate.ledger:
+        who = (row.cause, row.vehicle, row.other)
+        worst[who] = max(worst.get(who, 0.0), row.risk)
+    return sum(worst.values())
+
+
+@QUICK
 @given(SEEDS)
-def test_along_intervals_no_step_is_forgotten(seed):
+def test_along_intervals_no_encounters_worst_step_is_forgotten(seed):
     # The sum over the steps may be larger: it charges what persists once per step.
     paths, covariances, clouds = random_scene(seed)
     steps = certify(scene_plan(paths, covariances, clouds, avoidance="steps"))
     intervals = certify(scene_plan(paths, covariances, clouds, avoidance="intervals"))
-    worst = max((row.risk for row in steps.ledger), default=0.0)
-    assert intervals.certified >= worst * (1 - 1e-5)
+    assert intervals.certified >= worst_steps(steps) * (1 - 1e-5)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_along_intervals_every_pair_is_charged_what_it_collides_at_any_step(seed):
+    # Flown here, from the definition: no line of the simulation, none of the certificate.
+    samples = 4000
+    rng = np.random.default_rng(seed)
+    paths, covariances, clouds = random_scene(seed)
+    certificate = certify(scene_plan(paths, covariances, clouds, avoidance="intervals"))
+    charged = {}
+    for row in certificate.ledger:
+        if row.cause == "pair":
+            who = (row.vehicle, row.other)
+            charged[who] = charged.get(who, 0.0) + row.risk
+    flown = []
+    for path, covariance in zip(paths, covariances, strict=True):
+        begin = rng.multivariate_normal(np.zeros(2), covariance, samples)[:, None]
+        gusts = 0.05 * rng.standard_normal((samples, len(path) - 1, 2))
+        drift = np.concatenate([np.zeros((samples, 1, 2)), gusts.cumsum(axis=1)], axis=1)
+        flown.append(path + begin + drift)
+    for i, j in combinations(range(len(flown)), 2):
+        distances = np.linalg.norm(flown[i] - flown[j], axis=2)
+        rate = np.mean(distances.min(axis=1) < 0.6)
+        noise = 4.0 * np.sqrt(rate * (1.0 - rate) / samples)
+        assert charged.get((f"v{i}", f"v{j}"), 0.0) >= rate - noise
 
 
 @QUICK

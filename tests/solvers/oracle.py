@@ -7,6 +7,7 @@ enumerated one avoidance after the other, cut off by scipy's own interface to li
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import linprog
@@ -14,19 +15,27 @@ from scipy.stats import norm
 
 from radmpc.model.scenario import Scenario
 
+Directions = Mapping[tuple[str, str], Sequence[np.ndarray]]
 
-def least_cost(scenario: Scenario, risk: float, *, is_curved: bool = True) -> float:
+
+def least_cost(
+    scenario: Scenario, risk: float, *, is_curved: bool = True, more: Directions | None = None
+) -> float:
     """Return the least cost with every face held back for the same risk; inf if infeasible.
 
-    Under intervals with the whole bow in reserve at both ends, or (not curved) with none.
+    Under intervals with the whole bow in reserve at both ends, or (not curved) with none. ``more``
+    are unit normals that count as faces, too, by the names of who avoids whom.
     """
-    model = _Model(scenario, norm.isf(risk), is_curved)
+    model = _Model(scenario, norm.isf(risk), is_curved, more or {})
     return model.search([], np.inf)
 
 
 class _Model:
-    def __init__(self, scenario: Scenario, sigmas: float, is_curved: bool) -> None:
+    def __init__(
+        self, scenario: Scenario, sigmas: float, is_curved: bool, more: Directions
+    ) -> None:
         self.is_curved = is_curved
+        self.more = more
         self.scenario = scenario
         self.sigmas = sigmas
         self.T = scenario.horizon
@@ -89,13 +98,16 @@ class _Model:
         for w in windows:
             for i, o in itertools.product(range(s.num_vehicles), s.obstacles):
                 for piece in o.at(w):
-                    faces = zip(piece.normals, piece.offsets, strict=True)
+                    faces = list(zip(piece.normals, piece.offsets, strict=True))
+                    extra = self.more.get((s.vehicles[i].name, o.name), ())
+                    faces += [(n, float((piece.vertices @ n).max())) for n in extra]
                     found.append(
                         [self._hold(w, {i: 1.0}, n, g + s.vehicles[i].radius) for n, g in faces]
                     )
             for i, j in itertools.combinations(range(s.num_vehicles), 2):
                 apart = s.vehicles[i].radius + s.vehicles[j].radius
-                axes = ((1, 0), (0, 1), (-1, 0), (0, -1))
+                extra = self.more.get((s.vehicles[i].name, s.vehicles[j].name), ())
+                axes = ((1, 0), (0, 1), (-1, 0), (0, -1), *extra)
                 found.append(
                     [self._hold(w, {i: 1.0, j: -1.0}, np.array(n, float), apart) for n in axes]
                 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -16,11 +16,24 @@ from radmpc.model.scenario import Scenario
 
 __all__ = ["connected_sets", "couplings_of", "face_risk", "share_couplings"]
 
+Place = tuple[Vector, Matrix]
+
+
+_ROUNDS = 40
+"""Halvings of the share of the reserve: to 1e-12 of it."""
+
 
 def face_risk(
-    faces: tuple[Matrix, Vector], radius: float, position: Vector, covariance: Matrix
+    faces: tuple[Matrix, Vector],
+    radius: float,
+    near: Sequence[Place],
+    far: Place | None = None,
+    sagitta: Vector | None = None,
 ) -> float:
     """Return the collision probability of the active face: the one with the least risk.
+
+    Along an interval one face is held from end to end, with the reserve for the curve between
+    shared as suits it best (`radmpc.program.reserve`).
 
     Parameters
     ----------
@@ -28,24 +41,55 @@ def face_risk(
         Normals and offsets of a temporal obstacle at one step.
     radius : float
         Radius of the vehicle that avoids it [m].
-    position : (d,) array
-        Its mean position [m].
-    covariance : (d, d) array
-        Its position covariance [m²].
+    near : sequence of ((d,) array, (d, d) array)
+        Its mean position [m] and position covariance [m²] at a step; along an interval at its
+        beginning, also as feedback bends it.
+    far : ((d,) array, (d, d) array) or None
+        The same at the interval's end; None where a step alone counts.
+    sagitta : (d,) array or None
+        How far its path is from the chord at the middle of the interval, chord minus path [m];
+        None where it is straight.
 
     Returns
     -------
     float
-        ``Pr[h·x > g]`` of that face.
+        ``Pr[h·x > g]`` of that face, at the end where it is larger.
     """
+    before = [_margins(faces, radius, place) for place in near]
+    if far is None:
+        return float(tail_probability(_held(before, 0.0).max()))
+    after = [_margins(faces, radius, far)]
+    bow = np.zeros(len(faces[1]))
+    if sagitta is not None:
+        bow = np.maximum(faces[0] @ sagitta, 0.0)
+    low, high = np.zeros(bow.size), np.ones(bow.size)
+    best = np.full(bow.size, -np.inf)
+    # The near end has less left the more of the reserve it keeps, the far end more.
+    for _ in range(_ROUNDS):
+        share = 0.5 * (low + high)
+        ends = _held(before, 4.0 * bow * share**2), _held(after, 4.0 * bow * (1.0 - share) ** 2)
+        best = np.maximum(best, np.minimum(*ends))
+        has_spare = ends[0] > ends[1]
+        low, high = np.where(has_spare, share, low), np.where(has_spare, high, share)
+    return float(tail_probability(best.max()))
+
+
+def _margins(faces: tuple[Matrix, Vector], radius: float, place: Place) -> tuple[Vector, Vector]:
+    """Return what a place keeps clear of each face and the deviation there [m]."""
     normals, offsets = faces
-    slack = normals @ position - offsets - radius
+    mean, covariance = place
     variances = np.einsum("fa,ab,fb->f", normals, covariance, normals)
-    deviations = np.sqrt(np.maximum(variances, 0.0))
-    noisy = deviations > 0.0
-    certain = np.where(slack >= 0.0, np.inf, -np.inf)
-    clearances = np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
-    return float(tail_probability(clearances.max()))
+    return normals @ mean - offsets - radius, np.sqrt(np.maximum(variances, 0.0))
+
+
+def _held(places: Sequence[tuple[Vector, Vector]], reserve: Vector | float) -> Vector:
+    """Return the least clearance of some places, a reserve kept, in standard deviations."""
+    found = []
+    for margins, deviations in places:
+        slack, noisy = margins - reserve, deviations > 0.0
+        certain = np.where(slack >= 0.0, np.inf, -np.inf)
+        found.append(np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain))
+    return np.asarray(np.minimum.reduce(found))
 
 
 def connected_sets(

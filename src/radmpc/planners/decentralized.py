@@ -23,7 +23,7 @@ from radmpc.program.build import build_program, controls_of, responses
 from radmpc.program.policy import Ira, Policy, Pool
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.start import start_pair_risk
-from radmpc.program.subject import Subject, make_subject
+from radmpc.program.subject import Subject, bent_covariances, make_subject
 from radmpc.solvers.solution import Limits, Outcome, Solver
 
 __all__ = ["approximate"]
@@ -169,6 +169,7 @@ class _Radmpc:
             self._noise(k, i),
             k,
             intervals=self.intervals,
+            controls=self.controls[i][k:],
             sigmas=self.receding.sigmas,
         )
 
@@ -286,15 +287,22 @@ class _Radmpc:
 
     def _window_risk(self, i: int, j: int, k: int, plan: Matrix, window: int) -> float:
         """Return the risk of i with j's temporal obstacle in one window after step k."""
-        noise = self._noise(k, i)
         vehicle = self.scenario.vehicles[i]
-        axes = list(vehicle.system.position)
+        system, axes = vehicle.system, list(vehicle.system.position)
+        noise = self._noise(k, i)
+        places = [(plan[s][axes], noise[s][axes][:, axes]) for s in (window, window + 1)]
         if not self.intervals:
-            piece, steps = self.obstacles[j].at(k + window + 1), [window + 1]
-        else:
-            piece, steps = self.obstacles[j].at(k + window), [window, window + 1]
-        return max(
-            face_risk(piece, vehicle.radius, plan[s][axes], noise[s][axes][:, axes]) for s in steps
+            return face_risk(self.obstacles[j].at(k + window + 1), vehicle.radius, places[1:])
+        near = places[:1]
+        bent = bent_covariances(vehicle, noise[window : window + 2])
+        if bent is not None:
+            near.append((places[0][0], bent[0]))
+        return face_risk(
+            self.obstacles[j].at(k + window),
+            vehicle.radius,
+            near,
+            places[1],
+            system.sagitta @ self.controls[i][k + window],
         )
 
     def _planned(self, k: int, i: int) -> Matrix:

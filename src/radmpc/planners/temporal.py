@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -58,6 +58,7 @@ def make_temporal_obstacle(
     first_step: int,
     *,
     intervals: bool = False,
+    controls: Matrix | None = None,
     sigmas: float = 3.0,
 ) -> TemporalObstacle:
     """Bound a plan's 3σ regions (paper, section Temporal Obstacles).
@@ -73,14 +74,18 @@ def make_temporal_obstacle(
     first_step : int
         Absolute step of the first entry.
     intervals : bool
-        Whether the way between steps counts: then k = 0 is no exception.
+        Whether the way between steps counts: then neither k = 0 nor a goal is an exception.
+    controls : (s, m) array or None
+        Controls held from step to step, where the way between steps counts; None leaves the
+        square on the chord.
     sigmas : float
         Standard deviations that the squares bound.
 
     Returns
     -------
     TemporalObstacle
-        The hull of the squares at k and k+1; a square alone at k = 0, at the horizon and where
+        The hull of the squares at k and k+1, its faces moved out to hold the square's way along
+        the curve; a square alone at the horizon and, where only steps count, at k = 0 and where
         the vehicle is in its goal and stays there.
     """
     system = vehicle.system
@@ -93,10 +98,13 @@ def make_temporal_obstacle(
             for i, position in enumerate(positions)
         ]
     )
-    alone = np.append(arrived[:-1] & arrived[1:], True)
+    alone = np.append(arrived[:-1] & arrived[1:] & (not intervals), True)
     alone[0] |= first_step == 0 and not intervals
     following = np.where(alone, np.arange(len(positions)), np.arange(len(positions)) + 1)
-    return _hulls(vehicle.name, first_step, (positions, halves), following)
+    found = _hulls(vehicle.name, first_step, (positions, halves), following)
+    if controls is None or not intervals:
+        return found
+    return _around_curves(found, (positions, halves), following, controls @ system.sagitta.T)
 
 
 def standing_obstacle(
@@ -154,6 +162,31 @@ def _hulls(
         np.concatenate([extent, offsets], axis=1),
         np.concatenate([shared, unique], axis=1),
     )
+
+
+def _around_curves(
+    chords: TemporalObstacle, squares: tuple[Matrix, Vector], following: Indices, sagittas: Matrix
+) -> TemporalObstacle:
+    """Return temporal obstacles that hold the squares' ways along parabolas, (s, d) below chords.
+
+    A square's support along a face is at a share s of the step ``(1 − s) a + s b + 4 s (1 − s) c``
+    with c how far the curve leaves the chord outwards: largest at an end, or in between at
+    ``s = ½ + (b − a) / 8c``.
+    """
+    positions, halves = squares
+    normals = chords.normals
+    widths = np.abs(normals).sum(axis=2)
+    near = np.einsum("sfa,sa->sf", normals, positions) + halves[:, None] * widths
+    far = np.einsum("sfa,sa->sf", normals, positions[following])
+    far += halves[following][:, None] * widths
+    outward = np.zeros_like(near)
+    outward[:-1] = -np.einsum("sfa,sa->sf", normals[:-1], sagittas)
+    is_out = outward > 0.0
+    bow = np.where(is_out, outward, 1.0)
+    share = np.clip(0.5 + (far - near) / (8.0 * bow), 0.0, 1.0)
+    curve = (1.0 - share) * near + share * far + 4.0 * share * (1.0 - share) * bow
+    offsets = np.where(is_out, np.maximum(chords.offsets, curve), chords.offsets)
+    return replace(chords, offsets=offsets)
 
 
 def _bridges(near: Tensor, far: Tensor) -> tuple[Tensor, Matrix]:

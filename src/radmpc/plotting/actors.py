@@ -60,7 +60,9 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
             actors.append(_FlatObstacle(ax, obstacle) if is_flat else _SolidObstacle(ax, obstacle))
     is_named = plan.scenario.num_vehicles <= MAX_LABELS
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
-        way = way_of(vehicle, trajectory, plan.scenario.dt, per_step)
+        way = way_of(
+            vehicle, trajectory, per_step, intervals=plan.scenario.avoidance == "intervals"
+        )
         kind = _SolidVehicle if isinstance(ax, Axes3D) else _FlatVehicle
         actors.append(kind(ax, vehicle, way, colors[vehicle.name], is_named, per_step))
     return actors

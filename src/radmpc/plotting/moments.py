@@ -29,7 +29,8 @@ class Way:
     boxes : tuple of ((c, d) array, ...)
         Corners of the temporal obstacle of each step 0..T [m] (paper, section Temporal
         Obstacles): the hull of the squares around the means at k and k+1, with three standard
-        deviations along the longest axis plus the radius as half-side; at T the square alone.
+        deviations along the longest axis plus the radius as half-side, and of those along the
+        curve between where intervals count; at T the square alone.
     """
 
     places: Matrix
@@ -37,7 +38,9 @@ class Way:
     boxes: tuple[Matrix, ...]
 
 
-def way_of(vehicle: Vehicle, trajectory: Trajectory, dt: float, per_step: int) -> Way:
+def way_of(
+    vehicle: Vehicle, trajectory: Trajectory, per_step: int, *, intervals: bool = True
+) -> Way:
     """Return a vehicle's way at ``per_step`` frames per step, and the last one.
 
     Parameters
@@ -46,10 +49,10 @@ def way_of(vehicle: Vehicle, trajectory: Trajectory, dt: float, per_step: int) -
         Who.
     trajectory : Trajectory
         Its part of a plan.
-    dt : float
-        Step [s].
     per_step : int
         Frames per step.
+    intervals : bool
+        Whether the way between steps counts.
 
     Returns
     -------
@@ -72,8 +75,14 @@ def way_of(vehicle: Vehicle, trajectory: Trajectory, dt: float, per_step: int) -
     largest = np.sqrt(np.maximum(np.linalg.eigvalsh(coarse)[:, -1], 0.0))
     halves = 3.0 * largest + vehicle.radius
     cube = np.array(np.meshgrid(*[[-1.0, 1.0]] * len(axes))).reshape(len(axes), -1).T
-    squares = at_steps[:, None, :] + halves[:, None, None] * cube
-    boxes = tuple(hull(np.vstack(squares[k : k + 2])).vertices for k in range(steps + 1))
+    along = path if intervals else at_steps
+    spaced = (len(along) - 1) // steps
+    sides = np.interp(np.linspace(0.0, steps, len(along)), np.arange(steps + 1), halves)
+    squares = along[:, None, :] + sides[:, None, None] * cube
+    boxes = tuple(
+        hull(np.vstack(squares[k * spaced : (k + 1) * spaced + 1])).vertices
+        for k in range(steps + 1)
+    )
     return Way(places, np.asarray(roots), boxes)
 
 

@@ -10,7 +10,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["Response", "Subject", "make_subject"]
+__all__ = ["Response", "Subject", "bent_covariances", "make_subject"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,7 +133,7 @@ def make_subject(
         horizon=horizon,
         control_bounds=bounds,
         position_covariances=covariances[:, axes, :][:, :, axes],
-        bent_covariances=_bent_covariances(vehicle, covariances),
+        bent_covariances=bent_covariances(vehicle, covariances),
         position=position,
         velocity=velocity,
         drift_position=drift,
@@ -143,7 +143,7 @@ def make_subject(
     )
 
 
-def _bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
+def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
     """Return the covariances of ``(P − B_p K) δ_k``, or None without feedback on a parabola.
 
     Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,

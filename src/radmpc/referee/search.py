@@ -19,7 +19,7 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
 
     At one end the tangents are the best there is. At two ends the search goes on from them.
     """
-    gaps = sites.means.mean(axis=1)[:, None] - sites.vertices.mean(axis=1)
+    gaps = sites.means.mean(axis=1)[:, None] - _centers(sites.vertices)
     tried = np.concatenate(
         [np.repeat(common, repeats, axis=0), unit(gaps.mean(axis=1, keepdims=True))], axis=1
     )
@@ -63,6 +63,18 @@ def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
     best = known.copy()
     best[worth], _ = _cheapest(close, tried)
     return best
+
+
+def _centers(vertices: Tensor) -> Tensor:
+    """Return the mean of the distinct corners at each step around a site, (S, 1 or 2, d).
+
+    Corners are padded by repeating the first. Which one that is, and how often it is repeated,
+    hangs on how outlines are written and on what else there is: neither may move the center.
+    """
+    is_new = np.ones(vertices.shape[:3], dtype=bool)
+    is_new[:, :, 1:] = (vertices[:, :, 1:] != vertices[:, :, :1]).any(axis=3)
+    kept = np.where(is_new[..., None], vertices, 0.0)
+    return np.asarray(kept.sum(axis=2) / is_new.sum(axis=2)[..., None])
 
 
 def _sum_over_ends(risks: Tensor) -> Tensor:

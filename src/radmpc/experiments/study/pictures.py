@@ -163,6 +163,7 @@ def _temporal(record: Plan) -> list[tuple[str, list[Matrix]]]:
             trajectory.covariances,
             0,
             intervals=scenario.avoidance == "intervals",
+            controls=trajectory.controls,
         )
         pieces = [halfspaces(*obstacle.at(k)).vertices for k in range(scenario.horizon + 1)]
         found.append((vehicle.name, pieces))
