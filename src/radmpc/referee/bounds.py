@@ -107,6 +107,8 @@ def instant_risks(encounters: Encounters) -> Vector:
     count, steps, d = encounters.means.shape
     sites = instant_sites(encounters)
     best, risks = best_directions(sites, encounters.directions, steps)
+    # The search tells apart what fails for certain: that is no probability.
+    risks = np.minimum(risks, 1.0)
     worth = np.flatnonzero(risks > NEGLIGIBLE)
     if d == 2 and worth.size:
         risks[worth] = grown_polygon_risks(
