@@ -19,10 +19,10 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["Cures", "cure_sentence", "find_cures", "has_plan_within"]
 
-_SECONDS = 1.0
+_SECONDS = 2.0
 """Time for all trials of one kind [s]: each takes 0.1 s for a vehicle among a few obstacles."""
 
-_ONE_TRIAL = 0.6
+_ONE_TRIAL = 1.2
 """Most that a single trial may take of it [s]."""
 
 _WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
