@@ -26,8 +26,12 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["Order", "SetProblem", "SetState", "advance"]
 
-_PATIENCE = 100
+_PATIENCE = 60
 """Nodes per vehicle without any plan before heuristics look for one."""
+
+_RESCUE_NODES = 80
+"""Nodes per vehicle that these get: a few more than after which `branch` turns to heuristics. Any
+plan will do, and half-spaces turned to it are better than the best by faces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -227,7 +231,7 @@ def _rescue(
     solved = solve_under_policy(
         problem.program,
         Ira(),
-        Branch(order.max_nodes),
+        Branch(_RESCUE_NODES * len(problem.members)),
         gap=1e-2,
         limits=limits,
         stage="rescue",
