@@ -58,10 +58,15 @@ clean: ## remove the environment and everything made
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
+# uv takes seconds where pip takes minutes; whatever keeps it from working, pip then does or names.
+install = $(PIP) install --quiet -c constraints.txt uv 2>/dev/null \
+	    && $(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e $(1) 2>/dev/null \
+	    || $(PIP) install --quiet -c constraints.txt -e $(1)
+
 $(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) install --quiet -c constraints.txt -e .
+	$(call install,.)
 	@touch $@
 
 $(INSTALLED_DEV): pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) install --quiet -c constraints.txt -e '.[dev]'
+	$(call install,'.[dev]')
 	@touch $@ $(INSTALLED)
