@@ -51,7 +51,8 @@ docs: $(INSTALLED_DEV) ## the site, into site/
 	@echo "the site is in site/index.html"
 
 nightly: coverage ## what takes too long for every check: coverage, all spoiled files, a longer hunt
-	RADMPC_THOROUGH=1 $(BIN)/pytest -n $(WORKERS) tests/cli/test_spoiled_files.py tests/benchmarks/test_hunt.py
+	RADMPC_THOROUGH=1 $(BIN)/pytest -n $(WORKERS) tests/cli/test_spoiled_files.py \
+	    tests/cli/test_interrupts.py tests/benchmarks/test_hunt.py
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
 test: $(INSTALLED_DEV) ## all tests
