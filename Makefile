@@ -10,6 +10,8 @@ INSTALLED_DEV := $(VENV)/.installed-dev
 
 # Workers share the processors already: threads within small matrices only stand in their way.
 export OPENBLAS_NUM_THREADS ?= 1
+# Neighbors stay together, so that what a file's tests share is made once; who is done takes over.
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
 .PHONY: help demo coverage nightly check still format lint types floors docs test clean
@@ -51,15 +53,15 @@ docs: $(INSTALLED_DEV) ## the site, into site/
 	@echo "the site is in site/index.html"
 
 nightly: coverage ## what takes too long for every check: coverage, all spoiled files, a longer hunt
-	RADMPC_THOROUGH=1 $(BIN)/pytest -n $(WORKERS) tests/cli/test_spoiled_files.py \
+	RADMPC_THOROUGH=1 $(PYTEST) tests/cli/test_spoiled_files.py \
 	    tests/cli/test_interrupts.py tests/benchmarks/test_hunt.py
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
 test: $(INSTALLED_DEV) ## all tests
-	$(BIN)/pytest -n $(WORKERS)
+	$(PYTEST)
 
 coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third longer
-	$(BIN)/pytest -n $(WORKERS) --cov --cov-fail-under=90
+	$(PYTEST) --cov --cov-fail-under=90
 
 clean: ## remove the environment and everything made
 	rm -rf $(VENV) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
