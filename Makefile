@@ -1,4 +1,5 @@
 # Two commands: `make demo` shows what radmpc does, `make check` shows that it is right.
+MAKEFLAGS += --no-print-directory
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -7,8 +8,13 @@ WORKERS ?= 2
 INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 
+# Workers share the processors already: threads within small matrices only stand in their way.
+export OPENBLAS_NUM_THREADS ?= 1
+# Neighbors stay together, so that what a file's tests share is made once; who is done takes over.
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
+
 .DEFAULT_GOAL := help
-.PHONY: help demo coverage nightly check format lint types floors docs test clean
+.PHONY: help demo coverage nightly check still format lint types floors docs test clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -17,8 +23,14 @@ demo: $(INSTALLED) ## plan the shipped scenario; plan and picture go to out/
 	@$(BIN)/radmpc demo --out out
 	@echo "(here radmpc is $(BIN)/radmpc)"
 
-check: format lint types floors docs test ## everything that must hold before a commit
+# What stands still is looked at side by side, each told in one piece; tests come after the site,
+# because they read what its build made of the examples.
+check: $(INSTALLED_DEV) ## everything that must hold before a commit
+	@$(MAKE) --jobs=$(WORKERS) --output-sync=target still
+	@$(MAKE) test
 	@echo 'make check: everything holds'
+
+still: docs types format lint floors ## all of it but the tests
 
 format: $(INSTALLED_DEV) ## is the code formatted
 	$(BIN)/ruff format --check .
@@ -41,14 +53,15 @@ docs: $(INSTALLED_DEV) ## the site, into site/
 	@echo "the site is in site/index.html"
 
 nightly: coverage ## what takes too long for every check: coverage, all spoiled files, a longer hunt
-	RADMPC_THOROUGH=1 $(BIN)/pytest -n $(WORKERS) tests/cli/test_spoiled_files.py tests/benchmarks/test_hunt.py
+	RADMPC_THOROUGH=1 $(PYTEST) tests/cli/test_spoiled_files.py \
+	    tests/cli/test_interrupts.py tests/benchmarks/test_hunt.py
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
 test: $(INSTALLED_DEV) ## all tests
-	$(BIN)/pytest -n $(WORKERS)
+	$(PYTEST)
 
 coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third longer
-	$(BIN)/pytest -n $(WORKERS) --cov --cov-fail-under=90
+	$(PYTEST) --cov --cov-fail-under=90
 
 clean: ## remove the environment and everything made
 	rm -rf $(VENV) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
@@ -58,10 +71,15 @@ clean: ## remove the environment and everything made
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
+# uv takes seconds where pip takes minutes; whatever keeps it from working, pip then does or names.
+install = $(PIP) install --quiet -c constraints.txt uv 2>/dev/null \
+	    && $(BIN)/uv pip install --quiet --python $(BIN)/python -c constraints.txt -e $(1) 2>/dev/null \
+	    || $(PIP) install --quiet -c constraints.txt -e $(1)
+
 $(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) install --quiet -c constraints.txt -e .
+	$(call install,.)
 	@touch $@
 
 $(INSTALLED_DEV): pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) install --quiet -c constraints.txt -e '.[dev]'
+	$(call install,'.[dev]')
 	@touch $@ $(INSTALLED)

@@ -10,6 +10,8 @@ import ast
 import contextlib
 import importlib.util
 import io
+import json
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +23,7 @@ from making import ROOT, code_digest, made
 
 MARK = "<!-- gallery -->"
 SUFFIXES = (".png", ".gif")
+NUMBER = "number.json"
 
 
 @dataclass(frozen=True)
@@ -87,19 +90,29 @@ def section(example: Example, picture: str) -> str:
     )
 
 
+def folder_of(example: Example) -> Path:
+    """Return the folder of what an example wrote and returned; it is run if that is not there."""
+    path = example.path
+    return made(path.stem, code_digest(path), lambda out: _run(path, out))
+
+
 def picture(example: Example) -> Path:
     """Return an example's picture, made if it is not there."""
     name = example.path.stem
-    folder = made(name, code_digest(example.path), lambda out: _run(example.path, out))
-    found = [folder / f"{name}{suffix}" for suffix in SUFFIXES]
+    found = [folder_of(example) / f"{name}{suffix}" for suffix in SUFFIXES]
     there = [path for path in found if path.is_file()]
     if not there:
         raise PluginError(f"{example.path.name}: writes no {name}.png or .gif")
     return there[0]
 
 
+def number(example: Example) -> Any:
+    """Return what an example's main function returned."""
+    return json.loads((folder_of(example) / NUMBER).read_text(encoding="utf-8"))
+
+
 def _run(path: Path, out: Path) -> None:
-    """Call an example's main function."""
+    """Call an example's main function, keep its number; warnings are errors as in the tests."""
     import matplotlib as mpl  # noqa: PLC0415 - slow, and only needed where a picture is missing
     from matplotlib import pyplot  # noqa: PLC0415
 
@@ -109,9 +122,11 @@ def _run(path: Path, out: Path) -> None:
         raise PluginError(f"{path.name}: cannot be imported")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    with contextlib.redirect_stdout(io.StringIO()):
-        module.main(out)
+    with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        number = module.main(out)
     pyplot.close("all")
+    (out / NUMBER).write_text(json.dumps(number), encoding="utf-8")
 
 
 def on_files(files: Any, config: Any) -> Any:

@@ -36,7 +36,7 @@ def code_digest(*more: Path) -> str:
     digest = hashlib.sha256()
     for path in files:
         digest.update(path.as_posix().encode() + b"\0" + path.read_bytes())
-    for name in ("matplotlib", "numpy", "highspy"):
+    for name in ("highspy", "matplotlib", "numpy", "pillow", "scipy", "shapely"):
         digest.update(version(name).encode())
     return digest.hexdigest()[:16]
 

@@ -7,22 +7,44 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 
-from radmpc.experiments.study import read_rows
+from radmpc.console import reproducing
+from radmpc.experiments.study import Study, full_study, quick_study, read_rows
 
-METHODS = ("--method", "certified", "--method", "radmpc")
+# The command with a smaller study: what sizes and samples the shipped ones have is tested there.
+SCRIPT = """
+import sys
+sys.path.insert(0, {folder!r})
+from test_reproduce import smaller
+from radmpc.__main__ import main
+from radmpc.console import reproducing
+quick = smaller(reproducing.quick_study())
+reproducing.quick_study = lambda: quick
+main()
+"""
 
 
-def test_reproduce_writes_rows_report_and_figures_and_then_has_nothing_to_do(run, tmp_path):
+def smaller(study: Study) -> Study:
+    """The same study of fewer fleets and flights."""
+    return replace(study, sizes=(2, 3, 4), samples=1_000, shown={4: 0})
+
+
+def test_reproduce_writes_rows_report_and_figures_and_then_has_nothing_to_do(
+    run, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(reproducing, "full_study", lambda **words: smaller(full_study(**words)))
     words = ("reproduce", "--out", "study", "--seeds", 1, "--cap", 20, "--method", "certified")
     first = run(*words)
     assert first.exit_code == 0
-    assert "7 rows in study/rows.jsonl" in first.stdout
+    assert "3 rows in study/rows.jsonl" in first.stdout
+    rows = read_rows(tmp_path / "study/rows.jsonl")
+    assert {(row.method, row.seed, row.cap) for row in rows} == {("certified", 0, 20.0)}
     before = (tmp_path / "study/rows.jsonl").read_bytes()
     assert (tmp_path / "study/report.md").read_text(encoding="utf-8").startswith("# The paper's")
-    assert (tmp_path / "study/plans-8.png").exists()
+    assert (tmp_path / "study/plans-4.png").exists()
     assert run(*words, "--report-only").exit_code == 0
     assert (tmp_path / "study/rows.jsonl").read_bytes() == before
 
@@ -44,7 +66,8 @@ def test_reproduce_refuses_what_makes_no_sense_in_one_line(run, words, message):
 
 def test_an_interrupt_ends_it_and_the_same_command_goes_on(tmp_path):
     out = tmp_path / "study"
-    command = [sys.executable, "-m", "radmpc", "reproduce", "--out", str(out), "--quick"]
+    script = SCRIPT.format(folder=os.path.dirname(__file__))
+    command = [sys.executable, "-c", script, "reproduce", "--out", str(out), "--quick"]
     command += ["--method", "certified"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ}
@@ -63,4 +86,5 @@ def test_an_interrupt_ends_it_and_the_same_command_goes_on(tmp_path):
     again = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300.0)
     assert again.returncode == 0
     assert (out / "rows.jsonl").read_bytes().startswith(kept)
-    assert len(read_rows(out / "rows.jsonl")) == 28
+    tasks = smaller(quick_study()).only(["certified"]).tasks()
+    assert len(read_rows(out / "rows.jsonl")) == len(tasks) == 12

@@ -296,7 +296,7 @@ def test_the_same_drawing_in_both_formats_is_the_same_scenario() -> None:
 
 def test_a_drawing_is_planned_within_the_bound_and_lies_where_it_was_drawn() -> None:
     scenario = import_scenario(FOLDER / "marina.geojson").scenario
-    result = plan(scenario, time_limit=60.0)
+    result = plan(scenario, time_limit=5.0)
     assert result.is_certified
     origin = scenario_origin(scenario)
     assert origin is not None

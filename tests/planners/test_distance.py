@@ -86,7 +86,7 @@ def test_other_readings_of_the_paper_are_options_and_plan(options, text):
 
 
 def test_larger_temporal_obstacles_keep_vehicles_further_apart():
-    scenario = paper(8, 1)
+    scenario = paper(6, 2)
     costs = [
         plan(scenario, Planner(Pool(), Branch(), Receding(sigmas=s))).cost for s in (0.0, 3.0, 6.0)
     ]
