@@ -1,6 +1,8 @@
-"""After a search without a plan: the reason, the safest plan met on the way, and more faces."""
+"""After a search without a plan: what else leads to one, and why there is none."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from radmpc.planners.certified.best import Best
 from radmpc.planners.certified.cures import has_plan_within
@@ -8,8 +10,11 @@ from radmpc.planners.certified.finer import finer_scenarios
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.turning import plan_by_turning
 from radmpc.planners.certified.why_not import WhyNot, ended, why_not
 from radmpc.planners.certified.within import take_sides
+from radmpc.planners.sides import propose_sides
+from radmpc.solvers.branch import Branch
 
 __all__ = ["last_resort"]
 
@@ -17,6 +22,16 @@ _TRIAL = 1.5
 """Time to find out whether more faces open a way to those who have none [s]."""
 
 _FOUND = WhyNot("", is_proven=False)
+
+_MOST_VEHICLES = 8
+"""Vehicles of a fleet that are planned as one without regard for risk."""
+
+_NOISELESS = 2.0
+_NOISELESS_SHARE = 0.3
+"""Time for a plan of a fleet without noise, and its share of what is left [s]."""
+
+_NODES = 150
+"""Nodes per vehicle for it; any plan will do."""
 
 
 def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
@@ -37,11 +52,15 @@ def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
     fleet, best = search.fleet, search.best
     scenario, limits = fleet.scenario, fleet.limits
     answer: WhyNot | None = None
-    while not limits.reached:
+    _turn_from_noiseless(search)
+    if best.controls and fleet.budget > 0.0 and fleet.without_plan() is None:
+        # Prices that were doubtful without any plan are not with one: go on for a bound.
+        search.run()
+    while not limits.reached and not best.controls:
         if answer is None:
             answer = why_not(scenario, limits)
             if answer.controls:
-                take_sides(fleet, best, search.judge, answer.sets, answer.controls)
+                _take(search, answer)
             if answer.blocked and not best.controls:
                 other, answer = _with_more_faces(search, answer)
                 if other is not None:
@@ -52,15 +71,43 @@ def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
             search.effort *= MORE_EFFORT
         if fleet.budget <= 0.0:
             break
-        if not limits.reached:
+        if not limits.reached and not best.controls:
             search.run()
-        if best.controls:
-            break
     if best.controls:
         return search, _FOUND
     if answer is None or not answer.explanation:
         return search, WhyNot(ended(scenario, limits), is_proven=False)
     return search, answer
+
+
+def _turn_from_noiseless(search: PriceSearch) -> None:
+    """Turn half-spaces to a plan that has no regard for noise, faces or not."""
+    fleet = search.fleet
+    scenario, limits = fleet.scenario, fleet.limits
+    if scenario.num_vehicles > _MOST_VEHICLES:
+        return
+    whole = tuple(range(scenario.num_vehicles))
+    problem = fleet.problem(whole)
+    short = limits.within(min(_NOISELESS, _NOISELESS_SHARE * limits.seconds_left))
+    margins = np.zeros(problem.program.rows.count)
+    solved = Branch(_NODES * len(whole)).solve(
+        problem.program,
+        margins,
+        gap=1e-2,
+        limits=short,
+        guide=lambda: propose_sides(problem.program, problem.subjects, margins, short),
+    )
+    if solved.z is not None:
+        controls = fleet.controls((whole,), (solved.z,))
+        plan_by_turning(fleet, search.best, search.judge, (whole,), controls)
+
+
+def _take(search: PriceSearch, answer: WhyNot) -> None:
+    """Look for a certified plan from the safest that was met."""
+    fleet, best, judge = search.fleet, search.best, search.judge
+    take_sides(fleet, best, judge, answer.sets, answer.controls)
+    if not best.controls:
+        plan_by_turning(fleet, best, judge, answer.sets, answer.controls)
 
 
 def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[PriceSearch | None, WhyNot]:

@@ -15,9 +15,10 @@ from radmpc.planners.certified.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
 from radmpc.solvers.risk_nodes import Incumbent
+from radmpc.solvers.risk_rating import Rater
 from radmpc.solvers.risk_tree import RiskTree
 
-__all__ = ["turn_half_spaces"]
+__all__ = ["plan_by_turning", "turn_half_spaces"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -41,6 +42,18 @@ _ENOUGH = 0.1
 """Share of the gap below which a round gains too little to go on."""
 
 _MAX_STALLS = 2
+_LESS = 0.9
+"""Share of the least certificate so far that a round must come below while none is within Δ."""
+
+_DEAR = 10.0
+"""Multiple of the first price of risk from a plan that risks too much."""
+
+_ROOM = 1.1
+"""What the rows may sum to, in multiples of what they do at the plan that they are turned to."""
+
+_ANY = 1e3
+"""Sum of risks that is no limit."""
+
 _NOTHING = 1e-300
 _STILL = 0.1
 """Share of the gap below which what a set's controls change by is nothing."""
@@ -65,52 +78,102 @@ def turn_half_spaces(fleet: Fleet, best: Best, judge: Judge) -> None:
     judge : callable
         The referee.
     """
-    granted, limits = fleet.scenario.risk_bound, fleet.limits
-    sets = best.sets
-    points = _points(fleet, sets, best.controls)
     price = best.rounds[-1][1] if best.rounds else fleet.first_price()
-    num_stalls, settled = 0, _Settled()
-    for number in range(_ROUNDS):
-        if limits.reached or num_stalls >= _MAX_STALLS:
-            break
-        points = [settled.turned(fleet, m, z, price) for m, z in zip(sets, points, strict=True)]
-        spent = sum(settled.risks.get(m, 0.0) for m in sets)
-        controls = fleet.controls(sets, points)
-        certified = judge(controls).certified
-        cost = _cost(fleet, sets, points)
-        _LOG.info(
-            "turn %d: price of risk %.3g, cost %.6g, certificate %.3g",
-            number + 1, price, cost, certified,
-        )  # fmt: skip
-        if certified <= granted:
-            is_little = best.cost - cost < _ENOUGH * fleet.gap * abs(best.cost)
-            num_stalls = num_stalls + 1 if is_little else 0
-            if cost < best.cost:
-                best.controls, best.cost, best.certified = controls, cost, certified
-                best.turned_price = price / fleet.unit * spent / max(certified, _NOTHING)
-        ratio = float(np.clip(certified / (_AIM * granted), 1.0 / _MOST_MOVE, _MOST_MOVE))
-        price *= ratio**_DAMPING
+    turning = _Turning(fleet, best, judge, best.sets, price / fleet.unit)
+    turning.run(_points(fleet, best.sets, best.controls), _ROUNDS)
+
+
+def plan_by_turning(
+    fleet: Fleet,
+    best: Best,
+    judge: Judge,
+    sets: tuple[Members, ...],
+    controls: tuple[Matrix, ...],
+) -> None:
+    """Look for a certified plan near one that risks too much, by half-spaces turned to it.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    best : Best
+        Takes the plan, if one is certified.
+    judge : callable
+        The referee.
+    sets : tuple of tuple of int
+        Who is planned together.
+    controls : tuple of (T, m) array
+        Of a plan without collisions, noise aside, in the scenario's order.
+    """
+    # Risk counts for much more than effort until the plan is certified.
+    price = _DEAR * fleet.first_price() / fleet.unit
+    turning = _Turning(fleet, best, judge, sets, price)
+    turning.run(_points(fleet, sets, controls), 2 * _ROUNDS)
 
 
 @dataclass(slots=True, eq=False)
-class _Settled:
-    """Which sets no longer change, and at what price that was; what each risks by its rows."""
+class _Turning:
+    """How far the turning of a plan has come.
 
+    Attributes
+    ----------
+    price : float
+        Of the risk, per unit of probability.
+    prices : dict
+        Sets that no longer change, with the price at which that was.
+    risks : dict
+        What the rows of each set sum to.
+    """
+
+    fleet: Fleet
+    best: Best
+    judge: Judge
+    sets: tuple[Members, ...]
+    price: float
     prices: dict[Members, float] = field(default_factory=dict)
     risks: dict[Members, float] = field(default_factory=dict)
 
-    def turned(self, fleet: Fleet, members: Members, z: Vector, price: float) -> Vector:
+    def run(self, points: Sequence[Vector], rounds: int) -> None:
+        """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
+        fleet, best, sets = self.fleet, self.best, self.sets
+        granted = fleet.scenario.risk_bound
+        num_stalls, least = 0, float("inf")
+        for number in range(rounds):
+            if fleet.limits.reached or num_stalls >= _MAX_STALLS:
+                break
+            points = [self._turned(m, z) for m, z in zip(sets, points, strict=True)]
+            controls = fleet.controls(sets, points)
+            certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
+            _LOG.info(
+                "turn %d: price of risk %.3g, cost %.6g, certificate %.3g",
+                number + 1, self.price * fleet.unit, cost, certified,
+            )  # fmt: skip
+            if certified <= granted:
+                is_little = best.cost - cost < _ENOUGH * fleet.gap * abs(best.cost)
+                if cost < best.cost:
+                    best.controls, best.cost, best.certified = controls, cost, certified
+                    best.sets = sets
+                    spent = sum(self.risks.get(m, 0.0) for m in sets)
+                    best.turned_price = self.price * spent / max(certified, _NOTHING)
+            else:
+                is_little = not best.controls and certified > _LESS * least
+            num_stalls = num_stalls + 1 if is_little else 0
+            least = min(least, certified)
+            ratio = float(np.clip(certified / (_AIM * granted), 1.0 / _MOST_MOVE, _MOST_MOVE))
+            self.price *= ratio**_DAMPING
+
+    def _turned(self, members: Members, z: Vector) -> Vector:
         """Return a set's plan with its half-spaces turned anew, unless it has settled."""
         known = self.prices.get(members)
-        if known is not None and abs(price / known - 1.0) < _SAME_PRICE:
+        if known is not None and abs(self.price / known - 1.0) < _SAME_PRICE:
             return z
-        found = _turned(fleet, members, z, price)
+        found = _turned(self.fleet, members, z, self.price)
         if found is None:
             return z
         new, self.risks[members] = found.z, found.risk
-        moved = float(np.abs(fleet.problem(members).program.cost @ np.abs(new - z)))
-        if moved <= _STILL * fleet.gap * float(fleet.problem(members).program.cost @ new):
-            self.prices[members] = price
+        cost = self.fleet.problem(members).program.cost
+        if float(cost @ np.abs(new - z)) <= _STILL * self.fleet.gap * float(cost @ new):
+            self.prices[members] = self.price
         return new
 
 
@@ -135,16 +198,22 @@ def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumben
     turned = Turned(problem.subjects, problem.means(z), controls_of(problem.subjects, z), intervals)
     alone = fleet.alone[members]
     program = build_program(alone, problem.subjects, risk_bound=alone.risk_bound, turned=turned)
-    tree = RiskTree(program, fleet.unit, price, gap=1e-5, scale=price, limits=fleet.limits)
-    if tree.rater.is_hopeless:
+    rater = Rater(program, _ANY)
+    if rater.is_hopeless:
         return None
-    rating = tree.rater.rate(z)
-    clearances = rating.clearances
+    rating = rater.rate(z)
+    # A plan that risks too much must be allowed to, or it could not become better step by step.
+    unit = max(fleet.unit, min(_ROOM * rating.risk, _ANY))
+    if unit < _ANY:
+        rater = Rater(program, unit)
+    tree = RiskTree(
+        program, unit, price * unit, gap=1e-5, scale=price * unit, limits=fleet.limits, rater=rater
+    )
     near = tuple(
         side
         for side in rating.selection.tolist()
-        if clearances[program.rows_of(side)].min(initial=np.inf) < _NEAR
+        if rating.clearances[program.rows_of(side)].min(initial=np.inf) < _NEAR
     )
-    tree.resume(((-np.inf, near),), price, None)
+    tree.resume(((-np.inf, near),), price * unit, None)
     tree.run(_NODES)
     return tree.best
