@@ -71,7 +71,7 @@ def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
             search.effort *= MORE_EFFORT
         if fleet.budget <= 0.0:
             break
-        if not limits.reached and not best.controls:
+        if not limits.reached:
             search.run()
     if best.controls:
         return search, _FOUND
