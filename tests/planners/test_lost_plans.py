@@ -46,6 +46,8 @@ def scene(name):
         ("formation-at-contact", 5.1941),
         ("start-of-little-room", 33.7111),
         ("no-way-by-faces", 2.8428),
+        ("no-way-together-by-faces", 8.4249),
+        ("dear-by-faces-475", 2.7325),
         ("dear-by-faces-152", 4.5808),
         ("dear-by-faces-156", 1.7003),
     ],
@@ -55,7 +57,7 @@ def test_no_certified_plan_of_another_planner_is_cheaper(name, others):
     assert certify(result.require()).holds
     assert result.cost <= others * (1.0 + 1e-3)
     # Where no plan is by the faces, there is no bound by them either.
-    has_way = name not in {"no-way-by-faces", "start-of-little-room"}
+    has_way = name not in {"no-way-by-faces", "no-way-together-by-faces", "start-of-little-room"}
     assert result.status is (Status.OPTIMAL if has_way else Status.FEASIBLE)
 
 
@@ -214,7 +216,7 @@ def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):
         return None if len(calls) == 1 else run(self)
 
     monkeypatch.setattr(PriceSearch, "run", late)
-    monkeypatch.setattr(last_resort, "_turn_from_noiseless", lambda search: None)
+    monkeypatch.setattr(last_resort, "turn_from_noiseless", lambda *_: None)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.OPTIMAL
     assert len(calls) == 2

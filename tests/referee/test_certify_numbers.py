@@ -289,3 +289,22 @@ def test_driving_off_from_contact_is_charged_by_what_each_end_has_to_spare(gap: 
     share = np.sqrt(gap / 0.24)
     left = 0.24 + gap - 0.24 * (1.0 - share) ** 2
     assert certificate.certified <= 1.05 * ndtr(-left / 0.02) + 1e-12
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("sigma", [1e-2, 1e-4, 1e-6])
+def test_a_path_that_only_just_passes_a_corner_is_charged_by_the_direction_across_it(
+    dimension: int, sigma: float
+):
+    # At a distance of five deviations from the corner, on the way from one side to another: few
+    # directions separate, however long the way and whatever its angle.
+    across = np.array([0.3, 0.8, 0.0][:dimension]) / np.hypot(0.3, 0.8)
+    along = np.array([0.8, -0.3, 0.0][:dimension]) / np.hypot(0.3, 0.8)
+    corner = np.array([1.0, 1.0, 0.0][:dimension])
+    nearest = corner + (0.4 + 5.0 * sigma) * across
+    # In space the wall is high: its edge is passed, not its corner.
+    low = np.array([-1.0, -1.0, -9.0][:dimension])
+    block = Obstacle.box("block", low, np.array([1.0, 1.0, 9.0][:dimension]))
+    flight = walk("a", [nearest - 0.9 * along, nearest + 1.7 * along], sigma=sigma)
+    plan = walk_plan(flight, avoidance="intervals", obstacles=(block,))
+    assert ndtr(-5.0) * (1.0 - 1e-6) <= certify(plan).certified <= 2.01 * ndtr(-5.0)

@@ -13,6 +13,9 @@ __all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
 # Half-spaces below this risk are charged as they are, without looking for a better one.
 NEGLIGIBLE = 1e-15
 
+# Above this risk directions across the chord are tried, too: few sites, a tenth of the time.
+_TELLING = 1e-10
+
 
 def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix, Vector]:
     """Return the best direction found for each site and its risk, summed over ends.
@@ -30,6 +33,7 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
     close = sites.take(worth)
     tangents, found = _cheapest(close, np.concatenate([best[worth, None], _tangents(close)], 1))
     if sites.means.shape[1] > 1:
+        tangents, found = _or_across(close, tangents, found)
         tangents, found = refine(close, tangents, _sum_over_ends)
     best[worth], risks[worth] = tangents, found
     return best, risks
@@ -61,7 +65,7 @@ def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
     close = sites.take(worth)
     tried = np.concatenate([known[worth, None], common[worth], _tangents(close)], axis=1)
     best = known.copy()
-    best[worth], _ = _cheapest(close, tried)
+    best[worth], _ = _or_across(close, *_cheapest(close, tried))
     return best
 
 
@@ -105,3 +109,30 @@ def _tangents(sites: Sites) -> Tensor:
             )
         )
     return np.concatenate(per_end, axis=1)
+
+
+def _or_across(sites: Sites, best: Matrix, risks: Vector) -> tuple[Matrix, Vector]:
+    """Return the best of given directions and, where these leave a risk, those across the chord."""
+    telling = np.flatnonzero(risks > _TELLING)
+    if telling.size:
+        close = sites.take(telling)
+        tried = np.concatenate([best[telling, None], _across(close)], axis=1)
+        best[telling], risks[telling] = _cheapest(close, tried)
+    return best, risks
+
+
+def _across(sites: Sites) -> Tensor:
+    """Return the directions in which corners and edges are nearest to the chord itself, (S, …, d).
+
+    Where a chord passes a corner so closely that only a few directions separate them, these are
+    at right angles to it: a search in steps would pass over them.
+    """
+    begin = sites.means[:, :1] - sites.vertices[:, 0]
+    end = sites.means[:, -1:] - sites.vertices[:, -1]
+    along = unit(end - begin)
+    across = [begin - (begin * along).sum(axis=2, keepdims=True) * along]
+    if along.shape[2] == 3:
+        edges = sites.edges[:, 0, :, 1] - sites.edges[:, 0, :, 0]
+        normals = np.cross(along[:, :1], edges)
+        across += [normals, -normals]
+    return unit(np.concatenate(across, axis=1))

@@ -279,7 +279,7 @@ class Fleet:
         found: dict[int, Matrix] = {}
         for members, z in zip(sets, points, strict=True):
             found |= dict(
-                zip(members, controls_of(self.problems[members].subjects, z), strict=True)
+                zip(members, controls_of(self.problem(members).subjects, z), strict=True)
             )
         return tuple(found[i] for i in range(self.scenario.num_vehicles))
 

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from radmpc.planners.certified.best import Best
 from radmpc.planners.certified.cures import has_plan_within
 from radmpc.planners.certified.finer import finer_scenarios
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.turning import plan_by_turning
 from radmpc.planners.certified.why_not import WhyNot, ended, why_not
 from radmpc.planners.certified.within import take_sides
-from radmpc.planners.sides import propose_sides
-from radmpc.solvers.branch import Branch
 
 __all__ = ["last_resort"]
 
@@ -22,16 +19,6 @@ _TRIAL = 1.5
 """Time to find out whether more faces open a way to those who have none [s]."""
 
 _FOUND = WhyNot("", is_proven=False)
-
-_MOST_VEHICLES = 8
-"""Vehicles of a fleet that are planned as one without regard for risk."""
-
-_NOISELESS = 2.0
-_NOISELESS_SHARE = 0.3
-"""Time for a plan of a fleet without noise, and its share of what is left [s]."""
-
-_NODES = 150
-"""Nodes per vehicle for it; any plan will do."""
 
 
 def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
@@ -52,7 +39,7 @@ def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
     fleet, best = search.fleet, search.best
     scenario, limits = fleet.scenario, fleet.limits
     answer: WhyNot | None = None
-    _turn_from_noiseless(search)
+    turn_from_noiseless(fleet, best, search.judge)
     if best.controls and fleet.budget > 0.0 and fleet.without_plan() is None:
         # Prices that were doubtful without any plan are not with one: go on for a bound.
         search.run()
@@ -78,28 +65,6 @@ def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
     if answer is None or not answer.explanation:
         return search, WhyNot(ended(scenario, limits), is_proven=False)
     return search, answer
-
-
-def _turn_from_noiseless(search: PriceSearch) -> None:
-    """Turn half-spaces to a plan that has no regard for noise, faces or not."""
-    fleet = search.fleet
-    scenario, limits = fleet.scenario, fleet.limits
-    if scenario.num_vehicles > _MOST_VEHICLES:
-        return
-    whole = tuple(range(scenario.num_vehicles))
-    problem = fleet.problem(whole)
-    short = limits.within(min(_NOISELESS, _NOISELESS_SHARE * limits.seconds_left))
-    margins = np.zeros(problem.program.rows.count)
-    solved = Branch(_NODES * len(whole)).solve(
-        problem.program,
-        margins,
-        gap=1e-2,
-        limits=short,
-        guide=lambda: propose_sides(problem.program, problem.subjects, margins, short),
-    )
-    if solved.z is not None:
-        controls = fleet.controls((whole,), (solved.z,))
-        plan_by_turning(fleet, search.best, search.judge, (whole,), controls)
 
 
 def _take(search: PriceSearch, answer: WhyNot) -> None:

@@ -13,6 +13,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.best import Best
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.last_resort import last_resort
+from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.turning import turn_half_spaces
 from radmpc.planners.certified.verdict import Judge
@@ -26,6 +27,9 @@ __all__ = ["plan_certified"]
 _TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
 """Time kept back for turning half-spaces to a plan: a share of the limit, or seconds up to a larger
 share of it. Turning takes 0.3 to 4 s on the families of the benchmarks."""
+
+_UNSPENT = 0.5
+"""Share of Δ below which the referee leaves so much that other sides are tried."""
 
 
 def plan_certified(
@@ -81,6 +85,9 @@ def plan_certified(
     search.close()
     fleet.limits = limits
     turn_half_spaces(fleet, best, judge)
+    if best.certified < _UNSPENT * scenario.risk_bound:
+        # Not risk but the faces, or their sides, made the plan what it is.
+        turn_from_noiseless(fleet, best, judge)
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)
     bound = best.reported(fleet, gap)

@@ -43,7 +43,10 @@ _ENOUGH = 0.1
 
 _MAX_STALLS = 2
 _LESS = 0.9
-"""Share of the least certificate so far that a round must come below while none is within Δ."""
+"""Share of the least certificate so far that a round must come below while it is far above Δ."""
+
+_CLOSE = 2.0
+"""Multiple of Δ up to which a certificate above it is for the price to mend."""
 
 _DEAR = 10.0
 """Multiple of the first price of risk from a plan that risks too much."""
@@ -137,30 +140,35 @@ class _Turning:
         """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
         fleet, best, sets = self.fleet, self.best, self.sets
         granted = fleet.scenario.risk_bound
-        num_stalls, least = 0, float("inf")
+        num_stalls, least = 0, self._take(points)
         for number in range(rounds):
             if fleet.limits.reached or num_stalls >= _MAX_STALLS:
                 break
             points = [self._turned(m, z) for m, z in zip(sets, points, strict=True)]
-            controls = fleet.controls(sets, points)
-            certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
+            before = best.cost
+            certified = self._take(points)
             _LOG.info(
                 "turn %d: price of risk %.3g, cost %.6g, certificate %.3g",
-                number + 1, self.price * fleet.unit, cost, certified,
+                number + 1, self.price * fleet.unit, _cost(fleet, sets, points), certified,
             )  # fmt: skip
-            if certified <= granted:
-                is_little = best.cost - cost < _ENOUGH * fleet.gap * abs(best.cost)
-                if cost < best.cost:
-                    best.controls, best.cost, best.certified = controls, cost, certified
-                    best.sets = sets
-                    spent = sum(self.risks.get(m, 0.0) for m in sets)
-                    best.turned_price = self.price * spent / max(certified, _NOTHING)
-            else:
-                is_little = not best.controls and certified > _LESS * least
+            is_little = before - best.cost < _ENOUGH * fleet.gap * abs(best.cost)
+            if certified > granted:
+                is_little = certified > max(_LESS * least, _CLOSE * granted)
             num_stalls = num_stalls + 1 if is_little else 0
             least = min(least, certified)
             ratio = float(np.clip(certified / (_AIM * granted), 1.0 / _MOST_MOVE, _MOST_MOVE))
             self.price *= ratio**_DAMPING
+
+    def _take(self, points: Sequence[Vector]) -> float:
+        """Keep a plan if it is certified and the best; return its certificate."""
+        fleet, best, sets = self.fleet, self.best, self.sets
+        controls = fleet.controls(sets, points)
+        certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
+        if certified <= fleet.scenario.risk_bound and cost < best.cost:
+            best.controls, best.cost, best.certified, best.sets = controls, cost, certified, sets
+            spent = sum(self.risks.get(m, 0.0) for m in sets)
+            best.turned_price = self.price * spent / max(certified, _NOTHING) if spent else None
+        return certified
 
     def _turned(self, members: Members, z: Vector) -> Vector:
         """Return a set's plan with its half-spaces turned anew, unless it has settled."""

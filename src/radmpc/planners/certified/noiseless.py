@@ -1,0 +1,81 @@
+"""Plans without noise, as starts for turning half-spaces.
+
+Faces can see no way where there is one: two vehicles that pass each other closely, with hardly any
+noise, may be apart by no face at both ends of an interval and still never meet. A plan of each
+vehicle alone, or of all without noise, may be certified as it is, or become so.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.planners.certified.best import Best
+from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.turning import plan_by_turning
+from radmpc.planners.certified.verdict import Judge
+from radmpc.planners.sides import propose_sides
+from radmpc.program.build import controls_of
+from radmpc.solvers.branch import Branch
+from radmpc.solvers.solution import Limits
+
+__all__ = ["turn_from_noiseless"]
+
+_MOST_VEHICLES = 8
+"""Vehicles of a fleet beyond which it is not planned as one without regard for risk."""
+
+_SECONDS, _SHARE = 2.0, 0.3
+"""Time for a plan without regard for risk [s], and its most share of what is left."""
+
+_NODES = 150
+"""Nodes per vehicle for it; any plan will do."""
+
+
+def turn_from_noiseless(fleet: Fleet, best: Best, judge: Judge) -> None:
+    """Turn half-spaces to plans of the vehicles each alone, and of all without noise.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet; nothing is done where it is large.
+    best : Best
+        Takes what is certified and cheaper than what there is.
+    judge : callable
+        The referee.
+    """
+    count = fleet.scenario.num_vehicles
+    if count > _MOST_VEHICLES or fleet.limits.reached:
+        return
+    limits = fleet.limits.within(min(_SECONDS, _SHARE * fleet.limits.seconds_left))
+    whole = tuple(range(count))
+    if count > 1:
+        alone = [_noiseless(fleet, (i,), limits) for i in whole]
+        if all(z is not None for z in alone):
+            z = np.concatenate([z for z in alone if z is not None])
+            plan_by_turning(fleet, best, judge, fleet.singles, _controls(fleet, whole, z))
+            plan_by_turning(fleet, best, judge, (whole,), _controls(fleet, whole, z))
+    together = _noiseless(fleet, whole, limits)
+    if together is not None:
+        plan_by_turning(fleet, best, judge, (whole,), _controls(fleet, whole, together))
+
+
+def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the controls of vehicles from a point of theirs."""
+    return tuple(controls_of([fleet.subjects[i] for i in members], z))
+
+
+def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | None:
+    """Return a plan of some vehicles on which every row of the faces just holds."""
+    problem = fleet.problem(members)
+    program = problem.program
+    margins = np.zeros(program.rows.count)
+    return (
+        Branch(_NODES * len(members))
+        .solve(
+            program,
+            margins,
+            gap=fleet.gap,
+            limits=limits,
+            guide=lambda: propose_sides(program, problem.subjects, margins, limits),
+        )
+        .z
+    )
