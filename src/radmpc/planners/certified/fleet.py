@@ -278,9 +278,7 @@ class Fleet:
         """Return every vehicle's controls, in the scenario's order."""
         found: dict[int, Matrix] = {}
         for members, z in zip(sets, points, strict=True):
-            found |= dict(
-                zip(members, controls_of(self.problem(members).subjects, z), strict=True)
-            )
+            found |= dict(zip(members, controls_of(self.problem(members).subjects, z), strict=True))
         return tuple(found[i] for i in range(self.scenario.num_vehicles))
 
     def without_plan(self) -> Members | None:

@@ -47,15 +47,16 @@ def turn_from_noiseless(fleet: Fleet, best: Best, judge: Judge) -> None:
         return
     limits = fleet.limits.within(min(_SECONDS, _SHARE * fleet.limits.seconds_left))
     whole = tuple(range(count))
-    if count > 1:
-        alone = [_noiseless(fleet, (i,), limits) for i in whole]
-        if all(z is not None for z in alone):
-            z = np.concatenate([z for z in alone if z is not None])
-            plan_by_turning(fleet, best, judge, fleet.singles, _controls(fleet, whole, z))
+    alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
+    starts = [_noiseless(fleet, whole, limits)]
+    if alone and all(z is not None for z in alone):
+        apart = np.concatenate([z for z in alone if z is not None])
+        plan_by_turning(fleet, best, judge, fleet.singles, _controls(fleet, whole, apart))
+        if starts[0] is None or not np.array_equal(apart, starts[0]):
+            starts.append(apart)
+    for z in starts:
+        if z is not None:
             plan_by_turning(fleet, best, judge, (whole,), _controls(fleet, whole, z))
-    together = _noiseless(fleet, whole, limits)
-    if together is not None:
-        plan_by_turning(fleet, best, judge, (whole,), _controls(fleet, whole, together))
 
 
 def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -28,6 +28,9 @@ _TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
 """Time kept back for turning half-spaces to a plan: a share of the limit, or seconds up to a larger
 share of it. Turning takes 0.3 to 4 s on the families of the benchmarks."""
 
+_FEW = 4
+"""Vehicles up to which other sides are tried in any case: it takes a second at most."""
+
 _UNSPENT = 0.5
 """Share of Δ below which the referee leaves so much that other sides are tried."""
 
@@ -85,8 +88,8 @@ def plan_certified(
     search.close()
     fleet.limits = limits
     turn_half_spaces(fleet, best, judge)
-    if best.certified < _UNSPENT * scenario.risk_bound:
-        # Not risk but the faces, or their sides, made the plan what it is.
+    if scenario.num_vehicles <= _FEW or best.certified < _UNSPENT * scenario.risk_bound:
+        # Other sides may be better to turn to, above all where risk is not what limits the plan.
         turn_from_noiseless(fleet, best, judge)
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)

@@ -138,21 +138,26 @@ class _Turning:
 
     def run(self, points: Sequence[Vector], rounds: int) -> None:
         """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
-        fleet, best, sets = self.fleet, self.best, self.sets
+        fleet, sets = self.fleet, self.sets
         granted = fleet.scenario.risk_bound
         num_stalls, least = 0, self._take(points)
+        cheapest = _cost(fleet, sets, points) if least <= granted else float("inf")
         for number in range(rounds):
             if fleet.limits.reached or num_stalls >= _MAX_STALLS:
                 break
             points = [self._turned(m, z) for m, z in zip(sets, points, strict=True)]
-            before = best.cost
             certified = self._take(points)
+            cost = _cost(fleet, sets, points)
             _LOG.info(
                 "turn %d: price of risk %.3g, cost %.6g, certificate %.3g",
-                number + 1, self.price * fleet.unit, _cost(fleet, sets, points), certified,
+                number + 1, self.price * fleet.unit, cost, certified,
             )  # fmt: skip
-            is_little = before - best.cost < _ENOUGH * fleet.gap * abs(best.cost)
-            if certified > granted:
+            is_little = cheapest - cost < _ENOUGH * fleet.gap * abs(cost)
+            if certified <= granted:
+                cheapest = min(cheapest, cost)
+            else:
+                # Little above Δ may be mended by a price too near the last to be asked for else.
+                self.prices.clear()
                 is_little = certified > max(_LESS * least, _CLOSE * granted)
             num_stalls = num_stalls + 1 if is_little else 0
             least = min(least, certified)
