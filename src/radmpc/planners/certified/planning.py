@@ -28,6 +28,9 @@ _TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
 """Time kept back for turning half-spaces to a plan: a share of the limit, or seconds up to a larger
 share of it. Turning takes 0.3 to 4 s on the families of the benchmarks."""
 
+_LEAST_TURNING = 2.0
+"""Time that turning is granted at least, if the limit leaves it [s]."""
+
 _FEW = 4
 """Vehicles up to which other sides are tried in any case: it takes a second at most."""
 
@@ -86,7 +89,8 @@ def plan_certified(
             return _empty(scenario, answer, begun)
         explanation = answer.explanation
     search.close()
-    fleet.limits = limits
+    # Large fleets gain little by the second: not longer than the search took.
+    fleet.limits = limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
     turn_half_spaces(fleet, best, judge)
     if scenario.num_vehicles <= _FEW or best.certified < _UNSPENT * scenario.risk_bound:
         # Other sides may be better to turn to, above all where risk is not what limits the plan.

@@ -178,7 +178,8 @@ class _Turning:
     def _turned(self, members: Members, z: Vector) -> Vector:
         """Return a set's plan with its half-spaces turned anew, unless it has settled."""
         known = self.prices.get(members)
-        if known is not None and abs(self.price / known - 1.0) < _SAME_PRICE:
+        is_settled = known is not None and abs(self.price / known - 1.0) < _SAME_PRICE
+        if is_settled or self.fleet.limits.reached:
             return z
         found = _turned(self.fleet, members, z, self.price)
         if found is None:
