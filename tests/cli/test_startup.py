@@ -1,4 +1,4 @@
-"""What commands load before they begin: counted in modules, because seconds depend on the machine."""
+"""What commands load before they begin, in modules: seconds depend on the machine."""
 
 from __future__ import annotations
 
