@@ -36,6 +36,7 @@ def test_a_file_of_boxes_is_checked_without_scipy_and_solvers(crossing: Path) ->
     assert modules & (NEVER | {"scipy", "highspy", "radmpc.planning"}) == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["check", "plan"])
 def test_of_scipy_only_what_small_scenarios_need_is_loaded(command: str, tmp_path: Path) -> None:
     path = tmp_path / "reef.yaml"
