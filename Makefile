@@ -1,4 +1,5 @@
-# Two commands: `make demo` shows what radmpc does, `make check` shows that it is right.
+# Two commands: `make demo` shows what radmpc does, `make check` shows that it is right. While at work,
+# `make quick` finds most of what is wrong.
 MAKEFLAGS += --no-print-directory
 PYTHON ?= python3
 VENV ?= .venv
@@ -14,7 +15,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo coverage nightly check still format lint types floors docs test clean
+.PHONY: help demo coverage nightly check quick still format lint package types floors docs test clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -30,6 +31,12 @@ check: $(INSTALLED_DEV) ## everything that must hold before a commit
 	@$(MAKE) test
 	@echo 'make check: everything holds'
 
+# Neither the site nor tests marked slow, which is where the minutes go.
+quick: $(INSTALLED_DEV) ## format, lint, types of the package and the tests that are not slow
+	@$(MAKE) --jobs=$(WORKERS) --output-sync=target format lint package
+	$(PYTEST) -m 'not slow'
+	@echo 'make quick: holds so far; make check tells the rest'
+
 still: docs types format lint floors ## all of it but the tests
 
 format: $(INSTALLED_DEV) ## is the code formatted
@@ -38,10 +45,12 @@ format: $(INSTALLED_DEV) ## is the code formatted
 lint: $(INSTALLED_DEV) ## what the linter finds
 	$(BIN)/ruff check .
 
+package: $(INSTALLED_DEV) ## mypy --strict on src
+	$(BIN)/mypy
+
 # The second run is a user's: no settings, the package as installed; a cache of its own, because
 # other settings empty a cache.
-types: $(INSTALLED_DEV) ## mypy --strict on src, the examples and the pages' programs
-	$(BIN)/mypy
+types: package ## mypy --strict on src, the examples and the pages' programs
 	@$(BIN)/python tests/docs/programs.py build/programs
 	$(BIN)/mypy --strict --config-file= --cache-dir=.mypy_cache/programs examples build/programs
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+
+if TYPE_CHECKING:
+    from scipy.spatial import ConvexHull
 
 __all__ = ["Facets", "facets", "frame", "surface"]
 
@@ -85,6 +88,8 @@ def surface(points: Matrix) -> Tensor:
     if found.dimension == 2:
         first, *rest = points[found.corners]
         return np.array([[first, second, third] for second, third in pairwise(rest)])
+    from scipy.spatial import ConvexHull  # noqa: PLC0415 - boxes do without scipy
+
     hull = ConvexHull(points)
     first, second, third = points[hull.simplices.T]
     # Qhull gives no order; the plane's normal points outward.
@@ -136,6 +141,8 @@ def _orthonormal(vectors: Matrix, basis: Matrix, least: float) -> Matrix:
 
 def _of_body(points: Matrix) -> Facets:
     """Return the facets of points that span everything."""
+    from scipy.spatial import ConvexHull  # noqa: PLC0415 - boxes do without scipy
+
     hull = ConvexHull(points)
     # Qhull cuts facets into simplices: equal planes up to rounding are one face.
     _, first, face = np.unique(

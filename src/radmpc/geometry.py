@@ -12,8 +12,6 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 import shapely
-from scipy.optimize import linprog
-from scipy.spatial import HalfspaceIntersection, QhullError
 
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
@@ -117,6 +115,8 @@ def hull(points: npt.ArrayLike) -> Polytope:
     cloud = as_matrix(points)
     if not cloud.size:
         raise ScenarioError("needs at least one point, got none")
+    from scipy.spatial import QhullError  # noqa: PLC0415 - boxes do without scipy
+
     try:
         found = facets(cloud)
     except (QhullError, ValueError) as error:
@@ -155,6 +155,8 @@ def _corners(normals: Matrix, offsets: Vector, inner: Vector) -> Matrix:
         if not (above.size and below.size):
             raise ScenarioError(_UNBOUNDED)
         return np.array([[below.max()], [above.min()]])
+    from scipy.spatial import HalfspaceIntersection, QhullError  # noqa: PLC0415 - loads slowly
+
     try:
         # Corners at infinity are refused below.
         with np.errstate(all="ignore"):
@@ -188,6 +190,8 @@ def _flat_corners(normals: Matrix, offsets: Vector, point: Vector) -> Matrix:
 
 def _lowest(direction: Vector, normals: Matrix, offsets: Vector) -> float:
     """Return the least ``direction @ x`` over a set, -inf where there is none."""
+    from scipy.optimize import linprog  # noqa: PLC0415 - loads slowly; only half-spaces ask
+
     free = [(None, None)] * normals.shape[1]
     answer = linprog(direction, A_ub=normals, b_ub=offsets, bounds=free)
     return -np.inf if answer.fun is None else float(answer.fun)
@@ -195,6 +199,8 @@ def _lowest(direction: Vector, normals: Matrix, offsets: Vector) -> float:
 
 def _chebyshev_ball(normals: Matrix, offsets: Vector) -> tuple[Vector, float]:
     """Return the largest ball inside, or refuse sets that hold no point or bound no ball."""
+    from scipy.optimize import linprog  # noqa: PLC0415 - loads slowly; only half-spaces ask
+
     dimension = normals.shape[1]
     answer = linprog(
         np.append(np.zeros(dimension), -1.0),

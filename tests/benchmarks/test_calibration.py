@@ -121,6 +121,7 @@ def test_the_slack_is_split_into_its_factors():
     assert time.split("|")[3].strip() == "1.25"
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on_where_it_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -33,6 +33,7 @@ SURE = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chunk", range(25 if os.environ.get("RADMPC_THOROUGH") else 5))
 def test_nothing_is_caught_in_small_nasty_scenes(chunk: int):
     caught = [run_scene(SEED, i, EFFORT) for i in range(chunk * CHUNK, (chunk + 1) * CHUNK)]
@@ -40,6 +41,7 @@ def test_nothing_is_caught_in_small_nasty_scenes(chunk: int):
     assert not wrong, f"seed {SEED}, scenes " + "\n".join(wrong)
 
 
+@pytest.mark.slow
 def test_a_seed_and_an_index_decide_the_scene_and_many_make_all_sorts():
     scenes = [draw_scene(1, i) for i in range(150)]
     again = draw_scene(1, 149)
@@ -114,6 +116,7 @@ def caught_with(monkeypatch: pytest.MonkeyPatch, change: object, samples: int = 
     return examine(scenario, SEED, 1, Effort(60.0, 60.0, samples))
 
 
+@pytest.mark.slow
 def test_a_lower_bound_above_a_plan_is_caught(monkeypatch: pytest.MonkeyPatch):
     def change(name: str, result: Result) -> Result:
         if name != "certified":
@@ -123,6 +126,7 @@ def test_a_lower_bound_above_a_plan_is_caught(monkeypatch: pytest.MonkeyPatch):
     assert "bound" in caught_with(monkeypatch, change, 0).kinds.split()
 
 
+@pytest.mark.slow
 def test_a_plan_dearer_than_others_is_caught(monkeypatch: pytest.MonkeyPatch):
     def change(name: str, result: Result) -> Result:
         if name != "certified":
@@ -174,6 +178,7 @@ def test_a_line_of_the_table_reads_back_and_is_told_in_the_summary():
     ]
 
 
+@pytest.mark.slow
 def test_an_interrupted_hunt_goes_on_where_it_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

@@ -104,6 +104,7 @@ def row(peer: str, **changes: object) -> Row:
     return replace(done, **changes)
 
 
+@pytest.mark.slow
 def test_a_worker_keeps_its_answer_apart_from_what_solvers_print(stub):
     found = run(f"{stub}:planned", ASKED)
     assert (found.status, found.note) == ("feasible", "20 0.001")
@@ -148,6 +149,7 @@ def test_an_interpreter_that_is_missing_or_lacks_radmpc_is_not_installed(tmp_pat
     )
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_is_mute_or_does_not_end_is_a_row(stub, monkeypatch):
     assert run(f"{stub}:dying", ASKED).status == "crashed"
     assert run(f"{stub}:idle", ASKED, "/bin/true").note == "no answer"
@@ -156,6 +158,7 @@ def test_a_worker_that_dies_is_mute_or_does_not_end_is_a_row(stub, monkeypatch):
     assert (found.status, found.seconds, found.is_solved) == ("killed", 1.0, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", ["idle", "misshapen"])
 def test_controls_that_miss_the_goal_or_do_not_fit_are_no_plan(stub, function):
     found = run(f"{stub}:{function}", ASKED)
@@ -248,6 +251,7 @@ def test_peers_that_did_not_try_are_counted_apart():
     assert printed.getvalue().count("too large") == 2
 
 
+@pytest.mark.slow
 def test_the_script_prints_tables_and_appends_rows(stub, tmp_path, capsys):
     out = tmp_path / "rows.jsonl"
     script.main([
@@ -270,6 +274,7 @@ def test_the_script_refuses_peers_and_interpreters_that_make_no_sense(extra, cap
     assert "usage" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("peer", "packages"),
     [

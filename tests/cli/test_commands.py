@@ -71,6 +71,7 @@ def test_planners_as_json_is_one_object(run: Run) -> None:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_demo_plans_draws_and_says_what_next(run: Run) -> None:
     result = run("demo", "--out", "made/here")
     assert result.exit_code == 0, result.stderr

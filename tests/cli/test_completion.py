@@ -71,6 +71,7 @@ def test_help_names_what_is_taken_when_nothing_is_given() -> None:
     assert all(name in CliRunner().invoke(app, ["export", "--help"]).stdout for name in FORMATS)
 
 
+@pytest.mark.slow
 def test_the_shell_completes_commands_and_values(folder: Path) -> None:
     assert completed("radmpc ver", folder) == ["verify"]
     assert completed("radmpc plan a.yaml --planner r", folder) == ["rmpc", "radmpc", "rmpc-rrt"]

@@ -79,6 +79,7 @@ def assert_whole(folder: Path) -> None:
     read_rows(folder / "study" / "rows.jsonl")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", COMMANDS.values(), ids=list(COMMANDS))
 def test_ctrl_c_at_any_time_leaves_lines_and_whole_files(
     folder: Path, words: tuple[str, ...]
@@ -100,6 +101,7 @@ def test_ctrl_c_at_any_time_leaves_lines_and_whole_files(
             break
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", [0.8, 1.6])
 def test_termination_is_an_interrupt_and_takes_the_workers_along(
     folder: Path, moment: float
@@ -124,6 +126,7 @@ def children(pid: int) -> list[int]:
     return [int(word) for word in path.read_text(encoding="ascii").split()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [("planners",), ("verify", "a.json", "--json"), COMMANDS["import"], COMMANDS["export"]],
@@ -146,6 +149,7 @@ def test_a_reader_who_has_gone_changes_nothing(folder: Path, words: tuple[str, .
     assert (result.returncode, result.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_json_to_a_reader_of_one_line_is_no_error(folder: Path) -> None:
     command = f"{sys.executable} -m radmpc plan a.yaml --json | head -n 1"
     result = subprocess.run(

@@ -81,6 +81,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+@pytest.mark.slow
 @ALL
 def test_a_full_disk_leaves_the_old_file_and_no_other(
     ready: Run, tmp_path: Path, words: tuple[object, ...]
@@ -97,6 +98,7 @@ def test_a_full_disk_leaves_the_old_file_and_no_other(
         assert contents(disk) == before
 
 
+@pytest.mark.slow
 @ALL
 def test_a_read_only_folder_is_refused_in_one_line(
     ready: Run, tmp_path: Path, words: tuple[object, ...]
@@ -110,6 +112,7 @@ def test_a_read_only_folder_is_refused_in_one_line(
         assert contents(disk) == {}
 
 
+@pytest.mark.slow
 @FILES
 def test_a_file_that_may_not_grow_is_as_if_never_written(
     ready: Run, tmp_path: Path, words: tuple[object, ...]
@@ -130,6 +133,7 @@ def test_a_file_that_may_not_grow_is_as_if_never_written(
     assert contents(disk) == {target(words, disk).name: b"old"}
 
 
+@pytest.mark.slow
 @FILES
 def test_a_missing_folder_or_a_folder_of_that_name_is_refused_in_one_line(
     ready: Run, tmp_path: Path, words: tuple[object, ...]

@@ -196,6 +196,7 @@ def test_brackets_in_names_are_no_markup(run: Run, tmp_path: Path) -> None:
     assert "[red]east[/]" in result.stdout
 
 
+@pytest.mark.slow
 def test_processes_change_nothing(run: Run, tmp_path: Path) -> None:
     apart = tmp_path / "apart.yaml"
     text = CROSSING.replace("[9, 5.2]", "[9, 10]").replace("[1, 5.2]", "[1, 10]")
@@ -234,6 +235,7 @@ def test_a_plan_the_referee_finds_fault_with_is_a_no(
     assert "the plan is not certified: goal missed" in assert_one_line(result.stderr)
 
 
+@pytest.mark.slow
 def test_verbose_tells_the_stages_on_stderr_and_nothing_else_does(run, crossing):
     told = run("plan", crossing, "-v")
     assert told.exit_code == 0

@@ -54,12 +54,14 @@ def test_the_module_runs_as_a_command(crossing: Path) -> None:
     assert result.stdout.startswith("valid: crossing")
 
 
+@pytest.mark.slow
 def test_failures_leave_no_traceback(tmp_path: Path) -> None:
     result = radmpc("plan", tmp_path / "none.yaml")
     assert result.returncode == 2
     assert_one_line(result.stderr)
 
 
+@pytest.mark.slow
 def test_a_reader_who_has_gone_changes_neither_code_nor_stderr(crossing: Path) -> None:
     reader, writer = os.pipe()
     os.close(reader)
@@ -94,6 +96,7 @@ def test_a_full_stdout_is_one_line(crossing: Path) -> None:
     assert assert_one_line(result.stderr) == expected
 
 
+@pytest.mark.slow
 def test_one_interrupt_returns_the_plan_so_far(crossing: Path) -> None:
     process = begin("finish", "plan", crossing, "-o", crossing.with_name("a.json"))
     process.send_signal(signal.SIGINT)
@@ -104,6 +107,7 @@ def test_one_interrupt_returns_the_plan_so_far(crossing: Path) -> None:
     assert crossing.with_name("a.json").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupt_before_any_plan_is_a_no(crossing: Path) -> None:
     process = begin("at-once", "plan", crossing)
     process.send_signal(signal.SIGINT)
@@ -113,6 +117,7 @@ def test_an_interrupt_before_any_plan_is_a_no(crossing: Path) -> None:
     assert "Traceback" not in err
 
 
+@pytest.mark.slow
 def test_two_interrupts_stop_at_once(crossing: Path) -> None:
     process = begin("forever", "plan", crossing)
     process.send_signal(signal.SIGINT)
@@ -126,6 +131,7 @@ def test_two_interrupts_stop_at_once(crossing: Path) -> None:
     assert "Traceback" not in err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_a_killed_process_leaves_no_half_plan(crossing: Path) -> None:
     target = crossing.with_name("a.json")

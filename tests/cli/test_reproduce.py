@@ -32,6 +32,7 @@ def smaller(study: Study) -> Study:
     return replace(study, sizes=(2, 3, 4), samples=1_000, shown={4: 0})
 
 
+@pytest.mark.slow
 def test_reproduce_writes_rows_report_and_figures_and_then_has_nothing_to_do(
     run, tmp_path, monkeypatch
 ):
@@ -64,6 +65,7 @@ def test_reproduce_refuses_what_makes_no_sense_in_one_line(run, words, message):
     assert len(result.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_an_interrupt_ends_it_and_the_same_command_goes_on(tmp_path):
     out = tmp_path / "study"
     script = SCRIPT.format(folder=os.path.dirname(__file__))

@@ -23,6 +23,7 @@ SLOW = 150 if IS_THOROUGH else 20  # the same where one takes long
 EXPORTS = ("qgc", "waypoints", "geojson", "kml", "csv")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", range(SHARES))
 @pytest.mark.parametrize("name", list(WHOLE))
 def test_a_spoiled_file_is_read_or_refused_in_one_line(

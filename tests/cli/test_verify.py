@@ -133,6 +133,7 @@ def test_the_bound_that_counts_is_the_scenarios(run: Run, plan_file: Path) -> No
     assert "states a risk bound of 0.4" in result.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("claims", "expected"),
     [

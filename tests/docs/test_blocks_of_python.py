@@ -9,6 +9,7 @@ from pages import PAGES, fences, name_of, pages_with
 import radmpc
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", pages_with("python"), ids=name_of)
 def test_the_python_of_a_page_runs_from_top_to_bottom(page: Path, workbench: Path) -> None:
     names: dict[str, object] = {"__name__": "__page__"}

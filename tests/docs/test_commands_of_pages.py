@@ -48,6 +48,7 @@ def check(words: list[str], fence: Fence) -> None:
         assert fence.reason is not None, f"{fence.where}: {program} is not known here"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", pages_with("sh"), ids=name_of)
 def test_the_commands_of_a_page_do_what_they_should(page: Path, workbench: Path) -> None:
     for fence in fences(page, "sh"):

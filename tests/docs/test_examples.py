@@ -59,6 +59,7 @@ def test_no_example_imports_a_private_name_or_another_example(example):
     assert not parts & {path.stem for path in EXAMPLES}
 
 
+@pytest.mark.slow
 def test_every_example_gives_its_number_and_its_picture(example, hooks):
     # Run by the site's build, if that was just done with the same code, or else now.
     gallery = importlib.import_module("gallery")

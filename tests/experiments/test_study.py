@@ -57,6 +57,7 @@ def answers(rows):
     return sorted((r.key, r.status, r.cost, r.certified, r.rate, r.sets) for r in rows)
 
 
+@pytest.mark.slow
 def test_every_task_has_one_row_and_they_come_seed_by_seed(rows):
     tasks = small().tasks()
     assert [row.key for row in rows] == [task.key for task in tasks]
@@ -75,6 +76,7 @@ def test_a_row_says_what_planning_and_flying_alone_say(rows):
     assert answers([again]) == answers([row for row in rows if row.key == task.key])
 
 
+@pytest.mark.slow
 def test_a_second_run_does_nothing_and_a_larger_study_only_what_is_new(tmp_path):
     path = tmp_path / "rows.jsonl"
     with Journal.opened(path) as journal:
@@ -89,6 +91,7 @@ def test_a_second_run_does_nothing_and_a_larger_study_only_what_is_new(tmp_path)
     assert len(read_rows(path)) == len(small(seeds=2).tasks())
 
 
+@pytest.mark.slow
 def test_other_settings_are_other_tasks(tmp_path):
     path = tmp_path / "rows.jsonl"
     with Journal.opened(path) as journal:
@@ -97,6 +100,7 @@ def test_other_settings_are_other_tasks(tmp_path):
     assert len(read_rows(path)) == 2 * len(small(seeds=1).tasks())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("left", [1, 30])
 def test_a_line_that_a_kill_cut_off_is_done_again(tmp_path, left):
     path = tmp_path / "rows.jsonl"
@@ -130,6 +134,7 @@ def test_two_runs_do_not_write_to_one_journal(tmp_path):
         pass
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_rows(rows, tmp_path):
     path = tmp_path / "rows.jsonl"
     with ProcessPoolExecutor(2) as pool, Journal.opened(path) as journal:
@@ -137,6 +142,7 @@ def test_processes_give_the_same_rows(rows, tmp_path):
     assert answers(read_rows(path)) == answers(rows)
 
 
+@pytest.mark.slow
 def test_a_method_ends_with_its_budget(tmp_path):
     path = tmp_path / "rows.jsonl"
     study = small()
@@ -149,6 +155,7 @@ def test_a_method_ends_with_its_budget(tmp_path):
     assert sum(row.method == "certified" for row in read_rows(path)) == 6
 
 
+@pytest.mark.slow
 def test_what_is_stopped_leaves_no_row(tmp_path):
     path = tmp_path / "rows.jsonl"
     count = 0
@@ -173,6 +180,7 @@ with Journal.opened(Path(sys.argv[1])) as journal:
 """
 
 
+@pytest.mark.slow
 def test_killed_again_and_again_it_loses_nothing_and_does_nothing_twice(tmp_path):
     path = tmp_path / "rows.jsonl"
     script = SCRIPT.format(folder=os.path.dirname(__file__))
@@ -228,6 +236,7 @@ def test_capped_runs_count_at_the_cap_and_make_lower_bounds(rows):
     assert speedup(rows, "nobody", "certified", 3) is None
 
 
+@pytest.mark.slow
 def test_missed_couplings_are_pairs_of_different_sets_that_may_collide():
     # No threshold lets this pair through: everybody is planned alone, whoever meets.
     alone = Planner(Ira(), Branch(), Couplings(1.0))
@@ -240,6 +249,7 @@ def test_missed_couplings_are_pairs_of_different_sets_that_may_collide():
     assert row.certified > 0.0
 
 
+@pytest.mark.slow
 def test_a_report_has_all_tables_and_figures(rows, tmp_path):
     written = write_report(small(), rows, tmp_path)
     assert {path.name for path in written} == {

@@ -57,6 +57,7 @@ def killing(pid):
     return told
 
 
+@pytest.mark.slow
 def test_a_process_killed_in_mid_run_loses_nothing(here):
     with ProcessPoolExecutor(2) as pool:
         pids = {pool.submit(os.getpid).result() for _ in range(8)}
@@ -64,6 +65,7 @@ def test_a_process_killed_in_mid_run_loses_nothing(here):
     assert_same(controls(result.require()), here)
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_plan(scheduler, here):
     with cluster(scheduler.scheduler_address) as executor:
         result = plan(SCENARIO, "certified", executor=executor)

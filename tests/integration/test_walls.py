@@ -69,6 +69,7 @@ def scene(obstacle: Obstacle, avoidance: str) -> Scenario:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("kind", OBSTACLES)
 def test_what_has_no_thickness_is_planned_around(kind: str, avoidance: str) -> None:
@@ -83,6 +84,7 @@ def test_what_has_no_thickness_is_planned_around(kind: str, avoidance: str) -> N
     assert flown.obstacle_rate > 0.0
 
 
+@pytest.mark.slow
 def test_a_published_problem_with_plates_is_planned_and_holds() -> None:
     folder = Path(__file__).parent.parent.parent / "instances" / "s2m2"
     scenario = import_scenario(folder / "mit.yaml").scenario

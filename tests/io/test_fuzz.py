@@ -119,6 +119,7 @@ def plan_data() -> dict[str, object]:
     return encode_plan(plan)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("load", "suffix", "text"),
     [
@@ -153,6 +154,7 @@ def refusal(load: Callable[[Path], object], path: Path) -> str | None:
     return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("decode", "data"),
     [(decode_scenario, scenario_data()), (decode_plan, plan_data())],

@@ -271,6 +271,7 @@ def test_options_that_no_scenario_can_have_are_refused(
         ImportOptions(**options)
 
 
+@pytest.mark.slow
 def test_two_that_swap_places_get_a_certified_plan() -> None:
     result = plan(import_scenario(FOLDER / "swap2_double_integrator.yaml").scenario)
     assert result.certificate is not None

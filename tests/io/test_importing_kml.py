@@ -190,6 +190,7 @@ def refusal(path: Path) -> str | None:
     return None
 
 
+@pytest.mark.slow
 def test_spoiled_drawings_end_in_one_line(tmp_path: Path) -> None:
     rng = random.Random(11)
     text = (FOLDER / "marina.kml").read_text(encoding="utf-8")

@@ -43,6 +43,7 @@ def test_agents_keep_radius_and_limits_of_their_type_and_stay_in_the_world(tmp_p
     assert scenario.workspace.upper.tolist() == [5.0, 5.0, 2.5]
 
 
+@pytest.mark.slow
 def test_a_published_mission_is_planned_within_the_bound() -> None:
     imported = import_scenario(FOLDER / "multi_simple4.json")
     assert any("downwash" in warning for warning in imported.warnings)

@@ -31,12 +31,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("round_trips")
 
 
+@pytest.mark.slow
 @often
 @given(scenario=scenarios())
 def test_a_scenario_survives_encoding_bit_for_bit(scenario: Scenario) -> None:
     assert differences(decode_scenario(encode_scenario(scenario)), scenario) == []
 
 
+@pytest.mark.slow
 @often
 @given(scenario=scenarios(), suffix=st.sampled_from([".yaml", ".yml", ".json"]))
 def test_a_scenario_survives_a_file_bit_for_bit(
@@ -47,6 +49,7 @@ def test_a_scenario_survives_a_file_bit_for_bit(
     assert differences(load_scenario(path), scenario) == []
 
 
+@pytest.mark.slow
 @often
 @given(plan=plans())
 def test_a_plan_survives_a_file_bit_for_bit(folder: Path, plan: Plan) -> None:
@@ -55,6 +58,7 @@ def test_a_plan_survives_a_file_bit_for_bit(folder: Path, plan: Plan) -> None:
     assert differences(load_plan(path), plan) == []
 
 
+@pytest.mark.slow
 @often
 @given(plan=plans())
 def test_a_plan_survives_encoding_bit_for_bit(plan: Plan) -> None:

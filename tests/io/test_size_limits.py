@@ -61,6 +61,7 @@ def many(kind: str, count: int) -> list[dict[str, object]]:
     return [SCENARIO[kind][0] | {"name": str(i)} for i in range(count)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "message"),
     [

@@ -77,6 +77,7 @@ def rewritten(scenario: Scenario, states, controls, *, named: bool) -> Scenario:
     return replace(scenario, vehicles=(turned,))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("feedback", [False, True])
 @pytest.mark.parametrize(("states", "controls", "named"), ORDERS)
 def test_the_order_of_states_and_controls_changes_no_plan(states, controls, named, feedback):

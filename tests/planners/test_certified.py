@@ -32,6 +32,7 @@ from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("num_vehicles", [2, 4, 6])
 def test_plans_are_certified_and_proven(num_vehicles, seed):
@@ -52,6 +53,7 @@ def test_no_plan_of_iterative_risk_allocation_is_below_the_bound(seed):
     assert proven.cost <= other.cost * (1.0 + 1e-3)
 
 
+@pytest.mark.slow
 def test_more_risk_never_costs_more():
     scenario = paper(4, 5)
     found = [
@@ -68,6 +70,7 @@ def test_flights_collide_no_more_often_than_granted():
     assert simulation.rate_low <= result.certificate.certified <= 0.05
 
 
+@pytest.mark.slow
 def test_a_fleet_keeps_every_vehicle_through_all_merges():
     result = plan(fleet(16, 0), "certified", time_limit=20.0)
     assert result.is_certified
@@ -93,6 +96,7 @@ class _DyingExecutor(Executor):
         return future
 
 
+@pytest.mark.slow
 def test_the_plan_does_not_depend_on_who_searches_nor_on_workers_that_die():
     scenario = paper(6, 3)
     here = plan(scenario, "certified")
@@ -106,12 +110,14 @@ def test_the_plan_does_not_depend_on_who_searches_nor_on_workers_that_die():
         assert other.lower_bound == here.lower_bound
 
 
+@pytest.mark.slow
 def test_plans_along_intervals_are_certified():
     result = plan(clutter(1, 40, 4), "certified", time_limit=20.0)
     assert result.is_certified
     assert result.lower_bound <= result.cost
 
 
+@pytest.mark.slow
 def test_a_limit_returns_a_certified_plan_or_none_with_a_reason():
     result = plan(circle(8), "certified", time_limit=3.0)
     assert result.plan is None or result.is_certified
@@ -182,12 +188,14 @@ def test_sides_that_the_referee_rates_above_the_bound_do_not_end_the_search():
     assert result.is_certified
 
 
+@pytest.mark.slow
 def test_a_tangled_set_has_a_certified_plan_long_before_its_proof():
     result = plan(circle(8), "certified", time_limit=3.0)
     assert result.is_certified
     assert result.cost <= 1.12 * result.lower_bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scenario", [paper(6, 2), paper(8, 2)], ids=lambda s: s.name)
 def test_the_price_of_risk_tells_what_more_of_it_saves(scenario):
     found = plan(scenario, "certified")
@@ -214,6 +222,7 @@ def gate(half_width):
     return Scenario("gate", 1.0, 25, 0.05, (rover,), posts)
 
 
+@pytest.mark.slow
 def test_through_a_wider_gate_no_plan_costs_more():
     # Some widths leave one way whose risk, a little above the bound, no small price moves.
     costs = [plan(gate(half), "certified").cost for half in (1.03, 1.05, 1.1, 1.15)]

@@ -42,6 +42,7 @@ def test_close_pairs_are_those_that_come_within_the_distance(seed, dimension):
             assert ((i, j) in found) == (distance < 4.0)
 
 
+@pytest.mark.slow
 def test_no_distance_leaves_all_apart_and_a_large_one_joins_all():
     scenario = paper(4, 2)
     assert {len(s) for s in plan(scenario, "distance(0)").sets} == {1}
@@ -54,6 +55,7 @@ def test_no_distance_leaves_all_apart_and_a_large_one_joins_all():
     )
 
 
+@pytest.mark.slow
 def test_sets_of_the_default_distance_never_lose_a_vehicle():
     for seed in range(3):
         result = plan(paper(6, seed), "distance")
@@ -85,6 +87,7 @@ def test_other_readings_of_the_paper_are_options_and_plan(options, text):
     assert plan(paper(3, 4), coupled).plan is not None
 
 
+@pytest.mark.slow
 def test_larger_temporal_obstacles_keep_vehicles_further_apart():
     scenario = paper(6, 2)
     costs = [

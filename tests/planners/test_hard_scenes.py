@@ -53,11 +53,13 @@ def test_starts_that_risk_more_than_is_granted_are_named(name):
     assert "start" in result.explanation
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["crash-highs-unknown.json", "highs-unknown-tiny-bound.yaml"])
 def test_programmes_that_highs_gives_up_on_twice_are_planned(name):
     assert answered(name, 4.0).is_certified
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tiny-risk-bound.json", "price-without-end.json"])
 def test_a_risk_bound_of_one_in_a_trillion_is_planned_to_its_optimum(name):
     found = [
@@ -114,6 +116,7 @@ def test_a_point_that_breaks_an_avoidance_without_sides_risks_everything():
     assert rating.risk == rating.largest == np.inf
 
 
+@pytest.mark.slow
 def test_no_search_makes_a_plan_of_a_contradiction():
     program = contradictory()
     rater, z = Rater(program, 0.49), np.zeros(program.num_columns)

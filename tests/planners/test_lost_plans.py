@@ -34,6 +34,7 @@ def scene(name):
     return load_scenario(SCENES / f"{name}.json")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "others"),
     [
@@ -111,6 +112,7 @@ def test_what_is_estimated_between_sets_counts_the_bow():
     assert estimate[0, 1] > 0.05
 
 
+@pytest.mark.slow
 def test_sets_that_the_referee_blames_are_merged_whatever_is_estimated(monkeypatch):
     monkeypatch.setattr(fleet, "meeting_risks", lambda *everything: {})
     result = plan(scene("bow-merge-limit"), "certified", time_limit=20.0)
@@ -200,6 +202,7 @@ def test_the_budget_stays_positive_where_the_starts_alone_exceed_the_bound():
     assert 0.0 < made.budget < near.risk_bound
 
 
+@pytest.mark.slow
 def test_without_a_plan_half_spaces_are_turned_to_one_without_noise(monkeypatch):
     monkeypatch.setattr(PriceSearch, "run", lambda self: None)
     result = plan(paper(3, 2), "certified")
@@ -207,6 +210,7 @@ def test_without_a_plan_half_spaces_are_turned_to_one_without_noise(monkeypatch)
     assert result.cost <= 7.16
 
 
+@pytest.mark.slow
 def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):
     calls = []
     run = PriceSearch.run

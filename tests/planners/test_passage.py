@@ -55,6 +55,7 @@ def risks_along(problem, way):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_a_way_leads_from_start_to_goal_past_everything(seed):
     problem = problem_of(clutter(1, 80, seed))
@@ -68,12 +69,14 @@ def test_a_way_leads_from_start_to_goal_past_everything(seed):
     assert risks_along(problem, way).max() <= UNIT + 0.01
 
 
+@pytest.mark.slow
 def test_dearer_risk_buys_safer_ways():
     problem = problem_of(clutter(10, 100, 0), 6)
     risks = [risks_along(problem, problem.passage.walk.way(p)).sum() for p in (0.1, 3.0, 100.0)]
     assert risks[0] > risks[1] > risks[2]
 
 
+@pytest.mark.slow
 def test_where_a_wall_shuts_the_way_there_is_none():
     scenario = clutter(1, 1, 0)
     start = scenario.vehicles[0].start[:2]
@@ -91,6 +94,7 @@ def test_where_a_wall_shuts_the_way_there_is_none():
     assert np.all(np.abs(inside[:, 1] - middle[1]) < 2.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "number"), [(2, 1), (2, 9), (0, 6)])
 def test_passages_are_found_where_branching_takes_long(seed, number):
     problem = problem_of(clutter(10, 100, seed), number)
@@ -106,6 +110,7 @@ def test_passages_are_found_where_branching_takes_long(seed, number):
     assert found.cost == pytest.approx(float(problem.program.cost @ found.z))
 
 
+@pytest.mark.slow
 def test_a_search_around_a_plan_never_makes_it_worse():
     for seed in range(3):
         problem = problem_of(clutter(1, 80, seed))
@@ -170,6 +175,7 @@ def test_a_vehicle_in_haste_leaves_the_lane_early_and_one_at_its_own_pace_does_n
     assert last_in_lane[1] >= last_in_lane[0] + 5
 
 
+@pytest.mark.slow
 def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
     scenario = lane()
     subjects = whole_subjects(scenario)
@@ -198,6 +204,7 @@ def test_gaps_are_seen_at_steps_and_along_intervals(avoidance):
     assert gap_middles(dangers, 1, 3.0) == [pytest.approx(0.05)]
 
 
+@pytest.mark.slow
 def test_where_effort_is_free_a_passage_seeks_the_least_risk():
     scenario = clutter(10, 100, 0)
     scenario = replace(scenario, vehicles=scenario.vehicles[6:7])

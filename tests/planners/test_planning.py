@@ -45,6 +45,7 @@ def _scenario(*vehicles, **more):
     return Scenario(name="s", vehicles=vehicles, **(options | more))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_every_preset_plans_a_small_problem(name):
     result = plan(paper(2, 1), name)
@@ -57,6 +58,7 @@ def test_every_preset_plans_a_small_problem(name):
         assert result.is_certified
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("seed", range(3))
 def test_multi_vehicle_plans_hold_before_the_referee(avoidance, seed):
@@ -129,6 +131,7 @@ def test_a_pool_that_is_charged_what_was_used_keeps_more():
     assert pools["used"] > pools["allocated"]
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_plan_and_another_may_not():
     scenario = paper(4, 5)
     first, second = plan(scenario, "radmpc", rng=7), plan(scenario, "radmpc", rng=7)
@@ -251,6 +254,7 @@ def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():
     assert "Vehicle 'a' alone finds no way" in _explained(scenario)
 
 
+@pytest.mark.slow
 def test_everyone_through_one_point_is_planned_within_the_bound():
     result = plan(circle(4), "multi-vehicle")
     assert result.is_certified

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from radmpc.io.scenario_file import load_scenario
 from radmpc.model.plan import Status
 from radmpc.planning import plan
@@ -25,6 +27,7 @@ def test_a_peak_that_an_integral_could_step_over_is_not_certified():
     assert flown.rate > 3e-4
 
 
+@pytest.mark.slow
 def test_a_plan_whose_controls_mostly_saturate_says_so():
     scenario = load_scenario(SCENES / "saturates.yaml")
     result = plan(scenario, "certified")

@@ -98,12 +98,14 @@ def test_a_start_or_goal_that_rules_out_any_plan_is_named_before_any_search(name
     assert not result.steps
 
 
+@pytest.mark.slow
 def test_a_goal_that_is_too_near_has_no_plan_however_it_is_planned():
     problem = scene("goal-too-near.yaml")
     risk = plan(replace(problem, risk_bound=0.1), time_limit=5.0).certificate.certified
     assert risk > problem.risk_bound
 
 
+@pytest.mark.slow
 def test_a_longer_horizon_that_does_is_named_and_does():
     problem = scene("horizon-is-the-cure.yaml")
     text = why_not(problem, Limits()).explanation
@@ -112,6 +114,7 @@ def test_a_longer_horizon_that_does_is_named_and_does():
     assert plan(replace(problem, horizon=26), time_limit=10.0).is_certified
 
 
+@pytest.mark.slow
 def test_a_plan_that_needs_more_faces_says_so_and_what_else_would_help():
     result = plan(scene("horizon-is-the-cure.yaml"), time_limit=30.0)
     assert result.is_certified
@@ -119,6 +122,7 @@ def test_a_plan_that_needs_more_faces_says_so_and_what_else_would_help():
     assert "26 steps" in result.explanation
 
 
+@pytest.mark.slow
 def test_feedback_that_keeps_back_most_of_the_control_is_told_with_a_softer_one_that_does():
     problem = scene("soft-gain-is-the-cure.yaml")
     text = why_not(problem, Limits()).explanation
@@ -174,6 +178,7 @@ def test_a_limit_is_named(limits, words):
     assert words in result.explanation
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_what_is_called_infeasible_is_planned_by_nobody(seed):
     rng = np.random.default_rng(seed)

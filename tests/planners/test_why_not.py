@@ -62,6 +62,7 @@ def far(name="far"):
     return vehicle(name, (0, 60), (4, 60))
 
 
+@pytest.mark.slow
 def test_a_vehicle_behind_a_wall_is_named_with_the_wall_and_the_rest_can_go():
     result = plan(
         scenario(vehicle("a", (0, 0), (10, 0)), far(), obstacles=wall_with_gap(0.1)), "certified"
@@ -90,6 +91,7 @@ def test_two_conflicts_do_not_hide_each_other():
     assert "The other vehicle can be planned" in text
 
 
+@pytest.mark.slow
 def test_the_bound_that_is_proposed_would_do_and_a_smaller_one_than_proven_would_not():
     problem = scenario(
         vehicle("a", (0, 0), (10, 0), noise=4e-3),
@@ -177,6 +179,7 @@ def test_a_start_within_an_obstacle_does_not_hide_the_rest():
     assert "The other vehicle can be planned" in result.explanation
 
 
+@pytest.mark.slow
 def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_it(monkeypatch):
     # As where simple bounds see no plan at all: the search for the reason finds the safest one.
     monkeypatch.setattr(PriceSearch, "run", lambda self: None)
@@ -189,6 +192,7 @@ def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_i
     assert result.cost == pytest.approx(effort)
 
 
+@pytest.mark.slow
 def test_noise_that_leaves_no_room_anywhere_is_named_before_what_stands_there():
     noise = np.array([0.05, 0.05, 1e-6, 1e-6])
     wild = vehicle("a", (0, 0), (10, 0), noise=noise)

@@ -135,6 +135,7 @@ def test_other_endings_are_refused_and_mp4_without_its_program(
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.slow
 def test_an_mp4_is_read_back_by_a_player(
     flat_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -61,6 +61,7 @@ def test_distances_from_walls_are_never_negative_outside(
     assert plot_distances(with_obstacles(flat_plan, (obstacle,))) is not None
 
 
+@pytest.mark.slow
 def test_films_show_walls_and_wires(flat_plan: Plan, space_plan: Plan, tmp_path: Path) -> None:
     for name, plan in (
         ("plane", with_obstacles(flat_plan, FLAT)),

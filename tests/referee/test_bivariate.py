@@ -38,6 +38,7 @@ def triples(rng, count):
     return a, b, rng.choice([-1.0, 1.0, 1.0], count) * (1.0 - loss)
 
 
+@pytest.mark.slow
 def test_the_bound_is_never_below_and_within_two_percent():
     a, b, correlation = triples(np.random.default_rng(1), 3000)
     found = exceeds_alone(a, b, correlation)

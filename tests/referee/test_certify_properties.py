@@ -23,6 +23,7 @@ AVOIDANCES = st.sampled_from(["steps", "intervals"])
 SEEDS = st.integers(0, 2**32 - 1)
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, AVOIDANCES)
 def test_moving_the_scene_leaves_the_bound_alone(seed, avoidance):
@@ -33,6 +34,7 @@ def test_moving_the_scene_leaves_the_bound_alone(seed, avoidance):
     assert there.certified == pytest.approx(here.certified, rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS)
 def test_any_turn_in_space_leaves_the_bound_at_steps_alone(seed):
@@ -51,6 +53,7 @@ def test_any_turn_in_space_leaves_the_bound_at_steps_alone(seed):
         assert second == pytest.approx(first, rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, AVOIDANCES)
 def test_a_quarter_turn_of_the_scene_leaves_the_bound_alone(seed, avoidance):
@@ -73,6 +76,7 @@ def test_a_quarter_turn_leaves_paths_through_others_and_obstacles_alone(seed):
     assert there.certified == pytest.approx(here.certified, rel=1e-4, abs=1e-12)
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, st.integers(4, 30))
 def test_an_obstacle_far_away_changes_nothing_whatever_its_corners(seed, corners):
@@ -85,6 +89,7 @@ def test_an_obstacle_far_away_changes_nothing_whatever_its_corners(seed, corners
     assert certify(there).certified == pytest.approx(certify(plan).certified, rel=1e-12)
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, AVOIDANCES, st.sampled_from([2, 3]))
 def test_a_vehicle_far_away_changes_nothing(seed, avoidance, dimension):
@@ -96,6 +101,7 @@ def test_a_vehicle_far_away_changes_nothing(seed, avoidance, dimension):
     assert after.certified == pytest.approx(before.certified, rel=1e-12, abs=1e-15)
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, AVOIDANCES, st.floats(0.1, 0.5), st.floats(0.0, 0.3))
 def test_growing_a_radius_never_lowers_the_bound(seed, avoidance, radius, growth):
@@ -112,6 +118,7 @@ def test_growing_a_radius_never_lowers_the_bound(seed, avoidance, radius, growth
     assert large.certified >= small.certified * (1.0 - rel)
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, st.floats(0.1, 0.4), st.floats(0.0, 0.2))
 def test_along_intervals_a_radius_is_charged_at_least_what_any_smaller_one_risks_at_steps(
@@ -135,6 +142,7 @@ def worst_steps(certificate):
     return sum(worst.values())
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS)
 def test_along_intervals_no_encounters_worst_step_is_forgotten(seed):

@@ -243,6 +243,7 @@ SCENES = [
 FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 def test_simulation_counts_what_the_second_simulator_counts(scene):
     plan = scene()
@@ -262,6 +263,7 @@ def test_most_missions_of_the_clipped_scenes_saturate():
         assert simulate(scene(), 2000, rng=0).saturation_rate > 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scene",
     [s for s in SCENES if not s.__name__.startswith("clipped")],
@@ -285,6 +287,7 @@ def unclipped(plan: Plan) -> Plan:
     return replace(plan, scenario=replace(plan.scenario, vehicles=fleet))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 120, 20))
 def test_certificates_of_fleets_nobody_planned_are_not_below_the_second_simulator(first):
     told = 0

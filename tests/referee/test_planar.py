@@ -223,6 +223,7 @@ def scene(rng):
     return mean, variances, corners, radius, normal
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1))
 def test_the_risk_is_never_below_the_truth_at_any_ratio_of_deviations(seed):

@@ -46,6 +46,7 @@ def _openings(scenario, program):
     return {who: list(normals.values()) for who, normals in found.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_branch_big_m_and_enumeration_find_the_same_optimum(seed):
     scenario, program, margins, risk = _problem(seed)
@@ -77,6 +78,7 @@ def test_some_problems_have_a_face_that_opens_a_start_or_goal():
     assert all(count <= 1 for count in opened.values())
 
 
+@pytest.mark.slow
 def test_the_problems_hold_everything_that_makes_a_programme_hard():
     problems = [_problem(seed) for seed in SEEDS]
     outcomes = [

@@ -113,6 +113,7 @@ def test_an_opposed_row_is_held_the_other_way_round():
         assert outcome is LpOutcome.INFEASIBLE
 
 
+@pytest.mark.slow
 def test_a_proposal_of_sides_ends_with_the_limits():
     scenario = paper(8, 0)
     subjects = whole_subjects(scenario)

@@ -22,6 +22,7 @@ def assert_each_once(nodes):
     assert len(numbers) == len(set(numbers))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [1, 3, 7])
 def test_a_priced_search_that_is_stopped_again_and_again_queues_every_node_once(step):
     program = program_of(paper(8, 0).subset((0, 3, 6), 0.05))

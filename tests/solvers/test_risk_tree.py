@@ -127,6 +127,7 @@ def test_the_priced_search_finds_what_enumeration_finds(seed, price):
     assert tree.value - tree.bound <= 1.001 * GAP * max(tree.value, 1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 def test_a_certified_plan_costs_no_more_than_the_enumerated_optimum_within_its_gap(seed):
     """It may cost less: enumerated are the faces, and the planner turns half-spaces."""
@@ -139,6 +140,7 @@ def test_a_certified_plan_costs_no_more_than_the_enumerated_optimum_within_its_g
     assert result.cost >= 0.95 * expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_a_search_resumed_at_another_price_agrees_with_a_fresh_one(seed):
     scenario = paper(8, seed).subset((0, 3), 0.05)

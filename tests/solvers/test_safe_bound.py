@@ -131,6 +131,7 @@ def program_of(scenario):
     return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lies", [1, 2, 7, 30])
 def test_a_priced_search_lives_with_programmes_that_no_solver_solves(lies, monkeypatch):
     program = program_of(paper(8, 0).subset((0, 3), 0.05))

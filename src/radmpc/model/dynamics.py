@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import solve_discrete_are
 
 from radmpc.arguments import check_kind, field_integer, field_number, field_parts
 from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
@@ -207,6 +206,8 @@ def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix
     check_kind(system, LinearSystem, "system", "a LinearSystem")
     state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))
     control_weight = as_matrix(R, (system.num_controls, system.num_controls), ("R",))
+    from scipy.linalg import solve_discrete_are  # noqa: PLC0415 - loads slowly
+
     try:
         # What overflows is refused by the last line, or by the solver itself.
         with np.errstate(all="ignore"):
