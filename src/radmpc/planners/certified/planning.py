@@ -31,9 +31,6 @@ share of it. Turning takes 0.3 to 4 s on the families of the benchmarks."""
 _LEAST_TURNING = 2.0
 """Time that turning is granted at least, if the limit leaves it [s]."""
 
-_FEW = 4
-"""Vehicles up to which other sides are tried in any case: it takes a second at most."""
-
 _UNSPENT = 0.5
 """Share of Δ below which the referee leaves so much that other sides are tried."""
 
@@ -92,8 +89,9 @@ def plan_certified(
     # Large fleets gain little by the second: not longer than the search took.
     fleet.limits = limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
     turn_half_spaces(fleet, best, judge)
-    if scenario.num_vehicles <= _FEW or best.certified < _UNSPENT * scenario.risk_bound:
-        # Other sides may be better to turn to, above all where risk is not what limits the plan.
+    if best.certified < _UNSPENT * scenario.risk_bound:
+        # Not risk but the faces, or their sides, made the plan what it is. (Tried for all fleets of
+        # up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
         turn_from_noiseless(fleet, best, judge)
     seconds = {"sets": time.perf_counter() - begun}
     gap = planner.gap * (1.0 + 1e-6)

@@ -38,7 +38,7 @@ _MOST_MOVE = 30.0
 _DAMPING = 0.8
 """Power of the ratio that the price follows: risk answers to price a little more than inversely."""
 
-_ENOUGH = 0.1
+_ENOUGH = 0.2
 """Share of the gap below which a round gains too little to go on."""
 
 _MAX_STALLS = 2
