@@ -186,7 +186,7 @@ def test_killed_again_and_again_it_loses_nothing_and_does_nothing_twice(tmp_path
     script = SCRIPT.format(folder=os.path.dirname(__file__))
     command = [sys.executable, "-c", script, str(path)]
     seen = b""
-    for _ in range(4):
+    for _ in range(3):
         process = subprocess.Popen(command)
         want = len(read_rows(path)) + 2
         deadline = time.monotonic() + 60.0

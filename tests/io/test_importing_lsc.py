@@ -47,7 +47,7 @@ def test_agents_keep_radius_and_limits_of_their_type_and_stay_in_the_world(tmp_p
 def test_a_published_mission_is_planned_within_the_bound() -> None:
     imported = import_scenario(FOLDER / "multi_simple4.json")
     assert any("downwash" in warning for warning in imported.warnings)
-    result = plan(imported.scenario, time_limit=20.0)
+    result = plan(imported.scenario, time_limit=8.0)
     assert result.is_certified
 
 
