@@ -306,7 +306,8 @@ def test_a_system_without_a_continuous_model_has_no_sagitta():
     straight = _build(_scenario(replace(vehicle, system=euler), obstacles=(wall,)))
     curved = _build(_scenario(vehicle, obstacles=(wall,)))
     assert _pulls(straight) == {False}
-    assert True in _pulls(curved)
+    # An end whose share of the reserve is nothing has a row without it.
+    assert _pulls(curved) == {True, False}
 
 
 def _pulls(program):

@@ -23,6 +23,8 @@ __all__ = ["plan_by_turning", "turn_half_spaces"]
 _LOG = logging.getLogger(__name__)
 
 _ROUNDS = 12
+"""Rounds at most; the families of the benchmarks take 4 to 12."""
+
 _NODES = 400
 """Nodes per set and round: every danger has one side, so that nodes only add what comes near."""
 
@@ -42,6 +44,8 @@ _ENOUGH = 0.2
 """Share of the gap below which a round gains too little to go on."""
 
 _MAX_STALLS = 2
+"""Rounds in a row that gain too little, after which none follows."""
+
 _LESS = 0.9
 """Share of the least certificate so far that a round must come below while it is far above Δ."""
 
