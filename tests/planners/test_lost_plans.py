@@ -51,6 +51,7 @@ def scene(name):
         ("dear-by-faces-475", 2.7325),
         ("dear-by-faces-152", 4.5808),
         ("dear-by-faces-156", 1.7003),
+        ("dear-by-halves-of-the-sagitta", 3.7384),
     ],
 )
 def test_no_certified_plan_of_another_planner_is_cheaper(name, others):

@@ -134,6 +134,25 @@ def test_a_turned_program_has_at_most_one_side_for_every_danger() -> None:
     assert inside.mean() > 0.5
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_no_other_share_of_the_reserve_keeps_both_ends_clearer(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    _, turned = scene(2, "intervals", rng)
+    windows = turned.between(0, 1)
+    covariances = sum(s.position_covariances for s in turned.subjects)
+    for k in range(HORIZON):
+        normal = -windows.normals[k, 0]
+        at = [normal @ (turned.means[0, j] - turned.means[1, j]) - 1.0 for j in (k, k + 1)]
+        deviations = [np.sqrt(normal @ covariances[j] @ normal) for j in (k, k + 1)]
+        # A double integrator's path leaves its chord by at most u/8 over one second.
+        sagitta = max(normal @ (turned.controls[0][k] - turned.controls[1][k]), 0.0) / 8.0
+        shares = np.append(windows.shares[k, 0], np.linspace(0.0, 1.0, 1001))
+        near = (at[0] - 4.0 * sagitta * shares**2) / deviations[0]
+        far = (at[1] - 4.0 * sagitta * (1.0 - shares) ** 2) / deviations[1]
+        least = np.minimum(near, far)
+        assert least[0] >= least[1:].max() - 1e-9
+
+
 def test_a_diagonal_pair_is_safer_by_a_turned_half_space_than_by_faces() -> None:
     scenario = circle(2)
     subjects = whole_subjects(scenario)

@@ -78,6 +78,7 @@ class ProgramBuilder:
             -(keepout.far + radius),
             keepout.directions,
             self.intervals,
+            keepout.shares,
         )
         if keepout.start is not None:
             normals = -np.vstack([keepout.start.normals, extra])

@@ -72,6 +72,8 @@ class Windows:
         Equal numbers are equal normals.
     intervals : bool
         Whether window j is [j, j+1] or step j+1 alone.
+    shares : (w, f) array or None
+        Share of the near end of the reserve for the sagitta, where it was chosen with the faces.
     """
 
     normals: Tensor
@@ -79,6 +81,7 @@ class Windows:
     far: Vector
     directions: Indices
     intervals: bool
+    shares: Vector | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -38,6 +38,8 @@ class KeepOut:
     shapes : tuple of Polytope
         The thing at the programme's first to last step, one if it stands still; empty where other
         directions than the faces are not asked for.
+    shares : (w, f) array or None
+        Share of the near end of the reserve for the sagitta, where it was chosen with the faces.
     """
 
     name: str
@@ -47,6 +49,7 @@ class KeepOut:
     directions: Indices
     start: Polytope | None = None
     shapes: tuple[Polytope, ...] = ()
+    shares: Vector | None = None
 
     def with_directions(self, extra: Matrix, *, intervals: bool) -> KeepOut:
         """Return the same thing with more half-spaces that hold it, at every window.

@@ -8,7 +8,7 @@ from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
 from radmpc.program.danger import Body, End, RowBlock, Windows
 from radmpc.program.program import SETTLED_RISK, SETTLED_SHARE
-from radmpc.program.reserve import shares_of_reserve
+from radmpc.program.reserve import chosen_shares, shares_of_reserve
 from radmpc.program.row_layout import empty_block, lay_out
 
 __all__ = ["danger_rows"]
@@ -60,6 +60,8 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         levels = enough, float(clearance_for(min(_SOME * risk_bound, CONVEX_RISK)))
         near = [np.minimum.reduce([_spare(end, c) for end in ends[:-1]]) for c in levels]
         shares = shares_of_reserve(near, [_spare(ends[-1], c) for c in levels], bow)
+        if windows.shares is not None:
+            shares = chosen_shares(windows.shares, shares)
     worst = [_worst(ends, bow, share) for share in shares]
     best = np.minimum.reduce([_in_deviations(end.most, end.deviations) for end in ends])
     settled_by = worst[0].max(axis=1)

@@ -29,9 +29,6 @@ _SPACING = {2: 0.13, 3: 0.28}
 _LEVELS = 5
 """Times that the directions around the best are tried, at a third of the distance each."""
 
-_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""Shares of the near end of the reserve for the sagitta; see `radmpc.program.reserve`."""
-
 _LEAST_DEVIATION = 1e-9
 """Noise below which clearances are compared by their length [m]."""
 
@@ -62,6 +59,14 @@ class _Encounter:
 
     def clearances(self, normals: Tensor) -> Vector:
         """Return the least clearance of both ends along normals, at the best share, (w, c)."""
+        return self._rated(normals)[0]
+
+    def shares(self, normals: Tensor) -> Vector:
+        """Return the share of the near end that is best along normals, (w, c)."""
+        return self._rated(normals)[1]
+
+    def _rated(self, normals: Tensor) -> tuple[Vector, Vector]:
+        """Return least clearances along normals, and the shares that make them largest."""
         reaches = self.supports(normals)[-len(self.ends) :]
         margins, deviations = [], []
         for end, reach, events in zip(self.ends, reaches, self.covariances, strict=True):
@@ -71,14 +76,12 @@ class _Encounter:
             deviations.append(np.maximum(largest, _LEAST_DEVIATION))
         if len(self.ends) == 1:
             alone: Vector = margins[0] / deviations[0]
-            return alone
+            return alone, np.full(alone.shape, 0.5)
         bow = 4.0 * np.maximum(np.einsum("wcd,wd->wc", normals, self.sagittas), 0.0)
-        best: Vector = np.full(bow.shape, -np.inf)
-        for share in _SHARES:
-            near: Vector = (margins[0] - share**2 * bow) / deviations[0]
-            far: Vector = (margins[1] - (1.0 - share) ** 2 * bow) / deviations[1]
-            best = np.maximum(best, np.minimum(near, far))
-        return best
+        shares = _best_shares(margins, deviations, bow)
+        near: Vector = (margins[0] - np.square(shares) * bow) / deviations[0]
+        far: Vector = (margins[1] - np.square(1.0 - shares) * bow) / deviations[1]
+        return np.minimum(near, far), shares
 
     def best_normals(self, tried: Tensor) -> Tensor:
         """Return the best normal of each window, (w, d), from those tried on, (w, c, d)."""
@@ -154,6 +157,7 @@ class Turned:
             far=far,
             directions=_numbers(normals),
             shapes=(),
+            shares=encounter.shares(normals),
         )
 
     def between(self, i: int, j: int) -> Windows:
@@ -175,7 +179,8 @@ class Turned:
         tried = np.broadcast_to(coarse, (self.means.shape[1] - 1, *coarse.shape))
         normals = encounter.best_normals(tried)[:, None, :]
         offsets = np.full((len(normals), 1), -distance)
-        return Windows(-normals, offsets, offsets, _numbers(normals), self.intervals)
+        shares = encounter.shares(normals)
+        return Windows(-normals, offsets, offsets, _numbers(normals), self.intervals, shares)
 
     def _sagittas(self, i: int) -> Tensor:
         """Return how far a vehicle's path hangs off its chords, (T, d) [m]."""
@@ -196,6 +201,21 @@ class Turned:
             ]
             at_start = (covariances[:-1], np.sum(bent, axis=0))
         return _Encounter((path[:-1], path[1:]), (at_start, (covariances[1:],)), sagittas, supports)
+
+
+def _best_shares(margins: Sequence[Vector], deviations: Sequence[Vector], bow: Vector) -> Vector:
+    """Return the shares of the near end at which both ends are as clear, (w, c).
+
+    With margins m and deviations σ, the clearances (m₀ − b θ²)/σ₀ and (m₁ − b (1 − θ)²)/σ₁ fall
+    and rise with θ: the least of them is largest where they meet, a root of a quadratic.
+    """
+    near, far = bow / deviations[0], bow / deviations[1]
+    gap: Vector = margins[0] / deviations[0] - margins[1] / deviations[1]
+    ahead = far + gap
+    root = far + np.sqrt(np.maximum(np.square(far) + (near - far) * ahead, 0.0))
+    curved = root > 0.0
+    shares: Vector = np.clip(np.where(curved, ahead, 0.5) / np.where(curved, root, 1.0), 0.0, 1.0)
+    return np.where(gap >= near, 1.0, np.where(gap <= -far, 0.0, shares))
 
 
 def _around(normals: Tensor, step: float) -> Tensor:
