@@ -23,7 +23,7 @@ from radmpc.model.plan import Plan
 from radmpc.planners.planner import Centralized, Planner
 from radmpc.planning import plan
 from radmpc.program.policy import Ira
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 REFERENCE = Planner(Ira(), Branch(10_000_000), Centralized())
 

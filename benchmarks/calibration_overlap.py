@@ -13,9 +13,9 @@ import numpy as np
 
 from radmpc.arrays import Indices
 from radmpc.model.plan import Plan
-from radmpc.referee.collisions import Flags
-from radmpc.referee.flight import Chunk, Flight, prepare
-from radmpc.referee.watch import Watch
+from radmpc.referee.simulation.collisions import Flags
+from radmpc.referee.simulation.flight import Chunk, Flight, prepare
+from radmpc.referee.simulation.watch import Watch
 
 __all__ = ["Overlap", "measure_overlap"]
 

@@ -18,8 +18,8 @@ from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.planner import Centralized, Couplings, Planner
 from radmpc.planners.presets import PRESETS
 from radmpc.program.policy import Ira, Sigmas, Uniform
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
 
 __all__ = ["random_planner", "random_scenario"]
 
@@ -45,7 +45,7 @@ def random_planner(rng: np.random.Generator, num_vehicles: int) -> tuple[str, Pl
 
 
 def _is_slow(planner: Planner) -> bool:
-    """Whether a planner solves mixed-integer programmes, which takes seconds."""
+    """Whether a planner solves mixed-integer programs, which takes seconds."""
     return isinstance(planner.solver, BigM)
 
 

@@ -1,16 +1,16 @@
-"""Every planner against the certified one by the measure the programme itself uses.
+"""Every planner against the certified one by the measure the program itself uses.
 
     python benchmarks/costs.py 2 3 --seeds 3 --cap 60
     python benchmarks/costs.py 4 --seeds 5 --planners uniform ira multi-vehicle radmpc
 
 A plan's Boole total charges every avoidance of the whole fleet the risk of its cheapest side, and
 adds what no control can change. A plan that keeps the hard rows and whose total is within Δ is a
-point of the programme that `certified` bounds. So (1) its cost is at least the lower bound, and
+point of the program that `certified` bounds. So (1) its cost is at least the lower bound, and
 (2) where `certified` closed its gap, its cost is at least ``certified · (1 − gap)``. Both are
 checked, up to 1e-6 of the cost; a violation is a bug.
 
-Plans above Δ are no points of that programme and may cost less. They are listed, and those that
-the referee, who is not bound to the programme's faces, certifies all the same are counted apart.
+Plans above Δ are no points of that program and may cost less. They are listed, and those that
+the referee, who is not bound to the program's faces, certifies all the same are counted apart.
 `certified` spends what the referee leaves: its own total may be above Δ, its certificate never.
 """
 
@@ -35,7 +35,7 @@ from radmpc.planners.presets import PRESETS, parse_planner
 from radmpc.planning import plan
 from radmpc.program.build import build_program, controls_of, whole_subjects
 from radmpc.result import Result
-from radmpc.solvers.risk_rating import Rater
+from radmpc.solvers.priced.rating import Rater
 
 _TOL = 1e-6
 """Relative slack of costs and totals: what linear solvers leave open."""
@@ -47,7 +47,7 @@ _CERTIFIED = "certified"
 
 
 class Judge:
-    """The joint programme of a scenario, which rates any plan of it."""
+    """The joint program of a scenario, which rates any plan of it."""
 
     def __init__(self, scenario: Scenario) -> None:
         self.subjects = whole_subjects(scenario)
@@ -70,7 +70,7 @@ class Judge:
         return self.rater.rate(z).risk + self.program.initial_risk
 
     def cost(self, z: Vector) -> float:
-        """Return the programme's cost."""
+        """Return the program's cost."""
         return float(self.program.cost @ z)
 
     def excess(self, z: Vector) -> float:

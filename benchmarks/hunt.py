@@ -25,7 +25,7 @@ from pathlib import Path
 from hunt_catch import COLUMNS, KINDS, Catch, catch_of
 from hunt_checks import Effort, examine, run_scene
 from hunt_scenes import draw_scene
-from radmpc.io.scenario_file import save_scenario
+from radmpc.io.native.scenario_file import save_scenario
 
 _MOST_NAMED = 40
 """Scenes named per kind in the summary."""

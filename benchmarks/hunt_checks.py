@@ -21,7 +21,7 @@ from radmpc.planning import plan
 from radmpc.program.policy import Ira, Sigmas, Uniform
 from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 __all__ = ["PLANNERS", "Effort", "examine", "run_scene"]
 

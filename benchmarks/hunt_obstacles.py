@@ -43,7 +43,7 @@ def random_obstacle(
     """
     points = _points(rng, place.size)
     if beside is not None:
-        # Its nearest corner or face towards the place is put at the distance.
+        # Its nearest corner or face toward the place is put at the distance.
         away, distance = beside
         place = place + (distance - float((points @ away).min())) * away
     points = points + place

@@ -20,7 +20,7 @@ from radmpc.planners.planner import Centralized, Planner
 from radmpc.planning import plan
 from radmpc.program.policy import Ira
 from radmpc.referee import simulate
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 PLANNER = Planner(Ira(), Branch(), Centralized())
 SAMPLES = 20_000

@@ -24,7 +24,7 @@ from radmpc.model.plan import Status
 from radmpc.planners.planner import Centralized, Planner
 from radmpc.planning import plan
 from radmpc.program.policy import Ira
-from radmpc.solvers.big_m import BigM
+from radmpc.solvers.milp.big_m import BigM
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
-"""One programme at fixed margins, solved by `branch` and by big-M backends in one run.
+"""One program at fixed margins, solved by `branch` and by big-M backends in one run.
 
     python benchmarks/solvers.py --sizes 2 3 --seeds 3 --backends highs scip gurobi --cap 120
     python benchmarks/solvers.py --sizes 4 5 --backends gurobi --avoidance steps --repeats 5
 
 The margins are those of the uniform allocation. Prints seconds (medians of the repeats, taken in
 turn), costs, and the ratio of each backend to `branch`; capped runs are marked with ``>`` and make
-the ratio a lower bound. Programmes that a backend refuses for their size, or that `branch` leaves
+the ratio a lower bound. Programs that a backend refuses for their size, or that `branch` leaves
 open, are marked and listed, and not part of the mean; backends that are not installed are left out.
 """
 
@@ -26,8 +26,8 @@ from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import margins_of, uniform_allocation
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.solution import Limits, Outcome, Solution
 
 GAP = 1e-3
@@ -69,10 +69,10 @@ def main() -> None:
     console = Console(file=sys.stdout, width=90 + 25 * len(options.backends))
     console.print(table)
     for backend, tally in tallies.items():
-        _summarise(console, backend, tally)
+        _summarize(console, backend, tally)
 
 
-def _summarise(console: Console, backend: str, tally: Tally) -> None:
+def _summarize(console: Console, backend: str, tally: Tally) -> None:
     """Print the means of one backend, and what is not part of them."""
     sizes = sorted({n for n, _, _ in tally.ratios})
     groups = [(f"{backend}, N = {n}", [r for r in tally.ratios if r[0] == n]) for n in sizes]
@@ -97,7 +97,7 @@ def _summarise(console: Console, backend: str, tally: Tally) -> None:
 def _row(
     avoidance: str, n: int, seed: int, options: argparse.Namespace, tallies: dict[str, Tally]
 ) -> list[str]:
-    """Solve one programme by everything; return the cells."""
+    """Solve one program by everything; return the cells."""
     scenario = replace(paper(n, seed), avoidance=avoidance)
     program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
     margins = margins_of(program, uniform_allocation(program, program.budget))

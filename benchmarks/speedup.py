@@ -27,7 +27,7 @@ from radmpc.model.plan import Status
 from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
-from radmpc.solvers.big_m import BACKENDS, BigM
+from radmpc.solvers.milp.big_m import BACKENDS, BigM
 
 
 @dataclass(frozen=True)

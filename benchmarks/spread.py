@@ -17,7 +17,7 @@ from radmpc.experiments.families import paper
 from radmpc.planners.planner import Centralized, Planner, Receding
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import Ira, Pool, Spread, Uniform
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 NUM_VEHICLES = 6
 SPREADS: tuple[Spread, ...] = ("reached", "all")

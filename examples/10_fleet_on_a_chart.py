@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import radmpc
+from radmpc.importing.formats import ImportOptions, import_scenario
 from radmpc.io.export.exporting import export_plan, save_exported
-from radmpc.io.importing import ImportOptions, import_scenario
 
 EXPECTED = 0.25 * 1.5 * 2.0**0.5  # the radius is 1.5 m
 TOLERANCE = 0.05  # waypoints are rounded to 1e-7 degrees, the earth to a sphere

@@ -97,7 +97,7 @@ def test_a_plan_that_is_none_has_an_empty_table_and_no_arrays(result) -> None:
         to_pandas(none, "lines")
 
 
-def test_labelled_arrays_hold_what_the_plan_holds(result) -> None:
+def test_labeled_arrays_hold_what_the_plan_holds(result) -> None:
     data = to_xarray(result.plan)
     name = result.plan.trajectories[1].name
     one = data.sel(vehicle=name)

@@ -15,7 +15,7 @@ from peers.worker import FAMILIES
 
 __all__ = ["ABSENT", "Row", "ask", "run"]
 
-ABSENT = ("not installed", "too large", "not modelled")
+ABSENT = ("not installed", "too large", "not modeled")
 """Ends without an attempt: such rows count as neither solved nor unsolved."""
 
 _GRACE = 60.0

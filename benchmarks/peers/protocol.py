@@ -43,7 +43,7 @@ class Answer:
     ----------
     status : str
         ``optimal`` (proven within the gap for the peer's own model), ``feasible``,
-        ``infeasible``, ``limit``, ``too large``, ``not modelled`` or ``failed``.
+        ``infeasible``, ``limit``, ``too large``, ``not modeled`` or ``failed``.
     controls : tuple of (T, m) array or None
         Nominal controls per vehicle; None without a plan.
     note : str

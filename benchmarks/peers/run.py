@@ -4,10 +4,10 @@
     python benchmarks/peers/run.py 2 --peers certified ipopt --python ipopt=/opt/casadi/bin/python
     python benchmarks/peers/run.py 4 6 --family circle --seeds 1 --out peers.jsonl
 
-Every peer is a model of its own, written from docs/problem.md: a nonlinear programme (`ipopt`) and
-big-M programmes (`cvxpy`, `cvxpy-scip`, `gurobi`), all at uniform risk. `certified`,
+Every peer is a model of its own, written from docs/problem.md: a nonlinear program (`ipopt`) and
+big-M programs (`cvxpy`, `cvxpy-scip`, `gurobi`), all at uniform risk. `certified`,
 `multi-vehicle` and `uniform` are radmpc's. Each runs in a process of its own; a peer that is not
-installed (benchmarks/peers/requirements.txt), or whose licence does not allow the size, is a row
+installed (benchmarks/peers/requirements.txt), or whose license does not allow the size, is a row
 that says so. ``module:function`` is a peer of your own, called as ``(scenario, seconds, gap,
 seed)``.
 

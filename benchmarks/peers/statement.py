@@ -1,6 +1,6 @@
 """The problem in numbers, straight from `docs/problem.md`: what every peer's model starts from.
 
-Written from the statement alone; nothing of how radmpc builds or solves its programme is used.
+Written from the statement alone; nothing of how radmpc builds or solves its program is used.
 Risk is spread as users do by hand: Δ, less what is already present at k = 0, divided evenly over
 all avoidances (vehicle × obstacle × step, pair × step), also those that nobody can come near.
 """
@@ -18,12 +18,12 @@ from scipy.stats import norm
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["Array", "Danger", "NotModelledError", "Statement", "state"]
+__all__ = ["Array", "Danger", "NotModeledError", "Statement", "state"]
 
 Array = npt.NDArray[np.float64]
 
 
-class NotModelledError(Exception):
+class NotModeledError(Exception):
     """The scenario asks for something that the peers' models do not have."""
 
 
@@ -129,13 +129,13 @@ def state(scenario: Scenario) -> Statement:
 
     Raises
     ------
-    NotModelledError
+    NotModeledError
         If collisions count between steps, or a pair in space has other faces than the axes.
     """
     if scenario.avoidance != "steps":
-        raise NotModelledError(f"avoidance {scenario.avoidance!r}")
+        raise NotModeledError(f"avoidance {scenario.avoidance!r}")
     if scenario.dimension == 3 and scenario.num_pair_faces != 6:
-        raise NotModelledError(f"{scenario.num_pair_faces} pair faces in space")
+        raise NotModeledError(f"{scenario.num_pair_faces} pair faces in space")
     states = [v.covariances(scenario.horizon) for v in scenario.vehicles]
     positions = [
         sigma[:, v.system.position][:, :, v.system.position]

@@ -1,4 +1,4 @@
-"""The big-M programme in CVXPY, solved by HiGHS or by SCIP.
+"""The big-M program in CVXPY, solved by HiGHS or by SCIP.
 
 As one would write it in an afternoon: mean states and controls as variables, one binary per face
 and step, a big M per row from where vehicles can be, the same risk for every avoidance.
@@ -54,7 +54,7 @@ def _solve(
     solver: str,
     options: Callable[[float], dict[str, object]],
 ) -> Answer:
-    """Write the programme down and solve it."""
+    """Write the program down and solve it."""
     begun = time.perf_counter()
     statement = state(scenario)
     if statement.share <= 0.0:

@@ -1,6 +1,6 @@
-"""The big-M programme through gurobipy, within what its free licence allows.
+"""The big-M program through gurobipy, within what its free license allows.
 
-The licence that comes with the package solves models of at most 2,000 columns and 2,000 rows;
+The license that comes with the package solves models of at most 2,000 columns and 2,000 rows;
 larger ones are reported as too large, not solved by halves.
 """
 
@@ -43,7 +43,7 @@ def solve(scenario: Scenario, seconds: float, gap: float, seed: int) -> Answer:
             if error.errno != GRB.Error.SIZE_LIMIT_EXCEEDED:
                 raise
             size = f"{model.NumVars} columns, {model.NumConstrs} rows"
-            return Answer("too large", note=f"{size}; the free licence allows 2000 of each")
+            return Answer("too large", note=f"{size}; the free license allows 2000 of each")
         if model.SolCount == 0:
             no_plan = model.Status in {GRB.INFEASIBLE, GRB.INF_OR_UNBD}
             late = model.Status == GRB.TIME_LIMIT

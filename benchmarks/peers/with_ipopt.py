@@ -1,4 +1,4 @@
-"""One joint nonlinear programme in CasADi, solved by IPOPT: chance-constrained NMPC by the book.
+"""One joint nonlinear program in CasADi, solved by IPOPT: chance-constrained NMPC by the book.
 
 States and controls of the whole fleet are variables tied by the dynamics; ``|u|`` is split into
 two non-negative parts. Every avoidance is given the same risk, so keeps c standard deviations.
@@ -7,12 +7,12 @@ two non-negative parts. Every avoidance is given the same risk, so keeps c stand
   the faces ``A p <= b`` with ``|n| <= 1``, ``n = Aᵀλ``, and
   ``n·p − b·λ >= r + c·sqrt(nᵀ Σ n)``. The set lies where ``n·p <= b·λ``, so a collision is a
   Gaussian more than c deviations out: at most the avoidance's share of Δ. The direction is free,
-  where radmpc's own programme chooses among the faces: as safe, and never dearer.
+  where radmpc's own program chooses among the faces: as safe, and never dearer.
 - **Pairs** by distance: ``|p − q|² >= (rᵢ + rⱼ + c·sqrt(λmax))²`` with the largest eigenvalue of
   the summed covariances. The half-space across the line of centers then holds at the same share
   of Δ: as safe as one of radmpc's four faces, and less restrictive than all of them.
 
-The programme is not convex: several initial guesses are tried, a straight line and seeded bends
+The program is not convex: several initial guesses are tried, a straight line and seeded bends
 of it, and the cheapest converged one is kept. IPOPT proves neither optimality nor infeasibility.
 """
 
@@ -44,7 +44,7 @@ _SMOOTH = 1e-12
 
 @dataclass(slots=True, eq=False)
 class _Nlp:
-    """A nonlinear programme while it is written down: parallel lists, joined at the end."""
+    """A nonlinear program while it is written down: parallel lists, joined at the end."""
 
     variables: list[casadi.SX] = field(default_factory=list)
     lower: list[Array] = field(default_factory=list)
@@ -107,7 +107,7 @@ def solve(scenario: Scenario, seconds: float, gap: float, seed: int) -> Answer:
 
 
 def _solver(nlp: _Nlp, seconds: float) -> casadi.Function:
-    """Return IPOPT on a programme, with a time limit for each start."""
+    """Return IPOPT on a program, with a time limit for each start."""
     problem = {
         "x": casadi.vertcat(*nlp.variables),
         "f": nlp.cost,

@@ -9,7 +9,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 PACKAGES = ("radmpc", "highspy")
 

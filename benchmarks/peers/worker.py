@@ -22,7 +22,7 @@ from importlib.metadata import PackageNotFoundError, version
 from types import MappingProxyType
 
 from peers.protocol import Answer, Request
-from peers.statement import NotModelledError
+from peers.statement import NotModeledError
 from radmpc.experiments.families import circle, fleet, paper
 from radmpc.model.scenario import Scenario
 
@@ -63,8 +63,8 @@ def respond(peer: str, request: Request) -> dict[str, object]:
         answer, seconds = _timed(solve, request)
     except ModuleNotFoundError as error:
         answer = Answer("not installed", note=f"no module {error.name!r}")
-    except NotModelledError as error:
-        answer = Answer("not modelled", note=str(error))
+    except NotModeledError as error:
+        answer = Answer("not modeled", note=str(error))
     except Exception as error:  # a peer's failure is a row of the table, whatever it is
         traceback.print_exc()
         answer = Answer("failed", note=f"{type(error).__name__}: {error}")

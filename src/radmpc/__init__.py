@@ -30,11 +30,11 @@ if TYPE_CHECKING:
         ScenarioError,
         SolverError,
     )
+    from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
     from radmpc.io.export.exporting import ExportOptions, save_export
-    from radmpc.io.importing import ImportedScenario, ImportOptions, import_scenario
-    from radmpc.io.mapping import from_dict, to_dict
-    from radmpc.io.plan_file import load_plan, save_plan
-    from radmpc.io.scenario_file import load_scenario, save_scenario
+    from radmpc.io.native.mapping import from_dict, to_dict
+    from radmpc.io.native.plan_file import load_plan, save_plan
+    from radmpc.io.native.scenario_file import load_scenario, save_scenario
     from radmpc.io.tables import to_pandas, to_xarray
     from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
     from radmpc.model.obstacle import Obstacle
@@ -126,10 +126,10 @@ _HOMES = {
         "SolverError",
     ),
     "io.export.exporting": ("ExportOptions", "save_export"),
-    "io.importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
-    "io.mapping": ("from_dict", "to_dict"),
-    "io.plan_file": ("load_plan", "save_plan"),
-    "io.scenario_file": ("load_scenario", "save_scenario"),
+    "importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
+    "io.native.mapping": ("from_dict", "to_dict"),
+    "io.native.plan_file": ("load_plan", "save_plan"),
+    "io.native.scenario_file": ("load_scenario", "save_scenario"),
     "io.tables": ("to_pandas", "to_xarray"),
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
     "model.obstacle": ("Obstacle",),

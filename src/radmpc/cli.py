@@ -11,8 +11,8 @@ from typing import Annotated
 import typer
 
 from radmpc.console import arguments as given
-from radmpc.console.guard import Code, GuardedCommands
 from radmpc.console.output import show, show_json
+from radmpc.console.running.guard import Code, GuardedCommands
 from radmpc.version import __version__
 
 __all__ = ["app", "main"]
@@ -71,8 +71,8 @@ def plan(
     as_json: given.AsJson = False,
 ) -> int:
     """Plan a scenario; write it where -o says."""
-    from radmpc.console.planning import Request, check_request, run_plan
-    from radmpc.io.scenario_file import load_scenario
+    from radmpc.console.commands.planning import Request, check_request, run_plan
+    from radmpc.io.native.scenario_file import load_scenario
     from radmpc.planners.presets import DEFAULT
 
     planner = DEFAULT if planner is None else planner
@@ -97,8 +97,8 @@ def compare_planners(
     as_json: given.AsJson = False,
 ) -> int:
     """Plan one scenario with several planners, side by side."""
-    from radmpc.console.comparing import CompareRequest, check_compare, run_compare
-    from radmpc.io.scenario_file import load_scenario
+    from radmpc.console.commands.comparing import CompareRequest, check_compare, run_compare
+    from radmpc.io.native.scenario_file import load_scenario
     from radmpc.planners.presets import COMPARED
 
     words = COMPARED if planners is None else planners.split(",")
@@ -125,7 +125,7 @@ def reproduce(
     ] = False,
 ) -> int:
     """Do the paper's experiments again; killed and started again it goes on."""
-    from radmpc.console.reproducing import StudyRequest, run_reproduction
+    from radmpc.console.commands.reproducing import StudyRequest, run_reproduction
 
     return run_reproduction(
         StudyRequest(out, quick, jobs, dask, cap, budget, seeds, tuple(method or ()), report_only)
@@ -135,8 +135,8 @@ def reproduce(
 @app.command()
 def check(scenario: given.ScenarioFile) -> int:
     """Say whether a scenario file is valid."""
-    from radmpc.console.report import scenario_line
-    from radmpc.io.scenario_file import load_scenario
+    from radmpc.console.reports.report import scenario_line
+    from radmpc.io.native.scenario_file import load_scenario
 
     show(f"valid: {scenario_line(load_scenario(scenario))}")
     return Code.OK
@@ -150,8 +150,8 @@ def verify(
     as_json: given.AsJson = False,
 ) -> int:
     """Certify and simulate a plan, from its file alone."""
-    from radmpc.console.verifying import verify_plan, verify_report
-    from radmpc.io.plan_file import load_plan
+    from radmpc.console.commands.verifying import verify_plan, verify_report
+    from radmpc.io.native.plan_file import load_plan
 
     record = load_plan(plan_file)
     verification = verify_plan(record, samples, seed)
@@ -165,7 +165,7 @@ def verify(
 @app.command()
 def planners(as_json: given.AsJson = False) -> int:
     """List the planners and their choices."""
-    from radmpc.console.listing import planner_table, planners_json
+    from radmpc.console.commands.listing import planner_table, planners_json
 
     if as_json:
         show_json(planners_json())
@@ -187,9 +187,9 @@ def import_file(
 ) -> int:
     """Import another format; print what had to be chosen."""
     from radmpc.console.files import check_output, check_separate, writing
-    from radmpc.console.report import facts, scenario_line
-    from radmpc.io.importing import ImportOptions, import_scenario
-    from radmpc.io.scenario_file import save_scenario
+    from radmpc.console.reports.report import facts, scenario_line
+    from radmpc.importing import ImportOptions, import_scenario
+    from radmpc.io.native.scenario_file import save_scenario
 
     check_output(output)
     check_separate(source, output)
@@ -215,7 +215,7 @@ def import_file(
 @app.command()
 def draw(source: given.DrawnFile, output: given.DrawnOutput, view: given.View = None) -> int:
     """Draw a scenario or a plan, or film it."""
-    from radmpc.console.drawing import run_draw
+    from radmpc.console.commands.drawing import run_draw
 
     return run_draw(source, view, output)
 
@@ -229,8 +229,8 @@ def export(
     altitude: given.Altitude = None,
 ) -> int:
     """Write a plan for the vehicles' own tools."""
-    from radmpc.console.exporting import ExportRequest, run_export
-    from radmpc.io.plan_file import load_plan
+    from radmpc.console.commands.exporting import ExportRequest, run_export
+    from radmpc.io.native.plan_file import load_plan
 
     request = ExportRequest(plan_file, to, output, origin, altitude)
     return run_export(load_plan(plan_file), request)
@@ -243,6 +243,6 @@ def demo(
     ),
 ) -> int:
     """Plan the shipped scenario and draw it."""
-    from radmpc.console.demo import run_demo
+    from radmpc.console.commands.demo import run_demo
 
     return run_demo(out)

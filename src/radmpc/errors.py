@@ -72,7 +72,7 @@ class FileFormatError(RadmpcError, ValueError):
 
 
 class SolverError(RadmpcError):
-    """An optimiser failed for a reason that is not the programme's."""
+    """An optimizer failed for a reason that is not the program's."""
 
 
 class NoPlanError(RadmpcError):

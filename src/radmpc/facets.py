@@ -132,7 +132,7 @@ def _orthonormal(vectors: Matrix, basis: Matrix, least: float) -> Matrix:
         if not lengths[longest] > least:
             break
         unit = rest[longest] / lengths[longest]
-        # Once more: what is left of a short remainder leans towards the basis.
+        # Once more: what is left of a short remainder leans toward the basis.
         unit = unit - unit @ basis.T @ basis
         basis = np.vstack([basis, unit / np.linalg.norm(unit)])
         rest = rest - np.outer(rest @ basis[-1], basis[-1])

@@ -29,7 +29,7 @@ __all__ = [
 
 _UNBOUNDED = "normals and offsets must describe a bounded set"
 # Radius of the largest ball up to which a set of half-spaces has no inner points [m]; below what
-# coordinates are given to, above what the linear programme's solver gets wrong.
+# coordinates are given to, above what the linear program's solver gets wrong.
 _THIN = 1e-9
 # Sine of the angle from which two normals differ.
 _TURNED = 1e-9

@@ -23,13 +23,13 @@ from radmpc.planners.centralized import plan_centralized
 from radmpc.planners.certified import Verdict, plan_certified
 from radmpc.planners.distance import plan_by_distance
 from radmpc.planners.draft import Draft
-from radmpc.planners.multi_vehicle import plan_multi_vehicle, plan_receding
+from radmpc.planners.paper.algorithm_1_multi_vehicle import plan_multi_vehicle, plan_receding
 from radmpc.planners.planner import Certified, Couplings, Distance, Planner, Receding
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
 from radmpc.planners.wording import limit_clause
 from radmpc.referee import Certificate, certify
 from radmpc.result import Result
-from radmpc.solvers.rrt import Rrt
+from radmpc.solvers.rrt.rrt import Rrt
 from radmpc.solvers.solution import Limits, never
 from radmpc.version import __version__
 

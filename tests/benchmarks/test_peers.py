@@ -17,7 +17,7 @@ from peers import run as script
 from peers.harness import Row, run
 from peers.judge import judge
 from peers.protocol import Request
-from peers.statement import NotModelledError, state
+from peers.statement import NotModeledError, state
 from peers.tables import cells_of, more_than, row_table, summary_cells, summary_table
 from peers.worker import PEERS, respond
 from radmpc.experiments.families import clutter, paper
@@ -27,7 +27,7 @@ from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import uniform_allocation
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 ASKED = Request("paper", 2, 0, cap=20.0, gap=1e-3)
 
@@ -38,7 +38,7 @@ import time
 import numpy as np
 
 from peers.protocol import Answer
-from peers.statement import NotModelledError
+from peers.statement import NotModeledError
 from radmpc.planning import plan
 
 PACKAGES = ("numpy", "no-such-package")
@@ -65,11 +65,11 @@ def large(scenario, seconds, gap, seed):
 
 
 def unable(scenario, seconds, gap, seed):
-    raise NotModelledError("avoidance 'intervals'")
+    raise NotModeledError("avoidance 'intervals'")
 
 
 def broken(scenario, seconds, gap, seed):
-    raise RuntimeError("no licence")
+    raise RuntimeError("no license")
 
 
 def lacking(scenario, seconds, gap, seed):
@@ -119,8 +119,8 @@ def test_a_worker_keeps_its_answer_apart_from_what_solvers_print(stub):
     ("function", "status", "note"),
     [
         ("large", "too large", "3000 columns"),
-        ("unable", "not modelled", "avoidance 'intervals'"),
-        ("broken", "failed", "RuntimeError: no licence"),
+        ("unable", "not modeled", "avoidance 'intervals'"),
+        ("broken", "failed", "RuntimeError: no license"),
         ("lacking", "not installed", "no module 'no_such_solver'"),
     ],
 )
@@ -219,8 +219,8 @@ def test_a_start_in_conflict_leaves_nothing_to_share():
     assert state(replace(scenario, obstacles=(rock,))).share < 0.0
 
 
-def test_intervals_are_not_modelled():
-    with pytest.raises(NotModelledError, match="intervals"):
+def test_intervals_are_not_modeled():
+    with pytest.raises(NotModeledError, match="intervals"):
         state(clutter(1, 2, 0))
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from radmpc.cli import app
-from radmpc.io.importing import ImportedScenario
-from radmpc.io.scenario_file import load_scenario
+from radmpc.importing.formats import ImportedScenario
+from radmpc.io.native.scenario_file import load_scenario
 from radmpc.planners.presets import DEFAULT, PRESETS
 from radmpc.version import __version__
 
@@ -121,7 +121,9 @@ def test_import_tells_its_warnings(
     run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     imported = ImportedScenario(load_scenario(crossing), {"dt": "1 s"}, ("no cars here",))
-    monkeypatch.setattr("radmpc.io.importing.import_scenario", lambda source, options: imported)
+    monkeypatch.setattr(
+        "radmpc.importing.formats.import_scenario", lambda source, options: imported
+    )
     result = run("import", "any", "-o", "mine.yaml")
     assert "warning: no cars here" in result.stdout
 

@@ -11,10 +11,10 @@ import pytest
 from rich.console import Console
 
 from radmpc.console.files import OutputError, check_output, demo_text, writing
-from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show_json
-from radmpc.console.progress import progress_line, progress_text
-from radmpc.console.workers import workers
+from radmpc.console.reports.progress import progress_line, progress_text
+from radmpc.console.running.interrupt import stop_on_interrupt
+from radmpc.console.running.workers import workers
 from radmpc.errors import SolverError
 
 from .conftest import Run, assert_one_line
@@ -174,7 +174,7 @@ def test_every_failure_has_its_code(
     def fail(path: Path) -> None:
         raise error
 
-    monkeypatch.setattr("radmpc.io.scenario_file.load_scenario", fail)
+    monkeypatch.setattr("radmpc.io.native.scenario_file.load_scenario", fail)
     result = run("check", crossing)
     assert result.exit_code == code
     assert words in assert_one_line(result.stderr)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from radmpc.experiments.study import read_rows
-from radmpc.io.plan_file import load_plan
+from radmpc.io.native.plan_file import load_plan
 
 from .conftest import CROSSING, Run
 

@@ -133,7 +133,7 @@ def test_a_planner_may_carry_a_number(run: Run, crossing: Path) -> None:
         (["--ledger", "a.txt"], "a.txt: a figure must end in"),
         (["-o", "no/a.json"], "cannot write no/a.json: no: No such file or directory"),
         (["-o", "."], "cannot write .: Is a directory"),
-        (["--colour"], "No such option: --colour"),
+        (["--hue"], "No such option: --hue"),
     ],
 )
 def test_bad_usage_is_one_line_and_exit_code_two(
@@ -151,7 +151,7 @@ def test_bad_usage_is_noticed_before_any_planning(
     def never(*args: object, **kwargs: object) -> None:
         pytest.fail("planned although the output cannot be written")
 
-    monkeypatch.setattr("radmpc.console.planning.plan", never)
+    monkeypatch.setattr("radmpc.console.commands.planning.plan", never)
     assert run("plan", crossing, "-o", "no/a.json").exit_code == 2
 
 
@@ -167,7 +167,7 @@ def test_a_defect_is_one_line_and_exit_code_three(
     def broken(*args: object, **kwargs: object) -> None:
         raise ZeroDivisionError("a\nb")
 
-    monkeypatch.setattr("radmpc.console.planning.plan", broken)
+    monkeypatch.setattr("radmpc.console.commands.planning.plan", broken)
     result = run("plan", crossing)
     assert result.exit_code == 3
     assert "internal error: ZeroDivisionError: a b" in assert_one_line(result.stderr)
@@ -180,7 +180,7 @@ def test_debug_shows_the_traceback_wherever_it_stands(
     def broken(*args: object, **kwargs: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("radmpc.console.planning.plan", broken)
+    monkeypatch.setattr("radmpc.console.commands.planning.plan", broken)
     words = ["plan", str(crossing)]
     words.insert(0 if place == "first" else 2, "--debug")
     result = run(*words)
@@ -214,7 +214,7 @@ def test_the_plan_written_is_the_plan_found(
 ) -> None:
     kept: list[Plan] = []
     monkeypatch.setattr(
-        "radmpc.console.planning.save_plan", lambda plan, path: kept.append((plan, path))
+        "radmpc.console.commands.planning.save_plan", lambda plan, path: kept.append((plan, path))
     )
     run("plan", crossing, "-o", "a.json")
     ((plan, path),) = kept
@@ -229,7 +229,7 @@ def test_a_plan_the_referee_finds_fault_with_is_a_no(
         result = plan(*args, **kwargs)
         return replace(result, certificate=Certificate(0.05, 0.01, (), ("goal missed",)))
 
-    monkeypatch.setattr("radmpc.console.planning.plan", faulty)
+    monkeypatch.setattr("radmpc.console.commands.planning.plan", faulty)
     result = run("plan", crossing)
     assert result.exit_code == 1
     assert "the plan is not certified: goal missed" in assert_one_line(result.stderr)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from radmpc.console.output import show
-from radmpc.console.report import ledger_table, plan_report, vehicle_table, verdict
+from radmpc.console.reports.report import ledger_table, plan_report, vehicle_table, verdict
 from radmpc.experiments.families import circle
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario

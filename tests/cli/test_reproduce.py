@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import pytest
 
-from radmpc.console import reproducing
+from radmpc.console.commands import reproducing
 from radmpc.experiments.study import Study, full_study, quick_study, read_rows
 
 # The command with a smaller study: what sizes and samples the shipped ones have is tested there.
@@ -20,7 +20,7 @@ import sys
 sys.path.insert(0, {folder!r})
 from test_reproduce import smaller
 from radmpc.__main__ import main
-from radmpc.console import reproducing
+from radmpc.console.commands import reproducing
 quick = smaller(reproducing.quick_study())
 reproducing.quick_study = lambda: quick
 main()

@@ -32,7 +32,7 @@ def loaded(*words: object) -> set[str]:
 
 def test_a_file_of_boxes_is_checked_without_scipy_and_solvers(crossing: Path) -> None:
     modules = loaded("check", crossing)
-    assert "radmpc.io.scenario_file" in modules
+    assert "radmpc.io.native.scenario_file" in modules
     assert modules & (NEVER | {"scipy", "highspy", "radmpc.planning"}) == set()
 
 

@@ -104,7 +104,7 @@ def test_a_rate_above_the_certificate_speaks_against_both(
         samples, rate, rate_low, rate_high = 100, 0.5, 0.4, 0.6
         saturation_rate = 0.3
 
-    monkeypatch.setattr("radmpc.console.verifying.simulate", lambda *a, **k: Alarming())
+    monkeypatch.setattr("radmpc.console.commands.verifying.simulate", lambda *a, **k: Alarming())
     result = run("verify", plan_file, "--json")
     assert result.exit_code == 1
     [problem] = json.loads(result.stdout)["problems"]
@@ -119,7 +119,7 @@ def test_collisions_are_counted_in_whole_missions(
         samples, rate, rate_low, rate_high = 100_000, 0.00204, 0.00177, 0.00234
         saturation_rate = 0.0
 
-    monkeypatch.setattr("radmpc.console.verifying.simulate", lambda *a, **k: Counted())
+    monkeypatch.setattr("radmpc.console.commands.verifying.simulate", lambda *a, **k: Counted())
     expected = "204 of 100000 missions collide: 0.00204 (0.00177 to 0.00234 with 95 % confidence)"
     assert expected in run("verify", plan_file).stdout
 

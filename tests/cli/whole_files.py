@@ -8,8 +8,8 @@ from typing import Any
 
 from ruamel.yaml import YAML
 
-from radmpc.io.plan_file import encode_plan
-from radmpc.io.scenario_file import decode_scenario, encode_scenario
+from radmpc.io.native.plan_file import encode_plan
+from radmpc.io.native.scenario_file import decode_scenario, encode_scenario
 from radmpc.planning import plan
 
 __all__ = ["ROOM", "SCENARIO", "SPACE", "whole_files"]

@@ -36,7 +36,7 @@ def workbench(made_once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     shutil.copytree(made_once, folder, symlinks=True)
     monkeypatch.chdir(folder)
     small = (folder / "fleet.yaml").read_text(encoding="utf-8")
-    monkeypatch.setattr("radmpc.console.demo.demo_text", lambda: small)
+    monkeypatch.setattr("radmpc.console.commands.demo.demo_text", lambda: small)
     return folder
 
 

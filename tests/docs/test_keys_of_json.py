@@ -51,7 +51,7 @@ def test_the_keys_that_a_command_prints_are_those_of_its_table(
 
 
 def test_a_comparison_that_failed_has_keys_of_the_table(workbench: Path) -> None:
-    from radmpc.console.comparing import _as_json  # noqa: PLC0415 - what such a line is made by
+    from radmpc.console.commands.comparing import _as_json  # noqa: PLC0415 - what such a line is made by
     from radmpc.experiments.comparing import Comparison  # noqa: PLC0415
 
     failed = Comparison("ira", None, None, "the solver broke")

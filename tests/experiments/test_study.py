@@ -32,7 +32,7 @@ from radmpc.planners.planner import Couplings, Planner
 from radmpc.planners.presets import PRESETS
 from radmpc.plotting import plot_chart
 from radmpc.program.policy import Ira, Uniform
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 
 def small(seeds=3, samples=2_000, **changes):

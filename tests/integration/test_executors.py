@@ -13,11 +13,11 @@ import distributed
 import numpy as np
 import pytest
 
-from radmpc.console.cluster import cluster
+from radmpc.console.running.cluster import cluster
 from radmpc.experiments.families import fleet
 from radmpc.experiments.study import Journal, quick_study, read_rows, run_study
-from radmpc.io.plan_file import load_plan
-from radmpc.io.scenario_file import save_scenario
+from radmpc.io.native.plan_file import load_plan
+from radmpc.io.native.scenario_file import save_scenario
 from radmpc.planning import plan
 
 SCENARIO = fleet(10, 1)

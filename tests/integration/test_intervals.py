@@ -17,7 +17,7 @@ from radmpc.planners.presets import PRESETS
 from radmpc.planning import plan
 from radmpc.program.policy import Ira
 from radmpc.referee import certify, simulate
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 HORIZON = 5
 SAMPLES = 4_000
@@ -79,7 +79,7 @@ def sliding_gate() -> Scenario:
 
 
 def moving_wall() -> Scenario:
-    """A wall that comes towards the vehicle as fast as the vehicle goes."""
+    """A wall that comes toward the vehicle as fast as the vehicle goes."""
     outline = np.array([[0.0, -3.0], [0.1, -3.0], [0.1, 2.0], [0.0, 2.0]])
     places = [outline + np.array([9.5 - 2.0 * k, 0.0]) for k in range(HORIZON + 1)]
     return scenario(vehicle("a", [0, 0], [9, 0]), obstacles=(Obstacle.moving("gate", places),))

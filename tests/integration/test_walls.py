@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from radmpc.io.importing import import_scenario
+from radmpc.importing.formats import import_scenario
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario

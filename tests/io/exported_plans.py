@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from radmpc.geodesy import Origin
 from radmpc.io.export.exporting import ExportOptions, export_plan
-from radmpc.io.export.frame import Origin
-from radmpc.io.scenario_file import decode_scenario
+from radmpc.io.native.scenario_file import decode_scenario
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario

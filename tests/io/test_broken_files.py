@@ -9,8 +9,8 @@ import pytest
 
 from radmpc.errors import FileFormatError
 from radmpc.experiments.families import circle
-from radmpc.io.mapping import to_dict
-from radmpc.io.scenario_file import load_scenario
+from radmpc.io.native.mapping import to_dict
+from radmpc.io.native.scenario_file import load_scenario
 
 FOLDER = Path(__file__).parent.parent / "data" / "broken"
 EXPECTED = (FOLDER / "expected.txt").read_text(encoding="utf-8").splitlines()

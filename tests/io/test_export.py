@@ -11,11 +11,11 @@ import pytest
 from exported_plans import FLIGHT, HARBOR, ORIGIN, contents, plan_of, renamed
 
 from radmpc.errors import NoPlanError, ScenarioError
+from radmpc.geodesy import Origin
 from radmpc.io.export.exporting import FORMATS, ExportOptions, export_plan, save_exported
-from radmpc.io.export.frame import Origin
 from radmpc.io.export.names import distinct, file_part, topic_part
 from radmpc.io.export.origin import parse_origin, scenario_origin
-from radmpc.io.plan_file import load_plan, save_plan
+from radmpc.io.native.plan_file import load_plan, save_plan
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.plan import Plan
 

@@ -13,9 +13,9 @@ import pytest
 from ruamel.yaml import YAML
 
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.io.importing import import_scenario
-from radmpc.io.plan_file import decode_plan, encode_plan, load_plan
-from radmpc.io.scenario_file import decode_scenario, encode_scenario, load_scenario
+from radmpc.importing.formats import import_scenario
+from radmpc.io.native.plan_file import decode_plan, encode_plan, load_plan
+from radmpc.io.native.scenario_file import decode_scenario, encode_scenario, load_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 
 ROOT = Path(__file__).parent.parent.parent

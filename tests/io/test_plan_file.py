@@ -11,8 +11,8 @@ import pytest
 from comparing import differences
 
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.io.plan_file import encode_plan, load_plan, save_plan
-from radmpc.io.scenario_file import decode_scenario
+from radmpc.io.native.plan_file import encode_plan, load_plan, save_plan
+from radmpc.io.native.scenario_file import decode_scenario
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
 

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scenario_strategies import plans, scenarios
 
-from radmpc.io.plan_file import decode_plan, encode_plan, load_plan, save_plan
-from radmpc.io.scenario_file import (
+from radmpc.io.native.plan_file import decode_plan, encode_plan, load_plan, save_plan
+from radmpc.io.native.scenario_file import (
     decode_scenario,
     encode_scenario,
     load_scenario,

@@ -9,7 +9,7 @@ import pytest
 from comparing import differences
 
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.io.scenario_file import (
+from radmpc.io.native.scenario_file import (
     decode_scenario,
     encode_scenario,
     load_scenario,

@@ -13,10 +13,10 @@ import pytest
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.geometry import convex_pieces, halfspaces
-from radmpc.io.importing import import_scenario
-from radmpc.io.rounding import rounded
-from radmpc.io.scenario_file import load_scenario
-from radmpc.io.text import read_text
+from radmpc.importing.formats import import_scenario
+from radmpc.importing.rounding import rounded
+from radmpc.io.native.scenario_file import load_scenario
+from radmpc.io.text.files import read_text
 from radmpc.model.dynamics import double_integrator, growth, lqr_gain
 
 INSTANCES = Path(__file__).parents[2] / "instances"
@@ -178,7 +178,7 @@ def test_a_normal_too_short_to_scale_is_refused() -> None:
 
 
 def test_a_step_so_short_that_the_regulator_overflows_leads_to_no_gain() -> None:
-    with pytest.raises(ScenarioError, match=r"no stabilising gain|must be finite"):
+    with pytest.raises(ScenarioError, match=r"no stabilizing gain|must be finite"):
         lqr_gain(double_integrator(1e-300, 2), np.eye(4), np.diag([1.0, 2.0]))
 
 

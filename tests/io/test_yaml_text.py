@@ -6,8 +6,8 @@ import pytest
 from ruamel.yaml import YAML
 
 from radmpc.errors import FileFormatError
-from radmpc.io.yaml_text import read_yaml
-from radmpc.io.yaml_writing import write_yaml
+from radmpc.io.text.yaml_text import read_yaml
+from radmpc.io.text.yaml_writing import write_yaml
 
 
 def value_of(text: str) -> object:

@@ -30,9 +30,9 @@ from radmpc.model.dynamics import rollout
 from radmpc.planners.planner import Centralized, Couplings, Distance, Receding
 from radmpc.planners.presets import parse_planner
 from radmpc.program.policy import Ira, Pool, Sigmas, Uniform
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
-from radmpc.solvers.rrt import Rrt
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
+from radmpc.solvers.rrt.rrt import Rrt
 
 Call = Callable[[], object]
 

@@ -23,13 +23,13 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified.crossing import cross_risks
+from radmpc.planners.certified.inter_set_risk import cross_risks
 from radmpc.planners.planner import Centralized, Certified, Planner
 from radmpc.planning import plan
 from radmpc.program.policy import Ira, Optimal, Uniform
 from radmpc.referee import certify, simulate
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ from radmpc.planners.sets import SetTask, _plan_set_until, run_sets
 from radmpc.planning import plan
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import Ira, Pool, Sigmas, uniform_allocation
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits, Outcome
 
 EULER = LinearSystem(
@@ -254,7 +254,7 @@ def test_deterministic_planners_refuse_to_start_inside_an_obstacle():
     assert "start of vehicle 'a' lies within obstacle 'o'" in result.explanation
 
 
-def test_more_deviations_than_programmes_keep_are_refused():
+def test_more_deviations_than_programs_keep_are_refused():
     with pytest.raises(ScenarioError, match="sigmas must lie between 0 and 7"):
         Sigmas(8.0)
 

@@ -14,7 +14,7 @@ from radmpc.planners.planner import Couplings, Distance, Planner, Receding
 from radmpc.planning import plan
 from radmpc.program.policy import Ira, Pool
 from radmpc.referee import certify
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 
 
 def nearest(one, two):

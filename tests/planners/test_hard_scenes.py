@@ -16,10 +16,10 @@ from radmpc.planners.certified.pricing import next_price
 from radmpc.planning import plan
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.restrict import avoidance_blocks, restrict_around
-from radmpc.solvers.risk_around import search_around
-from radmpc.solvers.risk_neighborhood import Neighborhood
-from radmpc.solvers.risk_rating import Rater
-from radmpc.solvers.risk_tree import RiskTree
+from radmpc.solvers.priced.around import search_around
+from radmpc.solvers.priced.neighborhood import Neighborhood
+from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
 SCENES = Path(__file__).parent.parent / "data" / "scenes"
@@ -55,7 +55,7 @@ def test_starts_that_risk_more_than_is_granted_are_named(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["crash-highs-unknown.json", "highs-unknown-tiny-bound.yaml"])
-def test_programmes_that_highs_gives_up_on_twice_are_planned(name):
+def test_programs_that_highs_gives_up_on_twice_are_planned(name):
     assert answered(name, 4.0).is_certified
 
 
@@ -82,7 +82,7 @@ def test_a_risk_that_no_price_moves_does_not_drive_the_price_without_end():
 
 
 def contradictory():
-    """Return a programme with a vehicle's avoidance that no side keeps, and its blocks."""
+    """Return a program with a vehicle's avoidance that no side keeps, and its blocks."""
     clash = scene("starts-clash.yaml")
     program = build_program(clash, whole_subjects(clash), risk_bound=clash.risk_bound)
     empty = np.flatnonzero(np.diff(program.avoidance_starts) == 0)

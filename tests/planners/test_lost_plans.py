@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import paper
-from radmpc.io.scenario_file import load_scenario
+from radmpc.io.native.scenario_file import load_scenario
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import LedgerRow, Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified import fleet, last_resort
-from radmpc.planners.certified.crossing import cross_risks
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.inter_set_risk import cross_risks
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.verdict import Verdict
 from radmpc.planning import plan
 from radmpc.referee import certify
-from radmpc.solvers.risk_budget import OVER, BudgetTree
-from radmpc.solvers.risk_lp import RiskLp
-from radmpc.solvers.risk_rating import Rater
+from radmpc.solvers.priced.budget import OVER, BudgetTree
+from radmpc.solvers.priced.lp import RiskLp
+from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.solution import Limits
 
 SCENES = Path(__file__).parents[1] / "data" / "scenes"
@@ -64,7 +64,7 @@ def test_no_certified_plan_of_another_planner_is_cheaper(name, others):
 
 
 def passers(acceleration):
-    # Side by side along x, 0.1 m between them at both steps; both curves bend towards each other.
+    # Side by side along x, 0.1 m between them at both steps; both curves bend toward each other.
     start = np.array([[0.0, 0.0], [0.0, 0.9]])
     vehicles = tuple(
         Vehicle(

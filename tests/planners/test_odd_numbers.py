@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from radmpc.experiments.families import circle
-from radmpc.io.scenario_file import load_scenario
+from radmpc.io.native.scenario_file import load_scenario
 from radmpc.model.plan import Status
 from radmpc.planning import plan
 

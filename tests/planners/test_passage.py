@@ -14,14 +14,14 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified.dangers import dangers_of, gap_middles
-from radmpc.planners.certified.passage import Passage
+from radmpc.planners.certified.lattice.half_planes import dangers_of, gap_middles
+from radmpc.planners.certified.lattice.passage import Passage
+from radmpc.planners.certified.lattice.search import Walk
 from radmpc.planners.certified.problem import SetProblem
-from radmpc.planners.certified.walk import Walk
 from radmpc.program.build import controls_of, whole_subjects
-from radmpc.solvers.risk_around import search_around
-from radmpc.solvers.risk_neighborhood import Neighborhood
-from radmpc.solvers.risk_tree import RiskTree
+from radmpc.solvers.priced.around import search_around
+from radmpc.solvers.priced.neighborhood import Neighborhood
+from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
 UNIT = 0.49
@@ -247,7 +247,7 @@ def least_of_way(scenario, controls, *, is_bent):
         charged = []
         for axis, sign in itertools.product((0, 1), (1.0, -1.0)):
             margin = sign * means[:, axis] - (sign * corners[:, axis]).max() - vehicle.radius
-            # Acceleration away makes the curve hang towards the box.
+            # Acceleration away makes the curve hang toward the box.
             hang = 0.5 * np.maximum(0.0, sign * controls[:, axis])
             near, far = margin[:-1] - hang * shares**2, margin[1:] - hang * (1.0 - shares) ** 2
             bends = ndtr(-near / bent) if is_bent else np.zeros(near.shape)

@@ -9,7 +9,7 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.places import floors
+from radmpc.planners.endpoint_risk import floors
 from radmpc.program.build import whole_subjects
 
 SAMPLES = 200_000

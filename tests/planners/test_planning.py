@@ -17,13 +17,13 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.decentralized import approximate
+from radmpc.planners.paper.algorithm_2_radmpc import approximate
 from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
 from radmpc.planners.presets import PRESETS, parse_planner
 from radmpc.planning import plan
 from radmpc.program.policy import Ira, Pool, Sigmas, Uniform
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.solution import Limits
 
 CENTRAL_IRA = Planner(Ira(), Branch(), Centralized())

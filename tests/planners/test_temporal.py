@@ -11,8 +11,8 @@ from scipy.stats import norm
 from radmpc.geometry import hull
 from radmpc.model.dynamics import double_integrator, rollout
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.coupling import connected_sets, face_risk
-from radmpc.planners.temporal import make_temporal_obstacle, standing_obstacle
+from radmpc.planners.paper.coupling import connected_sets, face_risk
+from radmpc.planners.paper.temporal import make_temporal_obstacle, standing_obstacle
 
 
 def _vehicle(dimension):
@@ -126,7 +126,7 @@ def test_along_an_interval_one_face_is_held_from_end_to_end():
 
 @settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10**6))
-def test_the_curve_towards_a_face_is_charged_as_the_best_share_of_the_reserve_leaves_it(seed):
+def test_the_curve_toward_a_face_is_charged_as_the_best_share_of_the_reserve_leaves_it(seed):
     rng = np.random.default_rng(seed)
     faces = (np.array([[1.0, 0.0]]), np.zeros(1))
     margins, deviations = rng.uniform(0.0, 1.0, 2), rng.uniform(0.05, 0.2, 2)

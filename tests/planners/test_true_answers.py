@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from radmpc.io.scenario_file import load_scenario
+from radmpc.io.native.scenario_file import load_scenario
 from radmpc.model.dynamics import double_integrator, lqr_gain
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified.why_not import why_not
+from radmpc.planners.certified.infeasible.explanation import why_not
 from radmpc.planning import plan
 from radmpc.solvers.solution import Limits
 

@@ -15,12 +15,12 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified import last_resort
-from radmpc.planners.certified.least_risk import least_risk
+from radmpc.planners.certified.infeasible.least_risk import least_risk
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.planner import Centralized, Planner
 from radmpc.planning import plan
 from radmpc.program.policy import Ira
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
 
 

@@ -7,9 +7,9 @@ import numpy as np
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.plotting.canvas.extent import plan_extent, scenario_extent
+from radmpc.plotting.canvas.style import vehicle_colors
 from radmpc.plotting.curves import confidence_ellipses, ellipsoid_rings, mean_path, point_along
-from radmpc.plotting.extent import plan_extent, scenario_extent
-from radmpc.plotting.style import vehicle_colors
 
 from .conftest import fly
 

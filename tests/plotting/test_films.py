@@ -16,9 +16,9 @@ from PIL import Image
 
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
-from radmpc.planners.temporal import make_temporal_obstacle
+from radmpc.planners.paper.temporal import make_temporal_obstacle
 from radmpc.plotting import animate_plan, save_animation
-from radmpc.plotting.moments import moving_outline, way_of
+from radmpc.plotting.film.interpolation import moving_outline, way_of
 
 from .conftest import HORIZON
 

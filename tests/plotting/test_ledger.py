@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from radmpc.model.plan import LedgerRow, Plan, Risk
 from radmpc.model.scenario import Scenario
 from radmpc.plotting import plot_ledger, plot_risk_map, plot_risk_shares, save_ledger
-from radmpc.plotting.ledger_rows import map_rows, share_rows
-from radmpc.plotting.style import ALERT
+from radmpc.plotting.canvas.style import ALERT
+from radmpc.plotting.risk.ledger_rows import map_rows, share_rows
 
 from .conftest import make_plan, make_vehicle
 

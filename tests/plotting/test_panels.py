@@ -3,7 +3,7 @@ from __future__ import annotations
 import radmpc
 from radmpc.experiments.families import paper
 from radmpc.plotting import Panel, plot_panels
-from radmpc.plotting.style import TITLE_SIZE
+from radmpc.plotting.canvas.style import TITLE_SIZE
 
 
 def test_headlines_of_panels_are_as_large_and_bold_as_those_of_plans() -> None:

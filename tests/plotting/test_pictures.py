@@ -13,7 +13,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.model.plan import Plan, Risk
 from radmpc.model.scenario import Scenario
 from radmpc.plotting import plot_plan, plot_scenario
-from radmpc.plotting.style import ALERT, MAX_LABELS
+from radmpc.plotting.canvas.style import ALERT, MAX_LABELS
 
 from .conftest import make_plan, make_vehicle
 

@@ -10,7 +10,7 @@ from matplotlib.colors import to_hex
 from radmpc.model.plan import LedgerRow, Plan, Risk
 from radmpc.model.scenario import Scenario
 from radmpc.plotting import plot_plan, plot_scenario
-from radmpc.plotting.style import ALERT
+from radmpc.plotting.canvas.style import ALERT
 
 from .test_pictures import artists, texts
 

@@ -1,4 +1,4 @@
-"""The programme says what the scenario means."""
+"""The program says what the scenario means."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.program.build import build_program, controls_of, whole_subjects
 from radmpc.program.restrict import avoidance_blocks, restrict
-from radmpc.solvers.highs_lp import LpOutcome
-from radmpc.solvers.lp import WarmLp
+from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.warm_lp import WarmLp
 
 
 def _vehicle(name="a", start=(0.0, 0.0), goal=(8.0, 0.0), **more):
@@ -112,7 +112,7 @@ def test_under_intervals_an_alternative_holds_one_face_at_both_ends():
         assert steps[1] == steps[0] + 1
 
 
-def test_neighbouring_intervals_share_the_event_of_a_face_at_their_common_step():
+def test_neighboring_intervals_share_the_event_of_a_face_at_their_common_step():
     scenario = _scenario(
         _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
@@ -157,7 +157,7 @@ def test_feedback_adds_an_event_of_its_own_to_every_interval():
         assert program.rows.deviations[[near, held, far]] == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_bow_of_a_turn_towards_an_obstacle_is_in_the_rows():
+def test_the_bow_of_a_turn_toward_an_obstacle_is_in_the_rows():
     scenario = _scenario(
         _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
@@ -212,18 +212,18 @@ def test_the_rows_of_a_pair_reserve_the_sagitta_of_their_relative_path(seed):
             places = program.rows.normals[rows[:1]].toarray()[0, : program.num_positions]
             normal = -places[: program.num_positions // 2].reshape(-1, 2).sum(axis=0)
             near, far = ((relative[j, :2] @ normal) - radii for j in (k, k + 1))
-            towards = 0.125 * control[k] @ normal
-            if towards <= 0.0:
+            toward = 0.125 * control[k] @ normal
+            if toward <= 0.0:
                 # A path that bends away needs no more than its chord does.
                 assert slacks[rows].min() == pytest.approx(min(near, far))
                 kept.append("away")
             else:
                 tau = np.linspace(0.0, 1.0, 50)
-                gap = (1.0 - tau) * near + tau * far - 4.0 * tau * (1.0 - tau) * towards
+                gap = (1.0 - tau) * near + tau * far - 4.0 * tau * (1.0 - tau) * toward
                 assert slacks[rows].min() <= gap.min() + 1e-9
-                kept.append("towards")
+                kept.append("toward")
     assert kept.count("away") >= 5
-    assert kept.count("towards") >= 5
+    assert kept.count("toward") >= 5
 
 
 def test_vehicles_that_accelerate_alike_keep_formation_within_a_hand_of_contact():
@@ -351,6 +351,6 @@ def test_the_restriction_to_some_blocks_keeps_only_what_concerns_them():
     assert part.program.slacks(z[part.columns]) == pytest.approx(program.slacks(z)[part.rows])
 
 
-def test_the_restriction_to_all_blocks_is_the_programme_itself():
+def test_the_restriction_to_all_blocks_is_the_program_itself():
     program = _build(circle(3))
     assert restrict(program, np.arange(3)).program is program

@@ -22,7 +22,7 @@ from radmpc.program.policy import (
     reallocate,
     uniform_allocation,
 )
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ndtr
 from scipy.stats import multivariate_normal
 
-from radmpc.referee.bivariate import exceeds_alone
+from radmpc.referee.bound.bivariate import exceeds_alone
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 

@@ -168,7 +168,7 @@ def test_a_double_integrator_keeps_the_sagitta_of_its_curve_in_reserve():
     assert certify(plan).certified < first_order
 
 
-def test_acceleration_towards_an_obstacle_needs_no_reserve():
+def test_acceleration_toward_an_obstacle_needs_no_reserve():
     vehicle = glider("a", [0, 0], [0, 0], dt=2.0, noise=0.0, initial_covariance=np.eye(4) * 0.01)
     vehicle = replace(vehicle, start=np.array([0.0, 0.0, -1.0, 0.0]))
     wall = Obstacle.box("wall", [1.5, -50.0], [2.0, 50.0])
@@ -273,7 +273,7 @@ def test_the_bound_is_compared_without_tolerance():
 
 @pytest.mark.parametrize("gap", [1e-3, 5e-3])
 def test_driving_off_from_contact_is_charged_by_what_each_end_has_to_spare(gap: float):
-    # Accelerating away, the curve hangs 0.06 m towards the wall it touches: nearly all of that is
+    # Accelerating away, the curve hangs 0.06 m toward the wall it touches: nearly all of that is
     # to be kept at the far end, 0.24 + gap away, and only what there is at the near one.
     start = np.array([0.0, 0.4 + gap, 0.0, 0.0])
     vehicle = replace(

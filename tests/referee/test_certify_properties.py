@@ -15,7 +15,7 @@ from radmpc.geometry import sphere_directions
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
-from radmpc.referee.bounds import window_halfspaces
+from radmpc.referee.bound.bounds import window_halfspaces
 from radmpc.referee.encounters import Encounters
 
 QUICK = settings(max_examples=25, deadline=None, derandomize=True)
@@ -238,15 +238,15 @@ def test_no_direction_beats_the_refined_one_at_a_step():
 @pytest.mark.parametrize("seed", range(5))
 def test_holding_one_pair_face_all_the_time_never_costs_less(dimension, faces, seed):
     rng = np.random.default_rng(seed)
-    towards = sphere_directions(faces, dimension)[rng.integers(faces)]
+    toward = sphere_directions(faces, dimension)[rng.integers(faces)]
     spread = 0.3 * rng.standard_normal((2, dimension, dimension))
     covariances = spread @ spread.transpose(0, 2, 1)
     drift = 0.3 * rng.standard_normal((2, 5, dimension))
-    paths = drift + np.stack([np.zeros(dimension), 1.5 * towards])[:, None]
+    paths = drift + np.stack([np.zeros(dimension), 1.5 * toward])[:, None]
     plan = scene_plan(paths, covariances, [], avoidance="intervals", pair_faces=faces)
     relative = paths[1] - paths[0]
     growth = 0.05**2 * np.arange(5)[:, None, None] * np.eye(dimension)
     total = covariances.sum(axis=0) + 2.0 * growth
-    deviations = np.sqrt(np.einsum("d,kde,e->k", towards, total, towards))
-    one_face = ndtr(-(relative @ towards - 0.6) / deviations).sum()
+    deviations = np.sqrt(np.einsum("d,kde,e->k", toward, total, toward))
+    one_face = ndtr(-(relative @ toward - 0.6) / deviations).sum()
     assert certify(plan).certified <= one_face * (1 + 1e-9)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from radmpc.referee.chain import chain_charges, cheapest_chain, run_scores
+from radmpc.referee.bound.chain import chain_charges, cheapest_chain, run_scores
 
 
 def cost_of_choice(near, far, choice):

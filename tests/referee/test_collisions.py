@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from radmpc.geometry import box
-from radmpc.referee.collisions import meets_origin, meets_solid
-from radmpc.referee.sweep import resting
+from radmpc.referee.simulation.collisions import meets_origin, meets_solid
+from radmpc.referee.simulation.sweep import resting
 
 SURE = 2e-6
 """How far from its reach a path must stay for the answer to be one [m]."""

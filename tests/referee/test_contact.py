@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar, nnls
 
 from radmpc.geometry import box, hull
 from radmpc.referee.contact import Solid, origin_distances, solid_distances, solid_of
-from radmpc.referee.sweep import swept
+from radmpc.referee.simulation.sweep import swept
 
 SEEDS = st.integers(0, 2**32 - 1)
 QUICK = settings(max_examples=40, deadline=None, derandomize=True)

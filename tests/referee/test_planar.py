@@ -11,7 +11,7 @@ from scipy.special import log_ndtr, ndtr
 from scipy.stats import ncx2
 
 from radmpc.geometry import hull
-from radmpc.referee.planar import grown_polygon_risks
+from radmpc.referee.bound.planar import grown_polygon_risks
 
 
 def risk(mean, covariance, vertices, radius, normal, bound=np.inf):
@@ -150,7 +150,7 @@ def chord_ends(x, corners, radius):
 
 
 def by_columns(mean, variances, corners, radius):
-    """Integrate column by column over independent axes, on grids that halve towards every mark.
+    """Integrate column by column over independent axes, on grids that halve toward every mark.
 
     Marks are where the outline changes its kind and the largest column, which is the only local
     one: columns of a convex set are log-concave.

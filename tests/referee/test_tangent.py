@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radmpc.referee.tangent import tangent_directions
+from radmpc.referee.bound.tangent import tangent_directions
 
 
 @pytest.mark.parametrize("sideways", [0.0, 1e-160, 1e-155, 1e-120, 1e-14])

@@ -11,10 +11,10 @@ from scipy.optimize import nnls
 
 from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope, box, hull
-from radmpc.referee.collisions import meets_solid
 from radmpc.referee.contact import solid_distances, solid_of
-from radmpc.referee.sweep import resting, swept
-from radmpc.referee.turning import TurningSolid
+from radmpc.referee.simulation.collisions import meets_solid
+from radmpc.referee.simulation.sweep import resting, swept
+from radmpc.referee.simulation.turning import TurningSolid
 
 SEEDS = st.integers(0, 2**32 - 1)
 COUNT = 40

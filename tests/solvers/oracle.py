@@ -1,4 +1,4 @@
-"""A third opinion on fixed-risk optima that shares nothing with the programme or its solvers.
+"""A third opinion on fixed-risk optima that shares nothing with the program or its solvers.
 
 States stay variables, tied by the dynamics; faces come straight from the scenario; sides are
 enumerated one avoidance after the other, cut off by scipy's own interface to linear programming.

@@ -1,4 +1,4 @@
-"""Small random problems with everything in them that makes the programme hard."""
+"""Small random problems with everything in them that makes the program hard."""
 
 from __future__ import annotations
 

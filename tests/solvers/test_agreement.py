@@ -9,9 +9,9 @@ from problems import random_problem
 
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import margins_of
-from radmpc.solvers.backends.scip import ScipBackend
-from radmpc.solvers.big_m import BigM, encode
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM, encode
+from radmpc.solvers.milp.scip import ScipBackend
 from radmpc.solvers.solution import Limits, Outcome
 
 SLOW = {5, 11, 13, 17, 29, 35}  # seconds of enumeration each
@@ -79,7 +79,7 @@ def test_some_problems_have_a_face_that_opens_a_start_or_goal():
 
 
 @pytest.mark.slow
-def test_the_problems_hold_everything_that_makes_a_programme_hard():
+def test_the_problems_hold_everything_that_makes_a_program_hard():
     problems = [_problem(seed) for seed in SEEDS]
     outcomes = [
         Branch().solve(program, margins, gap=GAP, limits=Limits())

@@ -9,13 +9,13 @@ import pytest
 
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
-from radmpc.planners.sides import propose_sides
+from radmpc.planners.coarse_search import propose_sides
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import margins_of, uniform_allocation
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
-from radmpc.solvers.highs_lp import LpOutcome
-from radmpc.solvers.lp import WarmLp
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.warm_lp import WarmLp
+from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.selection import violations_of
 from radmpc.solvers.solution import Limits, Outcome, relative_gap
 

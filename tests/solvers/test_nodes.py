@@ -8,9 +8,9 @@ import pytest
 from radmpc.experiments.families import clutter, paper
 from radmpc.gaussian import clearance_for
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.solvers.risk_tree import RiskTree
+from radmpc.solvers.branch.tree import Tree
+from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
-from radmpc.solvers.tree import Tree
 
 
 def program_of(scenario):

@@ -1,4 +1,4 @@
-"""What a random tree finds satisfies the programme; what it does not find it does not deny."""
+"""What a random tree finds satisfies the program; what it does not find it does not deny."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform, margins_of
-from radmpc.solvers.branch import Branch
-from radmpc.solvers.rrt import Rrt
-from radmpc.solvers.rrt_shortcuts import _basis
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.rrt.rrt import Rrt
+from radmpc.solvers.rrt.shortcuts import _basis
 from radmpc.solvers.solution import Limits, Outcome
 
 FINDS = [0, 1, 3, 4, 7, 9, 12, 14, 15, 16]

@@ -11,15 +11,15 @@ from scipy.sparse import csr_array
 from radmpc.experiments.families import paper
 from radmpc.gaussian import clearance_for
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.solvers.highs_lp import HighsLp, LpOutcome
-from radmpc.solvers.risk_tree import RiskTree
-from radmpc.solvers.safe_bound import LpRecord
+from radmpc.solvers.branch.tree import Tree
+from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.lp.safe_bound import LpRecord
+from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
-from radmpc.solvers.tree import Tree
 
 
 def random_lp(seed):
-    """Return cost, bounds and rows of a small programme, feasible or not."""
+    """Return cost, bounds and rows of a small program, feasible or not."""
     rng = np.random.default_rng(seed)
     n, m = int(rng.integers(2, 9)), int(rng.integers(1, 12))
     cost = rng.normal(size=n)
@@ -43,7 +43,7 @@ def least_of(cost, lower, upper, matrix, row_lower, row_upper):
 
 
 def recorded(kind, problem):
-    """Return a record or a live programme of a problem."""
+    """Return a record or a live program of a problem."""
     cost, lower, upper, matrix, row_lower, row_upper = problem
     lp = kind(cost, lower, upper)
     rows = csr_array(matrix)
@@ -64,7 +64,7 @@ def test_whatever_the_dual_values_their_bound_holds(seed):
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_the_bound_of_a_solved_programme_is_close_and_below(seed):
+def test_the_bound_of_a_solved_program_is_close_and_below(seed):
     problem = random_lp(seed)
     least = least_of(*problem)
     outcome, bound = recorded(HighsLp, problem).solve()
@@ -114,7 +114,7 @@ def test_crossed_column_bounds_have_no_point():
 
 
 def failing(monkeypatch, lies):
-    """Let HiGHS fail at every n-th programme, n = lies, however often it is asked."""
+    """Let HiGHS fail at every n-th program, n = lies, however often it is asked."""
     honest = HighsLp.solve
     state = {"count": 0}
 
@@ -133,7 +133,7 @@ def program_of(scenario):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lies", [1, 2, 7, 30])
-def test_a_priced_search_lives_with_programmes_that_no_solver_solves(lies, monkeypatch):
+def test_a_priced_search_lives_with_programs_that_no_solver_solves(lies, monkeypatch):
     program = program_of(paper(8, 0).subset((0, 3), 0.05))
     honest = RiskTree(program, 0.05, 0.2, gap=1e-4, scale=1e-3, limits=Limits())
     honest.run(10_000)
@@ -153,7 +153,7 @@ def test_a_priced_search_lives_with_programmes_that_no_solver_solves(lies, monke
 
 
 @pytest.mark.parametrize("lies", [1, 2, 7, 30])
-def test_a_search_at_fixed_margins_lives_with_programmes_that_no_solver_solves(lies, monkeypatch):
+def test_a_search_at_fixed_margins_lives_with_programs_that_no_solver_solves(lies, monkeypatch):
     program = program_of(paper(8, 0).subset((0, 3), 0.05))
     margins = program.rows.deviations * clearance_for(np.full(program.rows.count, 1e-3))
     honest = Tree(program, margins, gap=1e-4, limits=Limits())
@@ -198,9 +198,9 @@ def test_where_highs_goes_round_in_circles_a_fresh_one_is_asked(monkeypatch):
     problem = next(p for p in map(random_lp, range(6, 40)) if np.isfinite(least_of(*p)))
     lp = recorded(HighsLp, problem)
     # One pivot is not enough, as no number of pivots is in a circle.
-    monkeypatch.setattr("radmpc.solvers.highs_lp._PIVOTS", 0)
-    monkeypatch.setattr("radmpc.solvers.highs_lp._LEAST_PIVOTS", 1)
-    monkeypatch.setattr("radmpc.solvers.highs_lp._FRESH", 1_000)
+    monkeypatch.setattr("radmpc.solvers.lp.highs_lp._PIVOTS", 0)
+    monkeypatch.setattr("radmpc.solvers.lp.highs_lp._LEAST_PIVOTS", 1)
+    monkeypatch.setattr("radmpc.solvers.lp.highs_lp._FRESH", 1_000)
     outcome, bound = lp.solve()
     assert outcome is LpOutcome.OPTIMAL
     assert bound == pytest.approx(least_of(*problem), abs=1e-6)

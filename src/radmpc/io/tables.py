@@ -80,7 +80,7 @@ def _columns(plan: Plan, index: int) -> dict[str, object]:
 
 
 def to_xarray(plan: Plan) -> xarray.Dataset:
-    """Return a plan's trajectories as labelled arrays.
+    """Return a plan's trajectories as labeled arrays.
 
     Parameters
     ----------

@@ -182,7 +182,7 @@ def _rates(A: Matrix, B: Matrix, position: tuple[int, ...]) -> tuple[tuple[int, 
 
 
 def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix:
-    """Return the gain K of ``u = ū + K (x − x̄)`` that minimises ``Σ xᵀQx + uᵀRu``.
+    """Return the gain K of ``u = ū + K (x − x̄)`` that minimizes ``Σ xᵀQx + uᵀRu``.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix
     Raises
     ------
     ScenarioError
-        If Q or R has the wrong shape, or no stabilising gain exists.
+        If Q or R has the wrong shape, or no stabilizing gain exists.
     """
     check_kind(system, LinearSystem, "system", "a LinearSystem")
     state_weight = as_matrix(Q, (system.num_states, system.num_states), ("Q",))
@@ -216,7 +216,7 @@ def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix
             gain = -np.linalg.solve(control_weight + system.B.T @ PB, PB.T @ system.A)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise ScenarioError(
-            "no stabilising gain exists for these dynamics and weights; "
+            "no stabilizing gain exists for these dynamics and weights; "
             "Q must be positive semi-definite, R positive definite"
         ) from error
     return as_matrix(gain)

@@ -1,4 +1,4 @@
-"""The whole answer: what a plan file holds. No optimiser objects, no file format."""
+"""The whole answer: what a plan file holds. No optimizer objects, no file format."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ __all__ = ["Workspace"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Workspace(Frozen):
-    """The box that holds every vehicle's center; leaving it counts towards the risk bound.
+    """The box that holds every vehicle's center; leaving it counts toward the risk bound.
 
     Attributes
     ----------

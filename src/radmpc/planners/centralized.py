@@ -1,4 +1,4 @@
-"""The whole fleet in one programme."""
+"""The whole fleet in one program."""
 
 from __future__ import annotations
 

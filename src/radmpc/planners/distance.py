@@ -130,7 +130,7 @@ def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:
     positions : (N, T+1, d) array
         Where everyone is at each step [m].
     meters : float
-        The distance, centre to centre [m].
+        The distance, center to center [m].
 
     Returns
     -------

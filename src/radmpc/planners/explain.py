@@ -8,23 +8,23 @@ import numpy as np
 
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
-from radmpc.planners.early import (
+from radmpc.planners.endpoint_risk import floors
+from radmpc.planners.presolve import (
     Reason,
     grouped,
     overdrawn_texts,
     place_reasons,
     too_far_texts,
 )
-from radmpc.planners.ira import solve_under_policy
-from radmpc.planners.places import floors
+from radmpc.planners.under_policy import solve_under_policy
 from radmpc.planners.wording import is_contact, limit_clause, places_text
 from radmpc.program.build import build_program, whole_subjects
 from radmpc.program.policy import NoRisk, Policy, Sigmas
 from radmpc.program.program import DisjunctiveProgram, Exposure
 from radmpc.program.subject import Subject
-from radmpc.solvers.branch import Branch
-from radmpc.solvers.highs_lp import LpOutcome
-from radmpc.solvers.lp import WarmLp
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.warm_lp import WarmLp
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["danger", "explain_infeasible", "impossible_places", "unable_alone"]

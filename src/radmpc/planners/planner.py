@@ -1,4 +1,4 @@
-"""A planner is a record of three choices about one programme."""
+"""A planner is a record of three choices about one program."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import get_args
 from radmpc.arguments import check_word, is_number, told
 from radmpc.errors import ScenarioError
 from radmpc.program.policy import Ira, NoRisk, Optimal, Policy, Pool, Sigmas, Uniform
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
-from radmpc.solvers.rrt import Rrt
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
+from radmpc.solvers.rrt.rrt import Rrt
 
 __all__ = [
     "Centralized",
@@ -28,7 +28,7 @@ SolverChoice = BigM | Branch | Rrt
 
 @dataclass(frozen=True, slots=True)
 class Centralized:
-    """All vehicles in one programme."""
+    """All vehicles in one program."""
 
     def __str__(self) -> str:
         return "centralized"
@@ -109,7 +109,7 @@ class Distance:
     Attributes
     ----------
     meters : float
-        Vehicles are coupled if they come within this distance, centre to centre [m].
+        Vehicles are coupled if they come within this distance, center to center [m].
     """
 
     meters: float = 5.0

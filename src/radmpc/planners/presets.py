@@ -18,9 +18,9 @@ from radmpc.planners.planner import (
     Receding,
 )
 from radmpc.program.policy import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
-from radmpc.solvers.rrt import Rrt
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
+from radmpc.solvers.rrt.rrt import Rrt
 
 __all__ = ["COMPARED", "DEFAULT", "PRESETS", "Preset", "parse_planner"]
 
@@ -61,7 +61,7 @@ def _multi_vehicle(threshold: float = 1e-6) -> Planner:
 _ALL = (
     Preset(
         "milp",
-        "Deterministic: noise ignored, one mixed-integer programme for the fleet.",
+        "Deterministic: noise ignored, one mixed-integer program for the fleet.",
         Planner(NoRisk(), BigM(), Centralized()),
     ),
     Preset(
@@ -71,7 +71,7 @@ _ALL = (
     ),
     Preset(
         "rmpc",
-        "Robust: every constraint keeps 3 standard deviations; one mixed-integer programme.",
+        "Robust: every constraint keeps 3 standard deviations; one mixed-integer program.",
         Planner(Sigmas(3.0), BigM(), Centralized()),
         lambda count: Planner(Sigmas(count), BigM(), Centralized()),
     ),
@@ -116,7 +116,7 @@ _ALL = (
     ),
     Preset(
         "certified",
-        "Faces and risks optimised together, to a proven gap; never above the risk bound.",
+        "Faces and risks optimized together, to a proven gap; never above the risk bound.",
         Planner(Optimal(), Branch(), Certified()),
     ),
 )

@@ -12,11 +12,11 @@ from pathlib import Path
 from radmpc.arrays import Matrix
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
+from radmpc.planners.coarse_search import propose_sides
 from radmpc.planners.draft import Step
 from radmpc.planners.explain import explain_infeasible
-from radmpc.planners.ira import solve_under_policy
 from radmpc.planners.planner import SolverChoice
-from radmpc.planners.sides import propose_sides
+from radmpc.planners.under_policy import solve_under_policy
 from radmpc.program.build import build_program, controls_of, whole_subjects
 from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import ceil, floor, log10
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.places import Danger
+from radmpc.planners.endpoint_risk import Danger
 from radmpc.solvers.solution import Limits
 
 __all__ = [

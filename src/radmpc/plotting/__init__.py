@@ -1,14 +1,15 @@
 """Pictures of scenarios and plans: each takes ``ax=None`` and returns the axes."""
 
-from radmpc.plotting.animation import animate_plan
+from radmpc.plotting.chart import Chart, Spread, plot_chart
 from radmpc.plotting.couplings import plot_couplings
 from radmpc.plotting.distances import plot_distances
-from radmpc.plotting.films import FILM_SUFFIXES, check_film_path, save_animation
-from radmpc.plotting.ledger import plot_ledger, plot_risk_map
-from radmpc.plotting.ledger_shares import plot_risk_shares
+from radmpc.plotting.film.animation import animate_plan
+from radmpc.plotting.film.films import FILM_SUFFIXES, check_film_path, save_animation
 from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan
-from radmpc.plotting.risk_steps import plot_risk
+from radmpc.plotting.risk.ledger import plot_ledger, plot_risk_map
+from radmpc.plotting.risk.ledger_shares import plot_risk_shares
+from radmpc.plotting.risk.risk_steps import plot_risk
 from radmpc.plotting.save import (
     FIGURE_SUFFIXES,
     check_figure_path,
@@ -19,7 +20,6 @@ from radmpc.plotting.save import (
     save_panels,
 )
 from radmpc.plotting.scenario import plot_scenario
-from radmpc.plotting.spread import Chart, Spread, plot_chart
 
 __all__ = [
     "FIGURE_SUFFIXES",

@@ -15,7 +15,7 @@ from radmpc.geometry import Polytope, hull, planar
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.plotting.curves import mean_path
-from radmpc.plotting.moments import moving_outline
+from radmpc.plotting.film.interpolation import moving_outline
 
 __all__ = ["Clearance", "closest_clearances"]
 

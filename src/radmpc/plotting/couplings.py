@@ -10,9 +10,8 @@ from matplotlib.patheffects import withStroke
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, Plan
-from radmpc.plotting.figure import check_axes, settle_layout
-from radmpc.plotting.ledger_looks import new_column
-from radmpc.plotting.style import (
+from radmpc.plotting.canvas.figure import check_axes, settle_layout
+from radmpc.plotting.canvas.style import (
     COLUMN_WIDTH,
     LABEL_SIZE,
     MAX_LABELS,
@@ -21,6 +20,7 @@ from radmpc.plotting.style import (
     TITLE_SIZE,
     vehicle_colors,
 )
+from radmpc.plotting.risk.ledger_looks import new_column
 
 __all__ = ["plot_couplings"]
 

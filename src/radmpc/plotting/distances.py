@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from radmpc.arguments import check_integer
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
+from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
 from radmpc.plotting.clearances import closest_clearances
-from radmpc.plotting.figure import check_axes
-from radmpc.plotting.ledger_looks import new_column, say_nothing, settle_part
-from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
+from radmpc.plotting.risk.ledger_looks import new_column, say_nothing, settle_part
 
 __all__ = ["plot_distances"]
 

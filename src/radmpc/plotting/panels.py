@@ -14,11 +14,11 @@ from matplotlib.patches import Polygon
 
 from radmpc.arrays import Matrix
 from radmpc.model.plan import Plan
-from radmpc.plotting.extent import plan_extent
-from radmpc.plotting.figure import DPI
+from radmpc.plotting.canvas.extent import plan_extent
+from radmpc.plotting.canvas.figure import DPI
+from radmpc.plotting.canvas.style import TITLE_SIZE, vehicle_colors
+from radmpc.plotting.canvas.title import num_title_lines
 from radmpc.plotting.plan import plot_plan
-from radmpc.plotting.style import TITLE_SIZE, vehicle_colors
-from radmpc.plotting.title import num_title_lines
 
 __all__ = ["Panel", "plot_panels"]
 

@@ -10,17 +10,17 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.arguments import check_kind
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
+from radmpc.plotting.artists.flat import Color, draw_trajectory, number_steps
+from radmpc.plotting.artists.highlights import draw_worst
+from radmpc.plotting.artists.legend import draw_legend, num_legend_lines
+from radmpc.plotting.artists.space import draw_trajectory_3d, number_steps_3d
+from radmpc.plotting.canvas.extent import plan_extent
+from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
+from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.style import MAX_LABELS, vehicle_colors, vehicle_dashes
+from radmpc.plotting.canvas.title import draw_title, num_title_lines
 from radmpc.plotting.curves import confidence_ellipses, mean_path
-from radmpc.plotting.extent import plan_extent
-from radmpc.plotting.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.flat import Color, draw_trajectory, number_steps
-from radmpc.plotting.labels import LabelBoard
-from radmpc.plotting.legend import draw_legend, num_legend_lines
 from radmpc.plotting.scenario import draw_surroundings, name_vehicles
-from radmpc.plotting.space import draw_trajectory_3d, number_steps_3d
-from radmpc.plotting.style import MAX_LABELS, vehicle_colors, vehicle_dashes
-from radmpc.plotting.title import draw_title, num_title_lines
-from radmpc.plotting.worst import draw_worst
 
 __all__ = ["plot_plan"]
 

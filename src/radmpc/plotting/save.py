@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
-from radmpc.plotting.figure import DPI
-from radmpc.plotting.ledger import plot_ledger
+from radmpc.plotting.canvas.figure import DPI
+from radmpc.plotting.chart import Chart, plot_chart
 from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan
-from radmpc.plotting.spread import Chart, plot_chart
+from radmpc.plotting.risk.ledger import plot_ledger
 
 __all__ = [
     "FIGURE_SUFFIXES",

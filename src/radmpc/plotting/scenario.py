@@ -9,18 +9,18 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
-from radmpc.plotting.extent import scenario_extent
-from radmpc.plotting.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.flat import Color, draw_ends, draw_workspace
-from radmpc.plotting.labels import LabelBoard
-from radmpc.plotting.obstacles import draw_obstacle
-from radmpc.plotting.space import (
+from radmpc.plotting.artists.flat import Color, draw_ends, draw_workspace
+from radmpc.plotting.artists.obstacles import draw_obstacle
+from radmpc.plotting.artists.space import (
     draw_ends_3d,
     draw_name_3d,
     draw_obstacle_3d,
     draw_workspace_3d,
 )
-from radmpc.plotting.style import MAX_LABELS, TITLE_SIZE, vehicle_colors
+from radmpc.plotting.canvas.extent import scenario_extent
+from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
+from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.style import MAX_LABELS, TITLE_SIZE, vehicle_colors
 
 __all__ = ["draw_surroundings", "name_vehicles", "plot_scenario"]
 

@@ -1,1 +1,1 @@
-"""The disjunctive chance-constrained programme."""
+"""The disjunctive chance-constrained program."""

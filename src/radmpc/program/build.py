@@ -1,4 +1,4 @@
-"""From vehicles and what they avoid to a programme, and from a solution back to controls.
+"""From vehicles and what they avoid to a program, and from a solution back to controls.
 
 Columns: per vehicle ``u⁺`` step by step, then ``u⁻``,
 so that ``u = u⁺ − u⁻`` and, at no extra row, ``|u| <= u⁺ + u⁻``.
@@ -48,7 +48,7 @@ def build_program(
     temporal: Sequence[KeepOut] = (),
     turned: Turned | None = None,
 ) -> DisjunctiveProgram:
-    """Build the programme of some vehicles (paper, Eqs. 1-3, 7, 8 and section Avoidance).
+    """Build the program of some vehicles (paper, Eqs. 1-3, 7, 8 and section Avoidance).
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def build_program(
 
 
 def controls_of(subjects: Sequence[Subject], z: Vector) -> list[Matrix]:
-    """Return the nominal controls of each vehicle, (T, m), from a programme's solution."""
+    """Return the nominal controls of each vehicle, (T, m), from a program's solution."""
     controls, start = [], 0
     for subject in subjects:
         span = subject.control_bounds.size

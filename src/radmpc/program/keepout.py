@@ -1,6 +1,6 @@
 """Things to stay out of, as faces over windows: what a window is differs by avoidance.
 
-With avoidance at the steps window j is step j+1 of the programme. With intervals window j is
+With avoidance at the steps window j is step j+1 of the program. With intervals window j is
 [j, j+1] and a face must hold at both ends: ``near`` is its offset at j, ``far`` at j+1.
 """
 
@@ -32,11 +32,11 @@ class KeepOut:
     near, far : (w, f) array
         Offsets at the window's start and end [m]; inf fills up windows with fewer faces.
     directions : (w, f) int array
-        Equal numbers are equal normals: such faces of neighbouring windows are one event.
+        Equal numbers are equal normals: such faces of neighboring windows are one event.
     start : Polytope or None
-        The thing at the programme's first step; None if that is booked elsewhere.
+        The thing at the program's first step; None if that is booked elsewhere.
     shapes : tuple of Polytope
-        The thing at the programme's first to last step, one if it stands still; empty where other
+        The thing at the program's first to last step, one if it stands still; empty where other
         directions than the faces are not asked for.
     shares : (w, f) array or None
         Share of the near end of the reserve for the sagitta, where it was chosen with the faces.
@@ -88,9 +88,9 @@ def obstacle_keepouts(
     obstacle : Obstacle
         Standing or moving.
     first_step : int
-        Absolute step at which the programme starts.
+        Absolute step at which the program starts.
     horizon : int
-        Steps of the programme.
+        Steps of the program.
     intervals : bool
         Whether windows are intervals.
 

@@ -49,13 +49,13 @@ class Sigmas:
     Attributes
     ----------
     count : float
-        Standard deviations kept, 0 to 7: what always keeps 7 is left out of programmes.
+        Standard deviations kept, 0 to 7: what always keeps 7 is left out of programs.
     """
 
     count: float = 3.0
 
     def __post_init__(self) -> None:
-        """Refuse counts that programmes cannot keep."""
+        """Refuse counts that programs cannot keep."""
         if not (is_number(self.count) and 0.0 <= self.count <= 7.0):
             raise ScenarioError(f"sigmas must lie between 0 and 7, got {told(self.count)}")
 
@@ -182,7 +182,7 @@ def uniform_allocation(
     Parameters
     ----------
     program : DisjunctiveProgram
-        The programme.
+        The program.
     budget : float
         Risk to spread, > 0.
     spread : {'reached', 'all'}
@@ -228,7 +228,7 @@ def allocation_from(
     Parameters
     ----------
     program : DisjunctiveProgram
-        The programme.
+        The program.
     selection : (v,) int array
         The sides.
     z : (n,) array
@@ -297,7 +297,7 @@ def reallocate(
     Parameters
     ----------
     program : DisjunctiveProgram
-        The programme.
+        The program.
     allocation : (x,) array
         Allocation of the last solve.
     selection : (v,) int array

@@ -1,6 +1,6 @@
-"""The disjunctive chance-constrained programme as a value: what every planner builds and solves.
+"""The disjunctive chance-constrained program as a value: what every planner builds and solves.
 
-Minimise ``cost @ z`` over hard rows and, for every avoidance, at least one alternative whose
+Minimize ``cost @ z`` over hard rows and, for every avoidance, at least one alternative whose
 chance rows all hold. The chance rows are written over *outputs* ``y = outputs @ z + constant``
 (mean positions and controls), few per row, so that rating thousands of rows is one short
 product; a row's dense form over ``z`` is made only for the few that enter a solver.
@@ -23,7 +23,7 @@ __all__ = ["SETTLED_RISK", "SETTLED_SHARE", "ChanceRows", "DisjunctiveProgram", 
 
 SETTLED_RISK = 1e-12
 """Avoidances that no admissible control violates with more chance than this are charged at that
-chance and leave the programme; where Δ is below 1e-4, with more than `SETTLED_SHARE` of it."""
+chance and leave the program; where Δ is below 1e-4, with more than `SETTLED_SHARE` of it."""
 
 SETTLED_SHARE = 1e-8
 """Share of Δ that one settled avoidance may take: thousands of them leave Δ as it is."""
@@ -95,7 +95,7 @@ class DisjunctiveProgram:
         Their bounds.
     blocks : (n,) int array
         The block of each variable: hard rows never join two blocks, so that without chance rows
-        the programme falls apart into one per block (one per vehicle).
+        the program falls apart into one per block (one per vehicle).
     hard : (h, n) sparse array
         Coefficients of the hard rows.
     hard_lower, hard_upper : (h,) array
@@ -121,7 +121,7 @@ class DisjunctiveProgram:
     exposures : tuple of Exposure
         The dangers that risk is allotted to.
     risk_bound : float
-        Δ for this programme.
+        Δ for this program.
     initial_risk : float
         Risk charged to Δ first: at k = 0, which no control can change, and of settled
         avoidances.

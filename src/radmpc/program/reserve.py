@@ -37,7 +37,7 @@ def shares_of_reserve(near: Sequence[Vector], far: Sequence[Vector], bow: Vector
         What each end of each window keeps to spare, wherever the vehicles may be [m]; negative
         where it may lack. The first beyond what is charged nothing, the others at some risk.
     bow : (w, f) array
-        Largest sagitta towards the face [m].
+        Largest sagitta toward the face [m].
 
     Returns
     -------

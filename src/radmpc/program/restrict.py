@@ -1,4 +1,4 @@
-"""The part of a programme that concerns some blocks alone."""
+"""The part of a program that concerns some blocks alone."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _SETTLED = 7.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Restriction:
-    """A smaller programme and where its parts stand in the larger one.
+    """A smaller program and where its parts stand in the larger one.
 
     Attributes
     ----------
     program : DisjunctiveProgram
         The chosen blocks with the avoidances that touch nothing else.
     columns, rows, alternatives, avoidances : int array
-        Their numbers in the larger programme.
+        Their numbers in the larger program.
     """
 
     program: DisjunctiveProgram
@@ -57,7 +57,7 @@ def avoidance_blocks(program: DisjunctiveProgram) -> csr_array:
 def restrict(
     program: DisjunctiveProgram, blocks: Indices, touched: csr_array | None = None
 ) -> Restriction:
-    """Return the programme of some blocks alone.
+    """Return the program of some blocks alone.
 
     Its optimum is a lower bound on what these blocks cost in any solution of the whole.
 
@@ -92,7 +92,7 @@ def restrict(
 def restrict_around(
     whole: DisjunctiveProgram, free: Indices, placed: Indices, z: Vector, touched: csr_array
 ) -> Restriction:
-    """Return the programme of some blocks around others that stay where they are.
+    """Return the program of some blocks around others that stay where they are.
 
     A placed block is a moving obstacle to the rest. Blocks that are neither are left out, and so
     are avoidances that no free block can fail any more, whatever it does.
@@ -100,7 +100,7 @@ def restrict_around(
     Parameters
     ----------
     whole : DisjunctiveProgram
-        The programme.
+        The program.
     free, placed : int array
         Blocks to decide, and blocks that stay.
     z : (n,) array
@@ -136,7 +136,7 @@ def restrict_around(
 def along(
     program: DisjunctiveProgram, outputs: slice, way: Vector, room: Vector
 ) -> DisjunctiveProgram:
-    """Return a programme whose solutions keep near a way.
+    """Return a program whose solutions keep near a way.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def _part(
 def _with_avoidances(
     program: DisjunctiveProgram, part: Restriction, avoidances: Indices
 ) -> Restriction:
-    """Return a restriction with exactly some of the whole programme's avoidances."""
+    """Return a restriction with exactly some of the whole program's avoidances."""
     alternatives = _runs(program.avoidance_starts, avoidances)
     entries = _runs(program.alternative_starts, alternatives)
     rows, place = np.unique(program.alternative_rows[entries], return_inverse=True)

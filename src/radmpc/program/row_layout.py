@@ -53,7 +53,7 @@ def lay_out(
     normals = windows.normals[window, face]
     shares = np.stack([share if end.is_near else 1.0 - share for end in ends], axis=1)
     reserves = 4.0 * np.square(shares) * float(windows.intervals)
-    # One row where at most one control bends the path towards the face, else two: see below.
+    # One row where at most one control bends the path toward the face, else two: see below.
     counts = 1 + ((reserves > 0.0) & (_num_pulls(body, normals) > 1)[:, None])
     firsts = np.cumsum(counts.ravel()) - counts.ravel()
     firsts = firsts.reshape(count, num_ends)

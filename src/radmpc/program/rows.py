@@ -134,7 +134,7 @@ def _in_deviations(slack: Vector, deviations: Vector) -> Vector:
 
 
 def _worst_bow(body: Body, windows: Windows) -> Vector:
-    """Return the largest sagitta of the mean curve towards each face, (w, f) [m]."""
+    """Return the largest sagitta of the mean curve toward each face, (w, f) [m]."""
     bow = np.zeros(windows.near.shape)
     for part in body.parts:
         bounds = np.maximum(part.control_bounds, 0.0)

@@ -32,7 +32,7 @@ def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:
     Returns
     -------
     float
-        At most what the programme of the whole fleet charges for its pairs at k = 0.
+        At most what the program of the whole fleet charges for its pairs at k = 0.
     """
     positions = np.array([v.start_position for v in scenario.vehicles])
     noises = []

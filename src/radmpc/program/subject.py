@@ -1,4 +1,4 @@
-"""A vehicle as the programme sees it: its response to controls, its noise and its reach."""
+"""A vehicle as the program sees it: its response to controls, its noise and its reach."""
 
 from __future__ import annotations
 
@@ -53,14 +53,14 @@ class Response:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """One vehicle over the horizon of one programme.
+    """One vehicle over the horizon of one program.
 
     Attributes
     ----------
     vehicle : Vehicle
         Who.
     horizon : int
-        Steps of the programme.
+        Steps of the program.
     control_bounds : (T, m) array
         Largest nominal |ū|; negative where feedback needs more than the limit.
     position_covariances : (T+1, d, d) array
@@ -102,7 +102,7 @@ def make_subject(
     response : Response
         Of its system, over at least this horizon.
     start : (n,) array
-        Mean state at the programme's first step.
+        Mean state at the program's first step.
     covariances : (T+1, n, n) array
         State covariances from the first step on.
     bounds : (T, m) array

@@ -44,7 +44,7 @@ def held(
     margins, spread : (N, E) array
         Margins without any reserve, and standard deviations along the normals [m].
     sag : (N,) array
-        How far the mean curves hang towards the sets in mid-interval, > 0 [m].
+        How far the mean curves hang toward the sets in mid-interval, > 0 [m].
 
     Returns
     -------

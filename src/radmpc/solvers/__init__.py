@@ -1,1 +1,1 @@
-"""A programme and margins in, a solution with its bound out."""
+"""A program and margins in, a solution with its bound out."""

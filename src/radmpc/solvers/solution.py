@@ -1,4 +1,4 @@
-"""What a solver is asked for besides the programme, and what it answers."""
+"""What a solver is asked for besides the program, and what it answers."""
 
 from __future__ import annotations
 
@@ -71,13 +71,13 @@ class Outcome(Enum):
 
     OPTIMAL = "solved within the gap"
     FEASIBLE = "a limit was hit with a solution at hand"
-    INFEASIBLE = "no point satisfies the programme"
+    INFEASIBLE = "no point satisfies the program"
     LIMIT = "a limit was hit before any solution was found"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """Answer to a programme at fixed margins.
+    """Answer to a program at fixed margins.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Solution:
     nodes : int
         Nodes of the search tree.
     lps : int
-        Linear programmes solved; 0 where the backend does not tell.
+        Linear programs solved; 0 where the backend does not tell.
     seconds : float
         Time taken.
     """
@@ -124,7 +124,7 @@ def relative_gap(cost: float, bound: float) -> float:
 
 
 class Solver(Protocol):
-    """Searches the disjunctions of a programme whose rows have fixed margins."""
+    """Searches the disjunctions of a program whose rows have fixed margins."""
 
     def solve(
         self,
@@ -136,12 +136,12 @@ class Solver(Protocol):
         start: Indices | None = None,
         guide: Guide | None = None,
     ) -> Solution:
-        """Minimise the cost with every chosen row held back by its margin.
+        """Minimize the cost with every chosen row held back by its margin.
 
         Parameters
         ----------
         program : DisjunctiveProgram
-            The programme.
+            The program.
         margins : (r,) array
             Back-off of each row [m].
         gap : float

@@ -10,8 +10,8 @@ from radmpc.experiments.study.trial import Task
 from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
 from radmpc.planners.presets import PRESETS
 from radmpc.program.policy import Ira
-from radmpc.solvers.big_m import BigM
-from radmpc.solvers.branch import Branch
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.milp.big_m import BigM
 
 __all__ = ["BASELINE", "Method", "Study", "full_study", "quick_study"]
 

@@ -10,7 +10,7 @@ from radmpc.experiments.study.design import BASELINE, Study
 from radmpc.experiments.study.summary import Quantiles, Summary
 from radmpc.geometry import halfspaces
 from radmpc.model.plan import Plan
-from radmpc.planners.temporal import make_temporal_obstacle
+from radmpc.planners.paper.temporal import make_temporal_obstacle
 from radmpc.planning import plan
 from radmpc.plotting import Chart, Panel, Spread
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from radmpc.atomic import write_text
 from radmpc.experiments.study.design import BASELINE, Study
 from radmpc.experiments.study.pictures import curves, panels
 from radmpc.experiments.study.summary import Quantiles, Speedup, Summary, speedup, summarize
 from radmpc.experiments.study.trial import Row
-from radmpc.io.atomic import write_text
 from radmpc.plotting import save_chart, save_panels
 
 __all__ = ["write_report"]

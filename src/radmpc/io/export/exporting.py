@@ -9,9 +9,9 @@ from pathlib import Path
 from types import NoneType
 
 from radmpc.arguments import check_kind, check_path, is_number, told
+from radmpc.atomic import write_bytes
 from radmpc.errors import ArgumentTypeError, ScenarioError
-from radmpc.io.atomic import write_bytes
-from radmpc.io.export.frame import Origin
+from radmpc.geodesy import Origin
 from radmpc.io.export.geojson import write_geojson
 from radmpc.io.export.job import Job
 from radmpc.io.export.kml import write_kml

@@ -13,7 +13,7 @@ from radmpc.io.export.origin import Placement
 from radmpc.io.export.outlines import Kind, footprint, goal_outline, outline
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track
-from radmpc.io.json_text import write_json
+from radmpc.io.text.json_text import write_json
 
 __all__ = ["write_geojson"]
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
-from radmpc.io.export.frame import Origin, to_geodetic
-from radmpc.io.text import shown
+from radmpc.geodesy import Origin, to_geodetic
+from radmpc.io.text.files import shown
 from radmpc.model.scenario import Scenario
 
 __all__ = ["Placement", "parse_origin", "scenario_origin"]

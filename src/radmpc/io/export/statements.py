@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from radmpc.io.export.origin import Placement
-from radmpc.io.text import one_line
+from radmpc.io.text.files import one_line
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 

@@ -12,17 +12,17 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import NoPlanError
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.crossing import by_sets, meeting_risks
+from radmpc.planners.certified.executing import Job, search_sets
+from radmpc.planners.certified.inter_set_risk import by_sets, meeting_risks
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import Order, SetProblem, SetState
 from radmpc.planners.certified.verdict import Verdict
-from radmpc.planners.certified.working import Job, search_sets
-from radmpc.planners.places import start_dangers
+from radmpc.planners.endpoint_risk import start_dangers
 from radmpc.program.build import controls_of, whole_subjects
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.highs_lp import HighsLp, LpOutcome
-from radmpc.solvers.risk_lp import SetBound
-from radmpc.solvers.risk_nodes import Incumbent
+from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Fleet", "Members"]
@@ -75,17 +75,17 @@ class Fleet:
     """Pairs for whom the referee rejected plans made apart: planned together at every price."""
     is_sketched: bool = False
     is_costless: bool = False
-    """Whether effort counts for nothing, so that at a price of 1 only risk is minimised."""
+    """Whether effort counts for nothing, so that at a price of 1 only risk is minimized."""
 
     def __post_init__(self) -> None:
-        """Build every vehicle's own programme."""
+        """Build every vehicle's own program."""
         self.numbers = {v.name: i for i, v in enumerate(self.scenario.vehicles)}
         self.subjects = whole_subjects(self.scenario)
         self.covariances = np.array([s.position_covariances for s in self.subjects])
         self.surroundings = Surroundings(self.scenario, self.subjects)
         # Simple bounds may sum to more than the referee finds, by a factor that is not known yet.
         granted = self.scenario.risk_bound
-        # Where only risk is minimised, Δ itself is the scale.
+        # Where only risk is minimized, Δ itself is the scale.
         room, begin = (1.0, 1.0) if self.is_costless else _ROOM[self.scenario.avoidance]
         self.unit = room * granted
         self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
@@ -101,7 +101,7 @@ class Fleet:
         self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
 
     def problem(self, members: Members) -> SetProblem:
-        """Return a set's programme, built when first asked for."""
+        """Return a set's program, built when first asked for."""
         if members not in self.problems:
             self.alone[members] = self.surroundings.of(members)
             made = SetProblem.of(self.alone[members], members, self.subjects, self.unit)

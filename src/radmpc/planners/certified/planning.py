@@ -10,14 +10,14 @@ import numpy as np
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.best import Best
+from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.last_resort import last_resort
+from radmpc.planners.certified.incumbent import Best
+from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
 from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.turning import turn_half_spaces
 from radmpc.planners.certified.verdict import Judge
-from radmpc.planners.certified.why_not import WhyNot, sure_why_not
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Planner
 from radmpc.solvers.solution import Limits, relative_gap

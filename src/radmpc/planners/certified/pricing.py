@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.polish import repriced
+from radmpc.planners.certified.repair import repriced
 
 __all__ = ["MORE_EFFORT", "OVERDRAWN", "next_price", "price_alone"]
 
@@ -16,7 +16,7 @@ OVERDRAWN = 1.2
 """Multiple of the budget from which on a price is too low to search at."""
 
 _MOST_EFFORT = 10_000
-"""Effort at which more no longer helps: what is left are programmes that no solver solves."""
+"""Effort at which more no longer helps: what is left are programs that no solver solves."""
 
 _MAX_PRICES = 6
 _MOST = 12.0

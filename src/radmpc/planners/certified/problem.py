@@ -1,4 +1,4 @@
-"""One set of vehicles: its programme, and how far its search has come."""
+"""One set of vehicles: its program, and how far its search has come."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import numpy as np
 
 from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.passage import Passage
-from radmpc.planners.certified.walk import Walk
-from radmpc.planners.ira import solve_under_policy
-from radmpc.planners.sides import propose_sides
+from radmpc.planners.certified.lattice.passage import Passage
+from radmpc.planners.certified.lattice.search import Walk
+from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.under_policy import solve_under_policy
 from radmpc.program.build import build_program
 from radmpc.program.policy import Ira
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.subject import Subject
-from radmpc.solvers.branch import Branch
-from radmpc.solvers.risk_lp import SetBound
-from radmpc.solvers.risk_nodes import Frontier, Incumbent
-from radmpc.solvers.risk_rating import Rater
-from radmpc.solvers.risk_tree import RiskTree
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.priced.nodes import Frontier, Incumbent
+from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Order", "SetProblem", "SetState", "advance"]
@@ -36,18 +36,18 @@ plan will do, and half-spaces turned to it are better than the best by faces."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SetProblem:
-    """A set's programme, made once.
+    """A set's program, made once.
 
     Attributes
     ----------
     members : tuple of int
         The vehicles, by their number in the fleet, ascending; block i is member i.
     subjects : tuple of Subject
-        The same vehicles as programmes see them.
+        The same vehicles as programs see them.
     program : DisjunctiveProgram
         Their obstacles, workspace and pairs.
     rater : Rater
-        The programme laid out for rating.
+        The program laid out for rating.
     passage : Passage or None
         A heuristic for a vehicle alone in the plane.
     """
@@ -66,7 +66,7 @@ class SetProblem:
         subjects: Sequence[Subject],
         unit: float,
     ) -> SetProblem:
-        """Build the programme of some vehicles of a fleet, in a scenario of theirs alone."""
+        """Build the program of some vehicles of a fleet, in a scenario of theirs alone."""
         chosen = tuple(subjects[i] for i in members)
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
         rater = Rater(program, unit)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from radmpc.planners.certified.crossing import by_sets
 from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.sketch import sketch
-from radmpc.solvers.risk_nodes import Incumbent
+from radmpc.planners.certified.initial_plan import sketch
+from radmpc.planners.certified.inter_set_risk import by_sets
+from radmpc.solvers.priced.nodes import Incumbent
 
 __all__ = ["Round", "run_round"]
 

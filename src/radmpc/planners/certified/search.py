@@ -6,14 +6,14 @@ import logging
 import time
 from dataclasses import dataclass, field
 
-from radmpc.planners.certified.best import Best, take
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.incumbent import Best, take
 from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.verdict import Judge
-from radmpc.planners.certified.within import WithinBudget
+from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.planners.draft import Step
-from radmpc.solvers.risk_budget import OVER
+from radmpc.solvers.priced.budget import OVER
 from radmpc.solvers.solution import relative_gap
 
 __all__ = ["PriceSearch"]

@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.best import Best
 from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.incumbent import Best
 from radmpc.planners.certified.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
-from radmpc.solvers.risk_nodes import Incumbent
-from radmpc.solvers.risk_rating import Rater
-from radmpc.solvers.risk_tree import RiskTree
+from radmpc.solvers.priced.nodes import Incumbent
+from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.tree import RiskTree
 
 __all__ = ["plan_by_turning", "turn_half_spaces"]
 

@@ -1,0 +1,1 @@
+"""One command each: what it reads, plans or judges, writes and says."""

@@ -1,0 +1,106 @@
+"""Pictures and films of files that are there already."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from radmpc.console.completing import VIEWS
+from radmpc.console.files import check_output, check_separate, writing
+from radmpc.console.output import show
+from radmpc.console.picture import check_film, write_film
+from radmpc.console.running.guard import Code
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.native.plan_file import load_plan
+from radmpc.io.native.plan_schema import PLAN_FORMAT
+from radmpc.io.native.scenario_file import load_scenario
+from radmpc.io.text.document import read_document
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+
+__all__ = ["run_draw"]
+
+_FILMS = (".gif", ".mp4")
+
+
+def run_draw(source: Path, view: str | None, output: Path) -> int:
+    """Draw a scenario or a plan from its file.
+
+    Parameters
+    ----------
+    source : Path
+        Scenario or plan.
+    view : str or None
+        One of `VIEWS`; None is the plan, or the scenario.
+    output : Path
+        Picture or film, by its ending.
+
+    Returns
+    -------
+    int
+        The exit code.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such view, or not of a scenario, or not as a film.
+    FileFormatError
+        If a file's format is unknown.
+    OutputError
+        If the picture cannot be written.
+    """
+    is_film = output.suffix.lower() in _FILMS
+    if view is not None and view not in VIEWS:
+        raise ScenarioError(f"--view must be one of {', '.join(VIEWS)}, got {view!r}")
+    if is_film and view not in {None, "plan"}:
+        raise ScenarioError(f"--view {view} cannot be a film: use .png, .pdf or .svg")
+    if is_film:
+        check_film(output)
+    else:
+        _check_picture(output)
+    check_separate(source, output)
+    value = _load(source)
+    if isinstance(value, Scenario) and (is_film or view is not None):
+        raise FileFormatError(f"{source}: is a scenario, and only a plan has films and views")
+    if isinstance(value, Plan) and is_film:
+        write_film(value, output)
+    else:
+        _draw(value, view or "plan", output)
+    show(f"{'film' if is_film else 'picture'} written to {output}")
+    return Code.OK
+
+
+def _check_picture(path: Path) -> None:
+    """Refuse a picture that could not be written."""
+    from radmpc.plotting import FIGURE_SUFFIXES  # noqa: PLC0415 - matplotlib loads slowly
+
+    if path.suffix.lower() not in FIGURE_SUFFIXES:
+        known = ", ".join((*FIGURE_SUFFIXES, *_FILMS))
+        raise FileFormatError(f"{path}: a picture or film must end in {known}")
+    check_output(path)
+
+
+def _load(source: Path) -> Scenario | Plan:
+    """Return what a file holds."""
+    content = read_document(source).value
+    is_plan = isinstance(content, dict) and content.get("format") == PLAN_FORMAT
+    return load_plan(source) if is_plan else load_scenario(source)
+
+
+def _draw(value: Scenario | Plan, view: str, output: Path) -> None:
+    """Draw one view into a file."""
+    from radmpc import plotting  # noqa: PLC0415 - matplotlib loads slowly
+
+    with writing(output):
+        if isinstance(value, Scenario):
+            plotting.save_axes(plotting.plot_scenario(value), output)
+        elif view == "plan":
+            plotting.save_figure(value, output)
+        elif view == "ledger":
+            plotting.save_ledger(value, output)
+        else:
+            draw = {
+                "couplings": plotting.plot_couplings,
+                "distances": plotting.plot_distances,
+                "risk": plotting.plot_risk,
+            }[view]
+            plotting.save_axes(draw(value), output)

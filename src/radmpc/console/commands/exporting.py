@@ -1,0 +1,100 @@
+"""A plan written for the vehicles' own tools, from the command line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from radmpc.console.files import OutputError, check_output, writing
+from radmpc.console.output import note, show
+from radmpc.console.running.guard import Code
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.export.exporting import ExportOptions, export_plan, save_exported
+from radmpc.io.export.origin import parse_origin
+from radmpc.io.text.files import one_line
+from radmpc.model.ledger import bound_text
+from radmpc.model.plan import Plan
+from radmpc.referee import Certificate, certify
+
+__all__ = ["ExportRequest", "run_export"]
+
+
+@dataclass(frozen=True, slots=True)
+class ExportRequest:
+    """What the command line asked for.
+
+    Attributes
+    ----------
+    plan_file : Path
+        Where the plan was read; it is never written over.
+    to : str
+        The format.
+    output : Path
+        Where it goes.
+    origin : str or None
+        Place on earth of the plan's origin, as typed.
+    altitude : float or None
+        Height of a 2-D plan above the origin [m].
+    """
+
+    plan_file: Path
+    to: str
+    output: Path
+    origin: str | None = None
+    altitude: float | None = None
+
+
+def run_export(plan: Plan, request: ExportRequest) -> int:
+    """Write a plan in another format; say where, and what the format loses.
+
+    Parameters
+    ----------
+    plan : Plan
+        As read from a file.
+    request : ExportRequest
+        What is asked for.
+
+    Returns
+    -------
+    int
+        The exit code: a plan that does not hold is written too, with a warning.
+    """
+    origin = None if request.origin is None else parse_origin(request.origin)
+    doubts = _doubts(certify(plan)) if plan.trajectories else ""
+    options = ExportOptions(origin, request.altitude, is_certified=not doubts)
+    try:
+        exported = export_plan(plan, request.to, request.output, options)
+    except ScenarioError as error:
+        # What does not begin with an option is wrong in the file.
+        if error.message.startswith("--"):
+            raise
+        raise FileFormatError(one_line(f"{request.plan_file}: {error}")) from error
+    for path in exported.files:
+        check_output(path)
+        if path.exists() and path.samefile(request.plan_file):
+            raise OutputError(f"cannot write {path}: it is the plan itself")
+    with writing(request.output):
+        save_exported(exported)
+    for path in exported.files:
+        whose = exported.vehicles.get(path)
+        of_whom = "" if whose is None else one_line(f" of {whose}")
+        show(f"plan{of_whom} written to {path}")
+    for warning in exported.warnings:
+        note(f"warning: {warning}")
+    if doubts:
+        note(f"warning: {doubts}")
+    return Code.OK
+
+
+def _doubts(certificate: Certificate) -> str:
+    """Return what stands against using a plan, nothing if it holds."""
+    if certificate.holds:
+        return ""
+    if certificate.problems:
+        more = len(certificate.problems) - 1
+        rest = f" (and {more} more)" if more else ""
+        return f"the plan does not hold: {certificate.problems[0]}{rest}"
+    return (
+        f"the plan is not certified within its risk bound {certificate.bound:g}: "
+        f"at most {bound_text(certificate.certified)}"
+    )

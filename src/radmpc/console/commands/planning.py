@@ -1,0 +1,179 @@
+"""One planning run from the command line: plan, write, report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from radmpc.console.files import check_output, check_separate, writing
+from radmpc.console.output import note, show, show_json
+from radmpc.console.picture import (
+    check_film,
+    check_picture,
+    write_film,
+    write_ledger,
+    write_picture,
+)
+from radmpc.console.reports.progress import progress_line
+from radmpc.console.reports.report import plan_report
+from radmpc.console.reports.stages import told_stages
+from radmpc.console.running.guard import Code
+from radmpc.console.running.interrupt import stop_on_interrupt
+from radmpc.console.running.workers import workers
+from radmpc.errors import ScenarioError
+from radmpc.io.native.plan_file import encode_plan, save_plan
+from radmpc.model.ledger import bound_text
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.planners.presets import parse_planner
+from radmpc.planning import plan
+from radmpc.result import Result
+
+__all__ = ["Request", "check_request", "run_plan"]
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What the command line asked for.
+
+    Attributes
+    ----------
+    planner : str
+        A planner's name.
+    seed : int
+        Seed of every random choice.
+    time_limit : float or None
+        Seconds; None is no limit.
+    jobs : int
+        Number of processes.
+    dask : str or None
+        Address of a Dask scheduler.
+    source : Path or None
+        The scenario's file, which no output may replace.
+    is_verbose : bool
+        Whether stages are told on stderr.
+    output, figure, ledger, animation : Path or None
+        Where the plan, its picture, that of its risk and its film go; None writes none.
+    as_json : bool
+        Whether stdout gets JSON rather than the report.
+    """
+
+    planner: str
+    seed: int
+    time_limit: float | None = None
+    jobs: int = 1
+    output: Path | None = None
+    figure: Path | None = None
+    as_json: bool = False
+    ledger: Path | None = None
+    dask: str | None = None
+    is_verbose: bool = False
+    animation: Path | None = None
+    source: Path | None = None
+
+
+def check_request(request: Request) -> None:
+    """Refuse what would fail only after the planning is done.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such planner.
+    FileFormatError
+        If the picture's format is unknown.
+    OutputError
+        If an output cannot be written.
+    """
+    parse_planner(request.planner)
+    if request.dask is not None and request.jobs > 1:
+        raise ScenarioError("--dask and --jobs exclude each other")
+    check_output(request.output)
+    check_picture(request.figure)
+    check_picture(request.ledger)
+    check_film(request.animation)
+    outputs = (request.output, request.figure, request.ledger, request.animation)
+    check_separate(request.source, *outputs)
+
+
+def run_plan(scenario: Scenario, request: Request) -> int:
+    """Plan a scenario, write what was asked for and report.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    with (
+        stop_on_interrupt() as is_stopped,
+        workers(request.jobs, request.dask) as executor,
+        told_stages(request.is_verbose),
+        progress_line(is_wanted=not request.is_verbose) as progress,
+    ):
+        result = plan(
+            scenario,
+            request.planner,
+            rng=request.seed,
+            time_limit=request.time_limit,
+            executor=executor,
+            progress=progress,
+            stop=is_stopped,
+        )
+        was_interrupted = is_stopped()
+    if request.output is not None:
+        with writing(request.output):
+            save_plan(result.record, request.output)
+    if request.figure is not None:
+        write_picture(result.record, request.figure)
+    if request.ledger is not None:
+        write_ledger(result.record, request.ledger)
+    if request.animation is not None:
+        write_film(result.record, request.animation)
+    if request.as_json:
+        show_json(encode_plan(result.record, with_vehicles=False))
+    else:
+        report = plan_report(result.record, request.planner.strip(), len(result.events))
+        show(*report, *_written(request))
+    return _conclude(result, was_interrupted, not request.as_json)
+
+
+def _written(request: Request) -> list[str]:
+    """Return lines about the files."""
+    lines = [""]
+    if request.output is not None:
+        lines.append(f"plan written to {request.output}")
+    if request.figure is not None:
+        lines.append(f"picture written to {request.figure}")
+    if request.ledger is not None:
+        lines.append(f"risk ledger written to {request.ledger}")
+    if request.animation is not None:
+        lines.append(f"film written to {request.animation}")
+    return lines if len(lines) > 1 else []
+
+
+def _no_plan(record: Plan, is_reported: bool) -> str:
+    """Return that there is no plan, and why unless the report has just said so."""
+    if not record.explanation:
+        return record.status.sentence
+    if is_reported:
+        return f"no plan ({record.status.value}): the report says why"
+    return f"no plan: {record.explanation}"
+
+
+def _conclude(result: Result, was_interrupted: bool, is_reported: bool) -> Code:
+    """Say on stderr what stands against using the plan, and return the exit code."""
+    record = result.record
+    if result.plan is None and was_interrupted:
+        note("interrupted before any plan was found")
+        return Code.NO
+    if result.plan is None:
+        note(_no_plan(record, is_reported))
+        return Code.NO
+    if not result.is_certified:
+        certified, bound = record.risk.certified, record.risk.bound
+        problems = () if result.certificate is None else result.certificate.problems
+        if certified is not None and certified > bound:
+            note(f"the certificate {bound_text(certified)} exceeds the risk bound {bound:g}")
+        else:
+            note(f"the plan is not certified: {'; '.join(problems) or 'no certificate'}")
+        return Code.NO
+    return Code.OK

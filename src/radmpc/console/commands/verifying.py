@@ -1,0 +1,148 @@
+"""A plan judged anew, as one record and as a report."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+from rich.table import Table
+from rich.text import Text
+
+from radmpc.console.reports.progress import progress_line
+from radmpc.console.reports.report import facts, scenario_line, verdict
+from radmpc.console.reports.saturating import saturation_line, saturation_warning
+from radmpc.errors import ScenarioError
+from radmpc.model.ledger import bound_text
+from radmpc.model.plan import Plan, Status
+from radmpc.referee import certify, simulate
+
+__all__ = ["Verification", "verify_plan", "verify_report"]
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """What certificate and simulation say; its fields are the JSON's keys.
+
+    Attributes
+    ----------
+    holds : bool
+        Whether the plan is what it claims and within its bound.
+    bound : float
+        The scenario's Δ.
+    certified : float or None
+        Upper bound on the joint collision probability; None without a plan.
+    rate, rate_low, rate_high : float or None
+        Simulated collision rate and its confidence interval.
+    samples : int
+        Simulated missions.
+    problems : tuple of str
+        What does not hold.
+    saturation_bound : float or None
+        Upper bound on the probability that feedback ever asks for more control than there is.
+    saturation_rate : float or None
+        Share of simulated missions in which it does, and is cut off.
+    warnings : tuple of str
+        What the certificate does not speak of.
+    """
+
+    holds: bool
+    bound: float
+    certified: float | None
+    rate: float | None
+    rate_low: float | None
+    rate_high: float | None
+    samples: int
+    problems: tuple[str, ...]
+    saturation_bound: float | None = None
+    saturation_rate: float | None = None
+    warnings: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, object]:
+        """Return plain values."""
+        return asdict(self)
+
+
+def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
+    """Return the referee's word on a plan, and what a simulation adds to it.
+
+    Parameters
+    ----------
+    plan : Plan
+        As read from a file.
+    samples : int
+        Missions to simulate.
+    seed : int
+        Of the simulation.
+
+    Returns
+    -------
+    Verification
+        A plan without vehicles does not hold; its problem is the reason it gives.
+    """
+    bound = plan.scenario.risk_bound
+    if not plan.trajectories:
+        return Verification(False, bound, None, None, None, None, 0, _reasons(plan))
+    certificate = certify(plan)
+    problems = certificate.problems
+    try:
+        with progress_line() as progress:
+            simulation = simulate(
+                plan,
+                samples,
+                rng=seed,
+                progress=lambda done, total: progress("simulating", done, total),
+            )
+    except ScenarioError as error:
+        # Arrays that do not fit the scenario cannot be flown: an answer, not bad usage.
+        reasons = problems or (str(error),)
+        certified, saturation = certificate.certified, certificate.saturation
+        return Verification(False, bound, certified, None, None, None, 0, reasons, saturation)
+    # An upper bound below a rate that is surely larger would be wrong: do not trust either.
+    is_contradicted = simulation.rate_low > max(bound, certificate.certified)
+    if is_contradicted:
+        problems += (
+            f"the simulated collision rate is at least {simulation.rate_low:.4g}, "
+            f"above the certificate {bound_text(certificate.certified)}"
+            f"; controls saturate in {100.0 * simulation.saturation_rate:.3g} % of missions",
+        )
+    warning = saturation_warning(bound, certificate.saturation)
+    return Verification(
+        holds=certificate.holds and not is_contradicted,
+        bound=bound,
+        certified=certificate.certified,
+        rate=simulation.rate,
+        rate_low=simulation.rate_low,
+        rate_high=simulation.rate_high,
+        samples=simulation.samples,
+        problems=problems,
+        saturation_bound=certificate.saturation,
+        saturation_rate=simulation.saturation_rate,
+        warnings=() if warning is None else (warning,),
+    )
+
+
+def _reasons(plan: Plan) -> tuple[str, ...]:
+    """Return why a file holds no plan; one that says it does is wrong."""
+    if plan.status in {Status.OPTIMAL, Status.FEASIBLE}:
+        return certify(plan).problems
+    return (f"no plan: {plan.explanation}" if plan.explanation else plan.status.sentence,)
+
+
+def verify_report(plan: Plan, verification: Verification) -> list[Table | Text]:
+    """Return the same as parts to show."""
+    rows: dict[str, Text | str] = {
+        "certificate": verdict(verification.certified, verification.bound)
+    }
+    if verification.rate is not None:
+        hits = round(verification.rate * verification.samples)
+        rows["simulated"] = (
+            f"{hits} of {verification.samples} missions collide: {verification.rate:.4g} "
+            f"({verification.rate_low:.4g} to {verification.rate_high:.4g} with 95 % confidence)"
+        )
+    if verification.saturation_bound is not None:
+        rows["saturation"] = saturation_line(
+            verification.bound, verification.saturation_bound, verification.saturation_rate
+        )
+    if verification.problems:
+        rows["problems"] = Text("\n".join(verification.problems), style="red")
+    word = Text("holds", "bold green") if verification.holds else Text("does not hold", "bold red")
+    return [Text(scenario_line(plan.scenario), style="bold"), facts(rows | {"the plan": word})]

@@ -1,0 +1,1 @@
+"""What the console says of plans: reports, reasons, progress."""

@@ -1,0 +1,231 @@
+"""A plan in a screenful: status, cost, certificate, sets, seconds and where the risk goes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from rich.table import Table
+from rich.text import Text
+
+from radmpc.console.reports.reasons import limits_text, reasons_text
+from radmpc.console.reports.saturating import saturation_line
+from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
+from radmpc.model.plan import LedgerRow, Plan
+from radmpc.model.scenario import Scenario
+
+__all__ = ["facts", "ledger_table", "plan_report", "scenario_line", "vehicle_table", "verdict"]
+
+_TOP_ROWS = 8
+_MAX_SETS = 12
+_LEAST_SHARE = 1e-9  # of the bound; lines below it are summed up
+
+
+def scenario_line(scenario: Scenario) -> str:
+    """Return what a scenario asks, in one line."""
+    parts = [
+        _count(scenario.num_vehicles, "vehicle"),
+        _count(len(scenario.obstacles), "obstacle"),
+        f"{_count(scenario.horizon, 'step')} of {scenario.dt:g} s",
+        f"risk bound {scenario.risk_bound:g}",
+        "avoidance " + ("at steps" if scenario.avoidance == "steps" else "along intervals"),
+    ]
+    return f"{scenario.name}: {', '.join(parts)}"
+
+
+def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table | Text]:
+    """Return a plan's summary as parts to show.
+
+    Parameters
+    ----------
+    plan : Plan
+        What planning ended with.
+    preset : str
+        The planner as it was asked for.
+    num_events : int
+        How many subproblems had no solution on the way.
+
+    Returns
+    -------
+    list of Table or Text
+        From top to bottom.
+    """
+    rows: dict[str, Text | str] = {
+        "status": f"{plan.status.value}: {plan.status.sentence}",
+        "planner": f"{preset}: {plan.planner}" if preset else plan.planner,
+    }
+    vehicles = plan.scenario.vehicles
+    if plan.trajectories:
+        rows["cost"] = _cost(plan)
+        rows["certificate"] = verdict(plan.risk.certified, plan.risk.bound)
+        if plan.risk.saturation is not None and any(v.gain is not None for v in vehicles):
+            rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
+        if plan.risk.price is not None:
+            rows["price of risk"] = _price(plan.risk.price, plan)
+        limits = limits_text(plan)
+        if limits:
+            rows["limited by"] = limits
+        rows["planned together"] = _sets(plan.sets)
+        if plan.couplings:
+            rows["because"] = reasons_text(plan)
+        advice = _advice(plan)
+        if advice:
+            rows["advice"] = Text(advice, style="yellow")
+        if plan.explanation:
+            rows["note"] = plan.explanation
+    elif plan.explanation:
+        rows["no plan"] = Text(plan.explanation, style="red")
+    if num_events:
+        rows["events"] = f"{_count(num_events, 'subproblem')} of RADMPC had no solution"
+    rows["seconds"] = _seconds(plan.seconds)
+    parts: list[Table | Text] = [Text(scenario_line(plan.scenario), style="bold"), facts(rows)]
+    if plan.risk.ledger:
+        parts += [Text(), ledger_table(plan), Text(), vehicle_table(plan)]
+    return parts
+
+
+def facts(rows: Mapping[str, Text | str]) -> Table:
+    """Return names and values in two columns."""
+    table = Table.grid(padding=(0, 2))
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, value)
+    return table
+
+
+def verdict(certified: float | None, bound: float) -> Text:
+    """Return the certificate against the bound, plainly."""
+    if certified is None:
+        return Text("none", style="red")
+    if certified <= bound:
+        return Text(f"risk at most {certified:.4g}, within the bound {bound:g}", style="green")
+    return Text(
+        f"risk at most {bound_text(certified)}, which EXCEEDS the bound {bound:g}: "
+        "do not use this plan",
+        style="bold red",
+    )
+
+
+def ledger_table(plan: Plan) -> Table:
+    """Return where the risk goes: the largest rows, the rest, and what is left."""
+    rows = sorted(plan.risk.ledger, key=lambda row: row.risk, reverse=True)
+    bound = plan.risk.bound
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for column in ("where the risk goes", "vehicle", "other"):
+        table.add_column(column, no_wrap=True)
+    for column in ("step", "risk", "of bound"):
+        table.add_column(column, justify="right", no_wrap=True)
+    num_shown = _num_shown([row.risk for row in rows], bound)
+    for row in rows[:num_shown]:
+        table.add_row(*_ledger_cells(row, bound))
+    hidden = rows[num_shown:]
+    if hidden:
+        rest = sum(row.risk for row in hidden)
+        table.add_row(f"{len(hidden)} more", "", "", "", f"{rest:.2e}", _share(rest, bound))
+    left = bound - sum(row.risk for row in rows)
+    if left > 0.0:
+        table.add_row("left over", "", "", "", f"{left:.2e}", _share(left, bound))
+    return table
+
+
+def vehicle_table(plan: Plan) -> Table:
+    """Return who bears the risk: the two of a pair half of it each."""
+    names = [vehicle.name for vehicle in plan.scenario.vehicles]
+    parts = risk_by_vehicle(plan.risk.ledger, names)
+    totals = {name: sum(causes.values()) for name, causes in parts.items()}
+    ordered = sorted(names, key=lambda name: totals[name], reverse=True)
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("who bears it", no_wrap=True)
+    for column in ("half of pairs", "obstacles", "workspace", "risk", "of bound"):
+        table.add_column(column, justify="right", no_wrap=True)
+    num_shown = _num_shown([totals[name] for name in ordered], plan.risk.bound)
+    for name in ordered[:num_shown]:
+        risks = [*(parts[name][cause] for cause in CAUSES), totals[name]]
+        share = _share(totals[name], plan.risk.bound)
+        table.add_row(name, *(f"{risk:.2e}" for risk in risks), share)
+    hidden = ordered[num_shown:]
+    if hidden:
+        rest = sum(totals[name] for name in hidden)
+        share = _share(rest, plan.risk.bound)
+        table.add_row(f"{len(hidden)} more", "", "", "", f"{rest:.2e}", share)
+    return table
+
+
+def _ledger_cells(row: LedgerRow, bound: float) -> Iterable[str]:
+    """Return one row of the ledger as text."""
+    other = "" if row.other is None else row.other
+    return (
+        row.cause, row.vehicle, other, str(row.step), f"{row.risk:.2e}", _share(row.risk, bound)
+    )  # fmt: skip
+
+
+def _advice(plan: Plan) -> str | None:
+    """Return what to try where vehicles that were planned apart may meet."""
+    certified = plan.risk.certified
+    if certified is None or certified <= plan.risk.bound or not plan.risk.ledger:
+        return None
+    worst = max(plan.risk.ledger, key=lambda row: row.risk)
+    group_of = {name: i for i, group in enumerate(plan.sets) for name in group}
+    if worst.cause != "pair" or worst.other is None:
+        return None
+    if group_of.get(worst.vehicle) == group_of.get(worst.other):
+        return None
+    return (
+        f"{worst.vehicle} and {worst.other} were planned apart but may meet: try another --seed, "
+        "a lower threshold such as --planner 'multi-vehicle(1e-12)', or --planner ira for a "
+        "small fleet"
+    )
+
+
+def _cost(plan: Plan) -> str:
+    """Return the cost, and the lower bound and gap where there are."""
+    if plan.cost is None:
+        return "none"
+    if plan.lower_bound is None:
+        return f"{plan.cost:.6g} (no lower bound)"
+    gap = 0.0 if plan.cost <= 0.0 else max(plan.cost - plan.lower_bound, 0.0) / plan.cost
+    return f"{plan.cost:.6g} (lower bound {plan.lower_bound:.6g}, gap {100.0 * gap:.2g} %)"
+
+
+def _price(price: float, plan: Plan) -> str:
+    """Return what a little more of Δ would save."""
+    cost = plan.cost or 0.0
+    saved = 0.01 * plan.risk.bound * price
+    if cost <= 0.0 or saved < 1e-6 * cost:
+        return "none: more of it would save nothing"
+    return f"1 % more would save about {saved:.2g}, {100.0 * saved / cost:.2g} % of the cost"
+
+
+def _sets(sets: tuple[tuple[str, ...], ...]) -> str:
+    """Return who was planned together, the largest sets first."""
+    ordered = sorted(sets, key=len, reverse=True)
+    shown = ", ".join("{" + ", ".join(group) + "}" for group in ordered[:_MAX_SETS])
+    hidden = len(ordered) - _MAX_SETS
+    return shown if hidden <= 0 else f"{shown} and {_count(hidden, 'more set')}"
+
+
+def _seconds(seconds: Mapping[str, float]) -> str:
+    """Return the total and its stages."""
+    stages = [f"{name} {value:.2f}" for name, value in seconds.items() if name != "total"]
+    total = f"{seconds.get('total', 0.0):.2f}"
+    return f"{total} ({', '.join(stages)})" if stages else total
+
+
+def _num_shown(risks: list[float], bound: float) -> int:
+    """Return how many of some risks, largest first, deserve a line of their own."""
+    return sum(risk >= _LEAST_SHARE * bound for risk in risks[:_TOP_ROWS])
+
+
+def _share(risk: float, bound: float) -> str:
+    """Return a risk in percent of the bound, to three digits."""
+    percent = float(f"{100.0 * risk / bound:.3g}")
+    if 0.0 < percent < 0.1:
+        return "< 0.1 %"
+    decimals = 2 - math.floor(math.log10(percent)) if percent else 0
+    return f"{percent:.{max(decimals, 0)}f} %"
+
+
+def _count(number: int, noun: str) -> str:
+    """Return a number and its noun, which ends in s unless there is one."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -1,0 +1,1 @@
+"""How commands run and end: workers, interrupts, exit codes."""

@@ -1,0 +1,144 @@
+"""From whatever goes wrong to one line and an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from enum import IntEnum
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from radmpc.console.output import note, silence_closed_pipe
+from radmpc.console.running.interrupt import interrupt_on_termination
+from radmpc.errors import NoPlanError, RadmpcError, SolverError
+
+__all__ = ["Code", "GuardedCommands"]
+
+_INTERRUPTED = 130  # what typer turns Ctrl-C into
+
+# BadParameter's bases are the usage errors. Their own module is private in newer typer.
+_USAGE_ERRORS = typer.BadParameter.__bases__
+
+
+class Code(IntEnum):
+    """Exit codes."""
+
+    OK = 0
+    """A plan was found and certified, or the check held."""
+    NO = 1
+    """No plan, a certificate above the bound, or a plan that does not hold."""
+    BAD_INPUT = 2
+    """Bad usage, or files that cannot be read, written or understood."""
+    INTERNAL = 3
+    """A defect of this program."""
+
+
+class GuardedCommands(TyperGroup):
+    """Commands whose every failure is one line on stderr and a documented exit code.
+
+    ``--debug`` anywhere on the line adds the traceback.
+    """
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        windows_expand_args: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Run the command line.
+
+        Parameters
+        ----------
+        args : sequence of str or None
+            Arguments; None takes those of the process.
+        prog_name, complete_var, windows_expand_args, extra
+            As in typer.
+        standalone_mode : bool
+            Whether to exit the process with the code, rather than return it.
+
+        Returns
+        -------
+        int
+            The exit code.
+        """
+        words = list(sys.argv[1:] if args is None else args)
+        is_debug = "--debug" in words
+        words = [word for word in words if word != "--debug"]
+
+        def run() -> object:
+            return super(GuardedCommands, self).main(
+                words, prog_name, complete_var, False, windows_expand_args, **extra
+            )
+
+        with silence_closed_pipe(), interrupt_on_termination():
+            code = _guarded(run, is_debug)
+        if standalone_mode:
+            sys.exit(code)
+        return code
+
+
+def _guarded(run: Callable[[], object], is_debug: bool) -> int:
+    """Return the code that a command returns or that its failure stands for."""
+    try:
+        code = run()
+    except Exception as error:
+        # The one place that catches everything: a defect must be a line and a code as well.
+        if is_debug:
+            traceback.print_exc()
+        line, failure = _verdict(error)
+        note(line)
+        return failure
+    if code == _INTERRUPTED:
+        note("interrupted")
+        return Code.NO
+    return code if isinstance(code, int) else Code.OK
+
+
+def _verdict(error: Exception) -> tuple[str, Code]:
+    """Return the line and the exit code for an error."""
+    if isinstance(error, _USAGE_ERRORS):
+        return _usage_line(error), Code.BAD_INPUT
+    if isinstance(error, typer.Abort) or _is_interrupted_import(error):
+        return "interrupted", Code.NO
+    if isinstance(error, NoPlanError):
+        return str(error), Code.NO
+    if isinstance(error, RadmpcError) and not isinstance(error, SolverError):
+        return str(error), Code.BAD_INPUT
+    if isinstance(error, OSError):
+        return _file_line(error), Code.BAD_INPUT
+    what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return f"internal error: {what} (--debug shows where)", Code.INTERNAL
+
+
+def _is_interrupted_import(error: BaseException | None) -> bool:
+    """Whether Ctrl-C fell into the initialization of a compiled module, which hides it."""
+    if not isinstance(error, ImportError):
+        return False
+    cause = error.__cause__ or error.__context__
+    while cause is not None:
+        if isinstance(cause, KeyboardInterrupt):
+            return True
+        cause = cause.__cause__ or cause.__context__
+    return False
+
+
+def _usage_line(error: Any) -> str:
+    """Return what is wrong with the command line and where help is."""
+    context = getattr(error, "ctx", None)
+    command = "radmpc" if context is None else context.command_path
+    return f"{error.format_message().rstrip('.')}; see '{command} --help'"
+
+
+def _file_line(error: OSError) -> str:
+    """Return which file could not be read or written and why."""
+    reason = error.strerror or str(error) or type(error).__name__
+    if error.filename is None:
+        return reason
+    return f"{os.fspath(error.filename)}: {reason}"

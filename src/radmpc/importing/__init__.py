@@ -1,0 +1,6 @@
+"""Problems of other groups as scenarios: what their files do not say is chosen, and told."""
+
+from radmpc.importing.formats import ImportedScenario, import_scenario
+from radmpc.importing.options import ImportOptions
+
+__all__ = ["ImportOptions", "ImportedScenario", "import_scenario"]

@@ -1,0 +1,130 @@
+"""Problems of other groups, whatever their format."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import NoneType
+
+from radmpc.arguments import check_kind, check_path
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.importing.completion import ImportedScenario, overlay
+from radmpc.importing.dynobench import is_dynobench, read_dynobench
+from radmpc.importing.geo.geojson import geojson_document, is_geojson, read_geojson
+from radmpc.importing.geo.kml import is_kml, kml_document, kmz_refusal, read_kml
+from radmpc.importing.grid.movingai import is_movingai, map_refusal, read_movingai, scen_document
+from radmpc.importing.grid.problem import is_multi_robot_grid, read_multi_robot_grid
+from radmpc.importing.lsc import is_lsc, read_lsc
+from radmpc.importing.options import ImportOptions
+from radmpc.importing.problem import ForeignProblem
+from radmpc.importing.s2m2 import is_s2m2, read_s2m2
+from radmpc.io.native.decoding import decode_scenario
+from radmpc.io.native.encoding import encode_scenario
+from radmpc.io.native.schema import SCENARIO_FORMAT
+from radmpc.io.text.document import Document, read_document
+from radmpc.io.text.files import one_line
+
+__all__ = ["ImportedScenario", "import_scenario"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Importer:
+    """A format: what it is called, how it is recognized, how it is read."""
+
+    name: str
+    recognizes: Callable[[object], bool]
+    read: Callable[[Document], ForeignProblem]
+
+
+_IMPORTERS = (
+    _Importer("dynobench", is_dynobench, read_dynobench),
+    _Importer("LSC", is_lsc, read_lsc),
+    _Importer("s2m2", is_s2m2, read_s2m2),
+    _Importer("libMultiRobotPlanning", is_multi_robot_grid, read_multi_robot_grid),
+    _Importer("MovingAI", is_movingai, read_movingai),
+    _Importer("GeoJSON", is_geojson, read_geojson),
+    _Importer("KML", is_kml, read_kml),
+)
+_READERS: Mapping[str, Callable[[str | os.PathLike[str]], Document]] = {
+    ".scen": scen_document,
+    ".geojson": geojson_document,
+    ".kml": kml_document,
+}
+_REFUSALS: Mapping[str, Callable[[str | os.PathLike[str]], FileFormatError]] = {
+    ".map": map_refusal,
+    ".kmz": kmz_refusal,
+}
+_MOST_BYTES = 8 * 2**20
+
+
+def import_scenario(
+    path: str | os.PathLike[str], options: ImportOptions | None = None
+) -> ImportedScenario:
+    """Return a scenario of a problem that another group published.
+
+    Parameters
+    ----------
+    path : path
+        The problem; its format is recognized by its content, of files in formats of their own
+        (``.scen``, ``.geojson``, ``.kml``) by their ending.
+    options : ImportOptions or None
+        What is not to be chosen by the importer.
+
+    Returns
+    -------
+    ImportedScenario
+        With every choice and its reason.
+
+    Raises
+    ------
+    FileFormatError
+        If no importer knows the format, or with one line that names file, line and field.
+    ArgumentTypeError
+        If an argument is of another kind; the message says what to do instead.
+    """
+    check_path(path)
+    check_kind(options, (ImportOptions, NoneType), "options", "ImportOptions or None")
+    document = _read(path)
+    for importer in _IMPORTERS:
+        if importer.recognizes(document.value):
+            try:
+                imported = overlay(importer.read(document), options or ImportOptions())
+            except ScenarioError as error:
+                raise document.failure(error) from error
+            _check_readable(imported, document.name)
+            return imported
+    if isinstance(document.value, Mapping) and document.value.get("format") == SCENARIO_FORMAT:
+        raise FileFormatError(one_line(f"{document.name}: is a scenario already"))
+    known = ", ".join(importer.name for importer in _IMPORTERS)
+    raise FileFormatError(one_line(f"{document.name}: is of no format known here ({known})"))
+
+
+def _check_readable(imported: ImportedScenario, name: str) -> None:
+    """Refuse a scenario whose own file would be refused: its numbers are too large."""
+    try:
+        decode_scenario(encode_scenario(imported.scenario))
+    except ScenarioError as error:
+        raise FileFormatError(
+            one_line(f"{name}: leads to a scenario that cannot be: {error}")
+        ) from error
+
+
+def _read(path: str | os.PathLike[str]) -> Document:
+    """Return what a file holds, read by its ending."""
+    suffix = Path(path).suffix.lower()
+    if suffix in _REFUSALS:
+        raise _REFUSALS[suffix](path)
+    try:
+        size = Path(path).stat().st_size
+    except (OSError, ValueError):
+        size = 0  # reading it tells what is wrong
+    if size > _MOST_BYTES:
+        raise FileFormatError(
+            one_line(
+                f"{os.fspath(path)}: must be at most {_MOST_BYTES // 2**20} MiB, "
+                f"got {size / 2**20:.0f}"
+            )
+        )
+    return _READERS.get(suffix, read_document)(path)

@@ -1,0 +1,229 @@
+"""Ways around what stands in the way, on a lattice: how long they are, and how much room is left.
+
+For choosing times and noise only: no plan comes from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy import ndimage
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.geometry import planar
+from radmpc.importing.problem import ForeignProblem, ForeignVehicle
+
+__all__ = ["Lattice", "Way", "lattice_of"]
+
+# In radii; of 0.25 m they divide a meter, so that a point lies in the middle of every cell.
+_SPACINGS = (0.2, 0.4, 0.8, 2.0, 4.0)
+_MOST_POINTS = 60_000
+_MOST_POINTS_OF_ALL = 3_000_000  # one vehicle's way after the other is looked for
+_BORDER = 10.0  # radii around everything, where there are no bounds
+_HALVINGS = 7
+_NEIGHBORS = ((0, 1), (1, 0), (1, 1), (1, -1))
+_TOUCHING = np.ones((3, 3))
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """The shortest way of one vehicle that keeps as much room as there is, up to what is wanted.
+
+    Attributes
+    ----------
+    detour : float
+        What it is longer than the straight way, in the norm of the longest axis [m].
+    room : float
+        Least distance of the hull from obstacles along it, at most the wanted one [m].
+    waiting : float
+        How long it waits for vehicles that come toward it where none can pass [s].
+    """
+
+    detour: float
+    room: float
+    waiting: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lattice:
+    """Points in rows and columns, and how far obstacles are from them.
+
+    Attributes
+    ----------
+    origin : (2,) array
+        The point of index (0, 0) [m].
+    spacing : float
+        Between neighbors along an axis [m].
+    distances : (p, q) array
+        From each point to the nearest obstacle or to bounds that hold hulls, 0 within [m].
+    """
+
+    origin: Vector
+    spacing: float
+    distances: Matrix
+
+    def way(self, vehicle: ForeignVehicle, wanted: float) -> Way | None:
+        """Return the shortest way that keeps the wanted room, or the most there is.
+
+        Parameters
+        ----------
+        vehicle : ForeignVehicle
+            In the plane.
+        wanted : float
+            Between its hull and obstacles [m].
+
+        Returns
+        -------
+        Way or None
+            None if the hull does not fit through at this spacing.
+        """
+        room = self._most_room(vehicle, wanted)
+        if room is None:
+            return None
+        steps = self._num_steps(vehicle, room)
+        straight = float(np.abs(vehicle.goal - vehicle.start).max())
+        return Way(max(steps * self.spacing - straight, 0.0), room)
+
+    def widest(self, vehicle: ForeignVehicle) -> float:
+        """Return the radius of the widest hull, up to the vehicle's own, with a way to its goal."""
+        room = self._most_room(vehicle, 0.0, -vehicle.radius)
+        return 0.0 if room is None else vehicle.radius + room
+
+    def _most_room(
+        self, vehicle: ForeignVehicle, wanted: float, least: float = 0.0
+    ) -> float | None:
+        """Return the largest room up to the wanted one with a way left, by halving."""
+        if self._is_connected(vehicle, wanted):
+            return wanted
+        if not self._is_connected(vehicle, least):
+            return None
+        low, high = least, wanted
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            if self._is_connected(vehicle, middle):
+                low = middle
+            else:
+                high = middle
+        return low
+
+    def _free(self, vehicle: ForeignVehicle, room: float) -> np.ndarray:
+        """Return which points the vehicle may be at, (p, q) of bool."""
+        return self.distances >= vehicle.radius + room - 1e-9
+
+    def _is_connected(self, vehicle: ForeignVehicle, room: float) -> bool:
+        """Whether start and goal are joined by points with this room."""
+        marks, _ = ndimage.label(self._free(vehicle, room), structure=_TOUCHING)
+        start = marks[self._nearest(vehicle.start)]
+        return bool(start and np.any(marks[self._goal_box(vehicle)] == start))
+
+    def path(self, vehicle: ForeignVehicle, room: float) -> Indices:
+        """Return the points of a shortest way with this room, (k, 2) indices, from start to goal.
+
+        Empty where there is none.
+        """
+        moves, before = self._moves(vehicle, room)
+        box = self._goal_box(vehicle)
+        ends = np.arange(moves.size).reshape(moves.shape)[box].ravel()
+        last = int(ends[moves[box].argmin()])
+        if not np.isfinite(moves.ravel()[last]):
+            return np.zeros((0, 2), dtype=np.int64)
+        found = [last]
+        while before[found[-1]] >= 0:
+            found.append(int(before[found[-1]]))
+        return np.column_stack(np.unravel_index(found[::-1], moves.shape)).astype(np.int64)
+
+    def _num_steps(self, vehicle: ForeignVehicle, room: float) -> int:
+        """Return the least number of moves to a neighbor from start to goal."""
+        moves, _ = self._moves(vehicle, room)
+        return int(moves[self._goal_box(vehicle)].min())
+
+    def _moves(self, vehicle: ForeignVehicle, room: float) -> tuple[Matrix, Indices]:
+        """Return how many moves from the start each point is away, and the point before it."""
+        free = self._free(vehicle, room)
+        index = np.arange(free.size).reshape(free.shape)
+        ends: list[tuple[np.ndarray, np.ndarray]] = []
+        for down, right in _NEIGHBORS:
+            first = index[: free.shape[0] - down, max(-right, 0) : free.shape[1] - max(right, 0)]
+            second = index[down:, max(right, 0) : free.shape[1] - max(-right, 0)]
+            both = free.ravel()[first] & free.ravel()[second]
+            ends.append((first[both], second[both]))
+        rows = np.concatenate([first for first, _ in ends])
+        columns = np.concatenate([second for _, second in ends])
+        graph = coo_array((np.ones(rows.size), (rows, columns)), shape=(free.size, free.size))
+        moves, before = dijkstra(
+            graph.tocsr(),
+            directed=False,
+            indices=index[self._nearest(vehicle.start)],
+            return_predecessors=True,
+        )
+        return np.asarray(moves).reshape(free.shape), np.asarray(before, dtype=np.int64)
+
+    def _nearest(self, point: Vector) -> tuple[int, int]:
+        """Return the index of the lattice's point nearest to a point."""
+        found = np.rint((point - self.origin) / self.spacing).astype(int)
+        last = np.array(self.distances.shape) - 1
+        row, column = np.clip(found, 0, last).tolist()
+        return row, column
+
+    def _goal_box(self, vehicle: ForeignVehicle) -> tuple[slice, slice]:
+        """Return the indices of the points of the goal, at least one."""
+        half = np.zeros(2) if vehicle.goal_half_width is None else vehicle.goal_half_width
+        low, high = self._nearest(vehicle.goal - half), self._nearest(vehicle.goal + half)
+        return slice(low[0], high[0] + 1), slice(low[1], high[1] + 1)
+
+
+def lattice_of(problem: ForeignProblem) -> Lattice | None:
+    """Return the lattice of a problem in the plane with obstacles; None for any other.
+
+    A point of it lies on the first vehicle's start; it grows coarser with the problem's size.
+    """
+    vehicles = problem.vehicles
+    if vehicles[0].start.size != 2 or not problem.obstacles:
+        return None
+    pieces = [planar(p) for o in problem.obstacles for p in o.at(0)]
+    low, high = _bounds(problem, pieces)
+    radius = min(vehicle.radius for vehicle in vehicles)
+    most = min(_MOST_POINTS, _MOST_POINTS_OF_ALL // len(vehicles))
+    for factor in _SPACINGS:
+        spacing = factor * radius
+        if np.prod((high - low) / spacing + 2.0) <= most:
+            break
+    else:
+        spacing = float(np.sqrt(np.prod(high - low) / most))
+        # Of something long and thin the short axis has too few points to make up for the long one.
+        while np.prod((high - low) / spacing + 2.0) > 2.0 * most:
+            spacing *= 2.0
+    anchor = vehicles[0].start
+    origin = anchor - spacing * np.floor((anchor - low) / spacing + 1e-9)
+    counts = np.floor((high - origin) / spacing + 1e-9).astype(int) + 1
+    axes = [origin[i] + spacing * np.arange(counts[i]) for i in range(2)]
+    points = shapely.points(*np.meshgrid(*axes, indexing="ij"))
+    _, distances = shapely.STRtree(pieces).query_nearest(
+        points.ravel(), return_distance=True, all_matches=False
+    )
+    distances = distances.reshape(points.shape)
+    if problem.workspace is not None and problem.bounds_hulls:
+        for axis, values in enumerate(np.meshgrid(*axes, indexing="ij")):
+            distances = np.minimum(distances, values - problem.workspace.lower[axis])
+            distances = np.minimum(distances, problem.workspace.upper[axis] - values)
+    return Lattice(origin, spacing, distances)
+
+
+def _bounds(problem: ForeignProblem, pieces: Sequence[shapely.Geometry]) -> tuple[Vector, Vector]:
+    """Return the corners of what a way may use, starts and goals included."""
+    points = np.array([p for v in problem.vehicles for p in (v.start, v.goal)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    if problem.workspace is not None:
+        low = np.minimum(low, problem.workspace.lower)
+        high = np.maximum(high, problem.workspace.upper)
+        return low, high
+    boxes = shapely.bounds(pieces)
+    border = _BORDER * max(vehicle.radius for vehicle in problem.vehicles)
+    low = np.minimum(low, boxes[:, :2].min(axis=0)) - border
+    high = np.maximum(high, boxes[:, 2:].max(axis=0)) + border
+    return low, high

@@ -1,0 +1,1 @@
+"""Problems drawn on a map: GeoJSON and KML."""

@@ -1,0 +1,108 @@
+"""GeoJSON (RFC 7946): a FeatureCollection of points, lines and polygons."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+
+from radmpc.arrays import as_matrix
+from radmpc.errors import ScenarioError
+from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, position
+from radmpc.importing.geo.problem import geo_problem
+from radmpc.importing.problem import ForeignProblem
+from radmpc.io.text.document import Document
+from radmpc.io.text.files import read_text, shown
+from radmpc.io.text.json_text import read_json
+
+__all__ = ["geojson_document", "is_geojson", "read_geojson"]
+
+_SHAPES = ("Point", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
+_TYPES = ("FeatureCollection", "Feature", "GeometryCollection", *_SHAPES)
+_WGS84 = ("CRS84", "EPSG::4326", "EPSG:4326")
+
+
+def geojson_document(path: str | os.PathLike[str]) -> Document:
+    """Return what a GeoJSON file holds, not yet checked.
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be read or is no JSON.
+    """
+    name, text = os.fspath(path), read_text(path)
+    return Document(name, text, read_json(text, name), None)
+
+
+def is_geojson(value: object) -> bool:
+    """Whether a file's content looks like GeoJSON."""
+    return isinstance(value, Mapping) and value.get("type") in _TYPES
+
+
+def read_geojson(document: Document) -> ForeignProblem:
+    """Return the problem drawn in a GeoJSON file.
+
+    Raises
+    ------
+    ScenarioError
+        If something in it is missing or not known here; its path says where.
+    """
+    value = document.value
+    if not isinstance(value, Mapping) or value.get("type") != "FeatureCollection":
+        got = value.get("type") if isinstance(value, Mapping) else value
+        raise ScenarioError(f"must be 'FeatureCollection', got {shown(got)}", ("type",))
+    if "crs" in value and not str(value["crs"]).rstrip("'}").endswith(_WGS84):
+        # Meters of some projection would be read as degrees.
+        raise ScenarioError(f"must be WGS 84 (CRS84), got {shown(value['crs'])}", ("crs",))
+    features = value.get("features")
+    if not isinstance(features, list):
+        raise ScenarioError(f"must be a list, got {shown(features)}", ("features",))
+    drawn = [
+        feature for i, entry in enumerate(features) for feature in _features(entry, ("features", i))
+    ]
+    return geo_problem(document, "geojson", drawn)
+
+
+def _features(entry: object, path: Path) -> Iterator[Feature]:
+    """Yield the point, lines or polygons of one feature."""
+    if not isinstance(entry, Mapping) or entry.get("type") != "Feature":
+        raise ScenarioError("must be a mapping with type 'Feature'", path)
+    properties = entry.get("properties")
+    if properties is None:
+        properties = {}
+    if not isinstance(properties, Mapping):
+        raise ScenarioError(f"must be a mapping, got {shown(properties)}", (*path, "properties"))
+    geometry, inner = entry.get("geometry"), (*path, "geometry")
+    if not isinstance(geometry, Mapping):
+        raise ScenarioError(f"must be a mapping, got {shown(geometry)}", inner)
+    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
+    where = (*inner, "coordinates")
+    if kind not in _SHAPES:
+        # A shape left out may have been meant as an obstacle.
+        *first, last = map(repr, _SHAPES)
+        raise ScenarioError(
+            f"must be {', '.join(first)} or {last}, got {shown(kind)}", (*inner, "type")
+        )
+    if kind == "Point":
+        rings = (as_matrix([position(coordinates, where)]),)
+        yield Feature("Point", rings, properties, path, where, (*path, "properties"))
+        return
+    parts = [(coordinates, where)]
+    if kind in {"MultiPolygon", "MultiLineString"}:
+        parts = [(part, (*where, i)) for i, part in enumerate(_list(coordinates, where))]
+    for part, place in parts:
+        if kind in {"LineString", "MultiLineString"}:
+            line = drawn_line(_list(part, place), place)
+            yield Feature("LineString", (line,), properties, path, place, (*path, "properties"))
+            continue
+        outlines = [
+            drawn_ring(_list(ring, (*place, i)), (*place, i))
+            for i, ring in enumerate(_list(part, place))
+        ]
+        yield Feature("Polygon", tuple(outlines), properties, path, place, (*path, "properties"))
+
+
+def _list(value: object, path: Path) -> list[object]:
+    """Return a value that is a list with something in it."""
+    if not isinstance(value, list) or not value:
+        raise ScenarioError(f"must be a list of at least one entry, got {shown(value)}", path)
+    return value

@@ -1,0 +1,1 @@
+"""Grid worlds: libMultiRobotPlanning and MovingAI."""

@@ -1,0 +1,1 @@
+"""The package's own files, `radmpc/scenario/1` and `radmpc/plan/1`."""

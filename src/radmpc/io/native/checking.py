@@ -1,0 +1,133 @@
+"""From data to file models, and from what pydantic finds to one line."""
+
+from __future__ import annotations
+
+import difflib
+import types
+import typing
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from radmpc.errors import ScenarioError
+from radmpc.io.native.numbers import MARK
+from radmpc.io.text.files import shown
+
+__all__ = ["check_format", "validated"]
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+_MESSAGES: Mapping[str, str] = {
+    "missing": "is required",
+    "model_type": "must be a mapping",
+    "dict_type": "must be a mapping",
+    "list_type": "must be a list",
+    "float_type": "must be a number",
+    "finite_number": "must be a finite number",
+    "int_type": "must be a whole number",
+    "string_type": "must be text",
+    "string_unicode": "must be text that UTF-8 can encode",
+    "literal_error": "must be {expected}",
+    "greater_than_equal": "must be at least {ge:.10g}",
+    "less_than_equal": "must be at most {le:.10g}",
+}
+
+
+def check_format(data: object, wanted: str) -> Mapping[str, object]:
+    """Return the data as a mapping whose ``format`` is the wanted one.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no mapping, or states no format or another.
+    """
+    if not isinstance(data, Mapping):
+        raise ScenarioError(f"must be a mapping with 'format: {wanted}', got {shown(data)}")
+    if "format" not in data:
+        raise ScenarioError(f"is required, as 'format: {wanted}'", ("format",))
+    if data["format"] != wanted:
+        raise ScenarioError(f"must be {wanted!r}, got {shown(data['format'])}", ("format",))
+    return data
+
+
+def validated(model: type[_Model], data: Mapping[str, object]) -> _Model:
+    """Return data as a file model.
+
+    Raises
+    ------
+    ScenarioError
+        With the first thing that is wrong, and how many more there are.
+    """
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        found = error.errors(include_url=False)
+    # A misspelled key is named before the required one it was meant to be.
+    found.sort(key=lambda detail: detail["type"] == "missing")
+    first = found[0]
+    message = _message(model, first)
+    if len(found) > 1:
+        message += f" (and {len(found) - 1} more)"
+    raise ScenarioError(message, _path(first))
+
+
+def _path(detail: ErrorDetails) -> tuple[str | int, ...]:
+    """Return where, without the marks of shapes."""
+    return tuple(
+        key for key in detail["loc"] if not (isinstance(key, str) and key.startswith(MARK))
+    )
+
+
+def _message(model: type[BaseModel], detail: ErrorDetails) -> str:
+    """Return what is wrong with a value."""
+    kind = detail["type"]
+    if kind == "extra_forbidden":
+        *parent, key = _path(detail)
+        return _unknown(str(key), _keys(model, parent))
+    if kind == "missing":
+        return _MESSAGES[kind]
+    if kind == "too_long":
+        most, count = detail["ctx"]["max_length"], len(detail["input"])
+        return f"must have at most {most:,} entries, got {count:,}"
+    if kind not in _MESSAGES:
+        return detail["msg"]
+    wanted = _MESSAGES[kind].format(**detail.get("ctx", {}))
+    return f"{wanted}, got {shown(detail['input'])}"
+
+
+def _unknown(key: str, allowed: list[str]) -> str:
+    """Return that a key is unknown, and the one it may be meant to be."""
+    near = difflib.get_close_matches(key[:100].lower(), allowed, n=1)
+    if near:
+        return f"unknown key, did you mean {near[0]!r}?"
+    return f"unknown key, allowed are {', '.join(allowed)}"
+
+
+def _keys(model: type[BaseModel], path: list[str | int]) -> list[str]:
+    """Return the keys allowed in the mapping at a path."""
+    annotation: Any = model
+    for key in path:
+        if isinstance(key, str):
+            annotation = _only(annotation, _is_model).model_fields[key].annotation
+        else:
+            annotation = typing.get_args(_only(annotation, _is_list))[0]
+    return list(_only(annotation, _is_model).model_fields)
+
+
+def _only(annotation: Any, is_wanted: Callable[[Any], bool]) -> Any:
+    """Return the one member of a union that is meant, or the type itself."""
+    if isinstance(annotation, types.UnionType) or typing.get_origin(annotation) is typing.Union:
+        return next(member for member in typing.get_args(annotation) if is_wanted(member))
+    return annotation
+
+
+def _is_model(annotation: Any) -> bool:
+    """Whether a type is a mapping with known keys."""
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+
+
+def _is_list(annotation: Any) -> bool:
+    """Whether a type is a list."""
+    return typing.get_origin(annotation) is list

@@ -1,0 +1,54 @@
+"""Free-form data, reduced to what both YAML and JSON can hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from radmpc.errors import ScenarioError
+from radmpc.io.text.files import shown
+
+__all__ = ["plain_mapping"]
+
+_MAX_DEPTH = 20
+
+Path = tuple[str | int, ...]
+
+
+def plain_mapping(value: Mapping[str, object], path: Path) -> dict[str, object]:
+    """Return a copy made of dict, list, str, int, float, bool and None.
+
+    Raises
+    ------
+    ScenarioError
+        If it holds anything else, numbers that are not finite, or too many levels.
+    """
+    if len(path) > _MAX_DEPTH:
+        raise ScenarioError(f"must not be nested deeper than {_MAX_DEPTH} levels", path[:1])
+    result = {}
+    for key, entry in value.items():
+        if not isinstance(key, str):
+            raise ScenarioError(f"keys must be text, got {shown(key)}", path)
+        result[key] = _plain(entry, (*path, key))
+    return result
+
+
+def _plain(value: object, path: Path) -> object:
+    """Return one value as plain data."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise ScenarioError(f"must be a finite number, got {value}", path)
+        return value
+    if isinstance(value, Mapping):
+        return plain_mapping(value, path)
+    if isinstance(value, Sequence) and not isinstance(value, bytes | bytearray):
+        if len(path) > _MAX_DEPTH:
+            raise ScenarioError(f"must not be nested deeper than {_MAX_DEPTH} levels", path[:1])
+        return [_plain(item, (*path, i)) for i, item in enumerate(value)]
+    raise ScenarioError(f"must be plain data, got {shown(value)}", path)

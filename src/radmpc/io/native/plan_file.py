@@ -1,0 +1,228 @@
+"""Plan files: ``format: radmpc/plan/1``, JSON."""
+
+from __future__ import annotations
+
+import os
+
+from radmpc.arguments import check_path
+from radmpc.arrays import as_array, as_matrix
+from radmpc.atomic import write_text
+from radmpc.errors import ScenarioError
+from radmpc.io.native.checking import check_format, validated
+from radmpc.io.native.decoding import decode_scenario
+from radmpc.io.native.encoding import encode_scenario
+from radmpc.io.native.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
+from radmpc.io.text.document import Document
+from radmpc.io.text.files import read_text
+from radmpc.io.text.json_text import read_json, write_json
+from radmpc.model.given import check_plan
+from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+
+__all__ = ["decode_plan", "encode_plan", "load_plan", "save_plan"]
+
+
+def load_plan(path: str | os.PathLike[str]) -> Plan:
+    """Return the plan in a file.
+
+    Whether its arrays and names fit its scenario is not checked here: the referee names what
+    does not.
+
+    Parameters
+    ----------
+    path : path
+        JSON.
+
+    Returns
+    -------
+    Plan
+        Equal to the one saved, bit for bit.
+
+    Raises
+    ------
+    FileFormatError
+        With one line that names file, line, field, value and what is allowed.
+    """
+    check_path(path)
+    name, text = os.fspath(path), read_text(path)
+    document = Document(name, text, read_json(text, name), None)
+    try:
+        return decode_plan(document.value)
+    except ScenarioError as error:
+        raise document.failure(error) from error
+
+
+def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
+    """Write a plan to a file as JSON, whole or not at all; it reads back equal.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to write, also where no plan was found.
+    path : path
+        The file; an existing one is replaced.
+
+    Raises
+    ------
+    FileFormatError
+        If a number in the plan is not finite.
+    ArgumentTypeError
+        If an argument is of another kind; the message says what to do instead.
+    ScenarioError
+        If the scenario holds what no file can, see `encode_scenario`.
+    OSError
+        If the file cannot be written.
+    """
+    check_plan(plan)
+    check_path(path)
+    write_text(path, write_json(encode_plan(plan)))
+
+
+def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
+    """Return the content of a plan file: dict, list, str, int, float, bool and None.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to write.
+    with_vehicles : bool
+        Whether to include the trajectories, by far the largest part.
+
+    Returns
+    -------
+    dict
+        In the order of the format's description.
+
+    Raises
+    ------
+    ScenarioError
+        If the scenario holds what no file can, see `encode_scenario`.
+    """
+    content: dict[str, object] = {
+        "format": PLAN_FORMAT,
+        "scenario": encode_scenario(plan.scenario),
+        "planner": plan.planner,
+        "seed": None if plan.seed is None else int(plan.seed),
+        "status": plan.status.value,
+        "cost": _optional(plan.cost),
+        "lower_bound": _optional(plan.lower_bound),
+        "risk": {
+            "bound": float(plan.risk.bound),
+            "certified": _optional(plan.risk.certified),
+            "ledger": [_ledger_row(row) for row in plan.risk.ledger],
+            **({} if plan.risk.price is None else {"price": float(plan.risk.price)}),
+            **_saturation(plan),
+        },
+        "sets": [list(names) for names in plan.sets],
+        "couplings": [_coupling(coupling) for coupling in plan.couplings],
+        "seconds": {stage: float(seconds) for stage, seconds in plan.seconds.items()},
+        "versions": dict(plan.versions),
+        "explanation": plan.explanation,
+    }
+    if with_vehicles:
+        content["vehicles"] = [_vehicle(trajectory) for trajectory in plan.trajectories]
+    return content
+
+
+def _optional(value: float | None) -> float | None:
+    """Return a plain float, or None."""
+    return None if value is None else float(value)
+
+
+def _saturation(plan: Plan) -> dict[str, object]:
+    """Return the bound on saturation, where there is one."""
+    saturation = plan.risk.saturation
+    return {} if saturation is None else {"saturation": float(saturation)}
+
+
+def _ledger_row(row: LedgerRow) -> dict[str, object]:
+    """Return a row of the ledger."""
+    return {
+        "cause": row.cause,
+        "vehicle": row.vehicle,
+        "other": row.other,
+        "step": int(row.step),
+        "risk": float(row.risk),
+    }
+
+
+def _coupling(coupling: Coupling) -> dict[str, object]:
+    """Return an edge of the coupling graph."""
+    return {
+        "vehicle": coupling.vehicle,
+        "other": coupling.other,
+        "reason": coupling.reason,
+        "value": _optional(coupling.value),
+    }
+
+
+def _vehicle(trajectory: Trajectory) -> dict[str, object]:
+    """Return a vehicle's part."""
+    return {
+        "name": trajectory.name,
+        "controls": trajectory.controls.tolist(),
+        "means": trajectory.means.tolist(),
+        "covariances": trajectory.covariances.tolist(),
+        "gain": None if trajectory.gain is None else trajectory.gain.tolist(),
+    }
+
+
+def decode_plan(data: object) -> Plan:
+    """Return the plan that plain data describe.
+
+    Parameters
+    ----------
+    data : mapping
+        The content of a plan file.
+
+    Returns
+    -------
+    Plan
+        Its types checked; its arrays not yet compared with its scenario.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is missing, unknown or not allowed; its path says where in the data.
+    """
+    spec = validated(PlanSpec, check_format(data, PLAN_FORMAT))
+    try:
+        scenario = decode_scenario(spec.scenario)
+    except ScenarioError as error:
+        raise error.under("scenario") from error
+    return Plan(
+        scenario=scenario,
+        planner=spec.planner,
+        seed=spec.seed,
+        status=Status(spec.status),
+        cost=spec.cost,
+        lower_bound=spec.lower_bound,
+        risk=_risk(spec.risk),
+        sets=tuple(tuple(names) for names in spec.sets),
+        seconds=dict(spec.seconds),
+        versions=dict(spec.versions),
+        explanation=spec.explanation,
+        trajectories=tuple(_trajectory(i, entry) for i, entry in enumerate(spec.vehicles)),
+        couplings=tuple(Coupling(c.vehicle, c.other, c.reason, c.value) for c in spec.couplings),
+    )
+
+
+def _risk(spec: RiskSpec) -> Risk:
+    """Return what was granted and spent."""
+    ledger = tuple(
+        LedgerRow(row.cause, row.vehicle, row.other, row.step, row.risk) for row in spec.ledger
+    )
+    return Risk(spec.bound, spec.certified, ledger, spec.price, spec.saturation)
+
+
+def _trajectory(index: int, spec: TrajectorySpec) -> Trajectory:
+    """Return a vehicle's part."""
+    try:
+        return Trajectory(
+            name=spec.name,
+            controls=as_matrix(spec.controls, path=("controls",)),
+            means=as_matrix(spec.means, path=("means",)),
+            covariances=as_array(spec.covariances, (None, None, None), ("covariances",)),
+            gain=None if spec.gain is None else as_matrix(spec.gain, path=("gain",)),
+        )
+    except ScenarioError as error:
+        raise error.under("vehicles", index) from error

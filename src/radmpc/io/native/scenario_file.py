@@ -1,0 +1,79 @@
+"""Scenario files: ``format: radmpc/scenario/1``, YAML or JSON."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from radmpc.arguments import check_path
+from radmpc.atomic import write_text
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.native.decoding import decode_scenario
+from radmpc.io.native.encoding import encode_scenario
+from radmpc.io.text.document import read_document
+from radmpc.io.text.files import one_line
+from radmpc.io.text.json_text import write_json
+from radmpc.io.text.yaml_writing import write_yaml
+from radmpc.model.given import check_scenario
+from radmpc.model.scenario import Scenario
+
+__all__ = ["decode_scenario", "encode_scenario", "load_scenario", "save_scenario"]
+
+_WRITERS = {".json": write_json, ".yaml": write_yaml, ".yml": write_yaml}
+
+
+def load_scenario(path: str | os.PathLike[str]) -> Scenario:
+    """Return the scenario in a file.
+
+    Parameters
+    ----------
+    path : path
+        YAML, or JSON if the name ends in ``.json``.
+
+    Returns
+    -------
+    Scenario
+        Checked in full.
+
+    Raises
+    ------
+    FileFormatError
+        With one line that names file, line, field, value and what is allowed.
+    """
+    check_path(path)
+    document = read_document(path)
+    try:
+        return decode_scenario(document.value)
+    except ScenarioError as error:
+        raise document.failure(error) from error
+
+
+def save_scenario(scenario: Scenario, path: str | os.PathLike[str]) -> None:
+    """Write a scenario to a file, whole or not at all; it reads back equal.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to write.
+    path : path
+        Ends in ``.yaml``, ``.yml`` or ``.json``.
+
+    Raises
+    ------
+    FileFormatError
+        If the name ends otherwise.
+    ArgumentTypeError
+        If an argument is of another kind; the message says what to do instead.
+    ScenarioError
+        If the scenario holds what no file can, see `encode_scenario`.
+    OSError
+        If the file cannot be written.
+    """
+    check_scenario(scenario)
+    check_path(path)
+    writer = _WRITERS.get(Path(path).suffix.lower())
+    if writer is None:
+        raise FileFormatError(
+            one_line(f"{os.fspath(path)}: a scenario file must end in .yaml, .yml or .json")
+        )
+    write_text(path, writer(encode_scenario(scenario)))

@@ -1,0 +1,124 @@
+"""The shape of scenario files, ``radmpc/scenario/1``: keys, types, sizes. No cross-checks."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from radmpc.io.native.numbers import Matrix, Number, ScalarOrVector, Square, Text, Vector
+from radmpc.io.native.ranges import MOST_OBSTACLES, MOST_VEHICLES
+
+__all__ = [
+    "SCENARIO_FORMAT",
+    "DynamicsSpec",
+    "FeedbackSpec",
+    "FileModel",
+    "GoalSpec",
+    "LqrSpec",
+    "ObstacleSpec",
+    "ScenarioSpec",
+    "VehicleSpec",
+    "WorkspaceSpec",
+]
+
+SCENARIO_FORMAT = "radmpc/scenario/1"
+
+# Nothing in the method bounds counts; a slip of the hand should not fill the memory.
+_MOST_STATES = 50
+_MOST_CORNERS = 2000
+_MOST_STEPS = 1000
+
+
+class FileModel(BaseModel):
+    """A mapping in a file: no conversions between types, no unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class WorkspaceSpec(FileModel):
+    """``{min, max}``."""
+
+    min: Vector
+    max: Vector
+
+
+class ObstacleSpec(FileModel):
+    """A name and one of five descriptions; which, is checked when it is built."""
+
+    name: Text
+    vertices: Annotated[Matrix, Field(max_length=_MOST_CORNERS)] | None = None
+    line: Annotated[Matrix, Field(max_length=_MOST_CORNERS)] | None = None
+    min: Vector | None = None
+    max: Vector | None = None
+    normals: Matrix | None = None
+    offsets: Vector | None = None
+    moving: list[Matrix] | None = None
+
+
+class GoalSpec(FileModel):
+    """``{center, half_width}`` or ``{min, max}``, and the speed."""
+
+    center: Vector | None = None
+    half_width: ScalarOrVector = 0.0
+    min: Vector | None = None
+    max: Vector | None = None
+    speed: ScalarOrVector | None = None
+
+
+class DynamicsSpec(FileModel):
+    """``{model}`` or ``{A, B, position, velocity}``."""
+
+    model: Literal["double_integrator"] | None = None
+    A: Annotated[Matrix, Field(max_length=_MOST_STATES)] | None = None
+    B: Annotated[Matrix, Field(max_length=_MOST_STATES)] | None = None
+    position: list[int] | None = None
+    velocity: list[int] | None = None
+
+
+class LqrSpec(FileModel):
+    """Weights of the linear-quadratic regulator."""
+
+    Q: Square
+    R: Square
+
+
+class FeedbackSpec(FileModel):
+    """``{gain}`` or ``{lqr}``."""
+
+    gain: Matrix | None = None
+    lqr: LqrSpec | None = None
+
+
+class VehicleSpec(FileModel):
+    """A vehicle's fields, or the defaults of all: any of them may be missing."""
+
+    name: Text = ""
+    start: Vector = []
+    goal: GoalSpec | None = None
+    radius: Number = 0.0
+    control_limit: ScalarOrVector = 0.0
+    speed_limit: ScalarOrVector | None = None
+    initial_covariance: Square = 0.0
+    disturbance_covariance: Square = 0.0
+    dynamics: DynamicsSpec = DynamicsSpec(model="double_integrator")
+    feedback: FeedbackSpec | None = None
+    control_sigmas: Number = 3.0
+    cost_weight: Number = 1.0
+
+
+class ScenarioSpec(FileModel):
+    """A whole scenario."""
+
+    format: Literal["radmpc/scenario/1"]
+    name: Text
+    dt: Number
+    horizon: Annotated[int, Field(le=_MOST_STEPS)]
+    risk_bound: Number
+    avoidance: Literal["steps", "intervals"] = "intervals"
+    pair_faces: Annotated[int, Field(le=360)] | None = None
+    workspace: WorkspaceSpec | None = None
+    obstacles: Annotated[list[ObstacleSpec], Field(max_length=MOST_OBSTACLES)] = []
+    defaults: VehicleSpec = VehicleSpec()
+    vehicles: Annotated[list[VehicleSpec], Field(max_length=MOST_VEHICLES)]
+    source: dict[str, Any] | None = None

@@ -1,0 +1,199 @@
+"""From a vehicle's entry in a scenario file to a `Vehicle`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_vector
+from radmpc.errors import ScenarioError
+from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
+from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
+from radmpc.model.vehicle import Goal, Vehicle, as_state
+
+__all__ = ["Shared", "build_vehicle"]
+
+_REQUIRED = ("name", "start", "radius", "control_limit")
+
+
+class Shared:
+    """Dynamics and gains made once for all vehicles that take them from the defaults.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    """
+
+    def __init__(self, dt: float) -> None:
+        self.dt = dt
+        # By identity: what comes from the defaults is the same object for every vehicle. The
+        # file's content outlives this, so no identity is used twice.
+        self._systems: dict[tuple[int, int], LinearSystem] = {}
+        self._gains: dict[tuple[int, int], Matrix] = {}
+
+    def system(self, spec: DynamicsSpec, dimension: int) -> LinearSystem:
+        """Return the dynamics; a double integrator has the goal's number of axes."""
+        key = (id(spec), dimension)
+        if key not in self._systems:
+            self._systems[key] = _system(spec, self.dt, dimension)
+        return self._systems[key]
+
+    def gain(self, spec: FeedbackSpec | None, system: LinearSystem) -> Matrix | None:
+        """Return the feedback gain, None in open loop."""
+        if spec is None:
+            return None
+        key = (id(spec), id(system))
+        if key not in self._gains:
+            self._gains[key] = _gain(spec, system)
+        return self._gains[key]
+
+
+def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
+    """Return a vehicle.
+
+    Parameters
+    ----------
+    spec : VehicleSpec
+        What the file gives for it, defaults included.
+    shared : Shared
+        What vehicles have in common.
+
+    Returns
+    -------
+    Vehicle
+        Checked.
+
+    Raises
+    ------
+    ScenarioError
+        With a path within the vehicle.
+    """
+    for name in _REQUIRED:
+        if name not in spec.model_fields_set:
+            raise _missing(name)
+    if spec.goal is None:
+        raise _missing("goal")
+    goal_spec = spec.goal
+    lower, upper = _goal_box(goal_spec)
+    system = shared.system(spec.dynamics, lower.size)
+    d, n, m = system.dimension, system.num_states, system.num_controls
+    return Vehicle(
+        name=spec.name,
+        system=system,
+        start=as_state(spec.start, system),
+        goal=_goal(goal_spec, lower, upper, system),
+        radius=spec.radius,
+        control_limit=as_axes(spec.control_limit, m, ("control_limit",)),
+        initial_covariance=as_covariance(spec.initial_covariance, n, ("initial_covariance",)),
+        disturbance_covariance=as_covariance(
+            spec.disturbance_covariance, n, ("disturbance_covariance",)
+        ),
+        speed_limit=(
+            None if spec.speed_limit is None else as_axes(spec.speed_limit, d, ("speed_limit",))
+        ),
+        gain=shared.gain(spec.feedback, system),
+        control_sigmas=spec.control_sigmas,
+        cost_weight=spec.cost_weight,
+    )
+
+
+def _missing(name: str) -> ScenarioError:
+    """Return the error of a field that stands nowhere."""
+    return ScenarioError("is required, here or in defaults", (name,))
+
+
+def _goal_box(spec: GoalSpec) -> tuple[Vector, Vector]:
+    """Return the corners of the goal."""
+    has_center = spec.center is not None
+    has_width = "half_width" in spec.model_fields_set
+    if spec.center is not None and spec.min is None and spec.max is None:
+        center = as_vector(spec.center, path=("goal", "center"))
+        half = as_axes(spec.half_width, center.size, ("goal", "half_width"))
+        if np.any(half < 0.0):
+            raise ScenarioError(f"must be >= 0 m, got {spec.half_width}", ("goal", "half_width"))
+        lower, upper, key = center - half, center + half, "center"
+    elif spec.min is not None and spec.max is not None and not has_center and not has_width:
+        lower = as_vector(spec.min, path=("goal", "min"))
+        upper, key = as_vector(spec.max, lower.size, ("goal", "max")), "min"
+    else:
+        names = ("center", "half_width", "min", "max")
+        given = [n for n in names if n in spec.model_fields_set]
+        raise ScenarioError(
+            "needs either center (and half_width), or min and max; "
+            f"got {' and '.join(given) or 'none of them'}",
+            ("goal",),
+        )
+    if lower.size not in (2, 3):
+        raise ScenarioError(f"must have 2 or 3 coordinates, got {lower.size}", ("goal", key))
+    return lower, upper
+
+
+def _goal(spec: GoalSpec, lower: Vector, upper: Vector, system: LinearSystem) -> Goal:
+    """Return the goal; where a velocity exists, the speed is 0 unless stated."""
+    is_given = "speed" in spec.model_fields_set
+    if system.velocity is None and spec.speed is not None:
+        raise ScenarioError("needs dynamics whose velocity indices are given", ("goal", "speed"))
+    speed: Vector | None = None
+    if system.velocity is not None and not is_given:
+        speed = np.zeros(lower.size)
+    elif spec.speed is not None:
+        speed = as_axes(spec.speed, lower.size, ("goal", "speed"))
+    try:
+        return Goal(lower, upper, speed)
+    except ScenarioError as error:
+        raise error.under("goal") from error
+
+
+def _system(spec: DynamicsSpec, dt: float, dimension: int) -> LinearSystem:
+    """Return the dynamics of a named model or of matrices."""
+    names = ("A", "B", "position", "velocity")
+    given = [name for name in names if getattr(spec, name) is not None]
+    if spec.model is not None and not given:
+        return double_integrator(dt, dimension)
+    if spec.model is None and spec.A is not None and spec.B is not None and spec.position:
+        try:
+            velocity = None if spec.velocity is None else tuple(spec.velocity)
+            return LinearSystem(
+                as_matrix(spec.A, path=("A",)),
+                as_matrix(spec.B, path=("B",)),
+                tuple(spec.position),
+                velocity,
+            )
+        except ScenarioError as error:
+            raise error.under("dynamics") from error
+    raise ScenarioError(
+        "needs either model, or A, B and position (and velocity); "
+        f"got {' and '.join((['model'] if spec.model else []) + given) or 'none of them'}",
+        ("dynamics",),
+    )
+
+
+def _gain(spec: FeedbackSpec, system: LinearSystem) -> Matrix:
+    """Return the gain as given or as the regulator's."""
+    if spec.gain is not None and spec.lqr is None:
+        return as_matrix(spec.gain, (system.num_controls, system.num_states), ("feedback", "gain"))
+    if spec.lqr is not None and spec.gain is None:
+        try:
+            return _regulator(spec.lqr, system)
+        except ScenarioError as error:
+            raise error.under("feedback", "lqr") from error
+    got = "both" if spec.gain is not None else "none of them"
+    raise ScenarioError(f"needs exactly one of: gain, lqr; got {got}", ("feedback",))
+
+
+def _regulator(spec: LqrSpec, system: LinearSystem) -> Matrix:
+    """Return the regulator's gain."""
+    Q = _square(spec.Q, system.num_states, ("Q",))
+    R = _square(spec.R, system.num_controls, ("R",))
+    return lqr_gain(system, Q, R)
+
+
+def _square(
+    value: float | list[float] | list[list[float]], size: int, path: tuple[str | int, ...]
+) -> Matrix:
+    """Return a matrix from a scalar, a diagonal or itself."""
+    array = np.array(value)
+    if array.ndim == 2:
+        return as_matrix(array, (size, size), path)
+    diagonal = np.full(size, array) if array.ndim == 0 else as_vector(array, size, path)
+    return np.diag(diagonal)

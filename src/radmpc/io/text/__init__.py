@@ -1,0 +1,1 @@
+"""Texts in and out: JSON and YAML with the line of every value."""

@@ -1,0 +1,252 @@
+"""What would help, tried before it is said: each cure is planned, in a few seconds for all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.errors import ScenarioError
+from radmpc.model.dynamics import lqr_gain
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.planners.certified.infeasible.least_risk import least_risk
+from radmpc.planners.explain import unable_alone
+from radmpc.planners.presolve import reserve_reason, sure_reasons
+from radmpc.planners.wording import listed
+from radmpc.program.build import whole_subjects
+from radmpc.solvers.solution import Limits
+
+__all__ = ["Cures", "cure_sentence", "find_cures", "has_plan_within"]
+
+_SECONDS = 2.0
+"""Time for all trials of one kind [s]: each takes 0.1 s for a vehicle among a few obstacles."""
+
+_ONE_TRIAL = 1.2
+"""Most that a single trial may take of it [s]."""
+
+_WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
+"""Weights R of the control tried for feedback, with Q = 1: a softer gain each."""
+
+_MOST_TIMES = 8
+"""Multiple of the horizon up to which the least time is sought."""
+
+_QUIETER = (0.5, 0.25, 0.1, 0.03)
+"""Factors of the noise's standard deviations tried."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cures:
+    """What was tried and did.
+
+    Attributes
+    ----------
+    found : tuple of str
+        Each in the imperative, without a full stop; the cheapest to carry out first.
+    failed : tuple of str
+        What was tried in vain.
+    """
+
+    found: tuple[str, ...]
+    failed: tuple[str, ...]
+
+
+def find_cures(scenario: Scenario, limits: Limits) -> Cures:
+    """Try what could give vehicles a plan within their bound.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Vehicles without a plan, alone in their world.
+    limits : Limits
+        When to stop trying.
+
+    Returns
+    -------
+    Cures
+        Only what led to a plan within Δ by simple bounds counts as found.
+    """
+    found: list[str] = []
+    failed: list[str] = []
+    horizon = _longer(scenario, limits.within(_SECONDS))
+    if isinstance(horizon, int):
+        seconds = horizon * scenario.dt
+        found.append(f"lengthen the horizon to {horizon} steps ({seconds:g} s)")
+    elif horizon:
+        failed.append(horizon)
+    has_gain = any(v.gain is not None for v in scenario.vehicles)
+    feedback = _feedback(scenario, limits.within(_SECONDS))
+    if feedback is not None:
+        found.append(f"{'soften the' if has_gain else 'add'} feedback ({feedback})")
+    elif _is_noisy(scenario):
+        failed.append("softer feedback" if has_gain else "feedback")
+    if not found:
+        factor = _quieter(scenario, limits.within(_SECONDS))
+        if factor is not None:
+            found.append(f"reduce the noise to {factor:g} of its standard deviations")
+    return Cures(tuple(found), tuple(failed))
+
+
+def cure_sentence(scenario: Scenario, limits: Limits) -> str:
+    """Return what would help vehicles that have no plan, in one or two sentences.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        These vehicles alone.
+    limits : Limits
+        When to stop trying.
+
+    Returns
+    -------
+    str
+        Empty where time was up before anything could be tried.
+    """
+    if limits.reached:
+        return ""
+    told = []
+    kept = reserve_reason(whole_subjects(scenario)[0])
+    if kept is not None and scenario.num_vehicles == 1:
+        told.append(f"The feedback {kept}.")
+    cures = find_cures(scenario, limits)
+    if cures.found:
+        told.append(f"What helps, as tried: {'; or '.join(cures.found)}.")
+    elif cures.failed:
+        told.append(f"Tried in vain: {listed(cures.failed)}.")
+    return " ".join(told)
+
+
+def has_plan_within(scenario: Scenario, limits: Limits) -> bool:
+    """Whether a plan within Δ by simple bounds is found in the time given."""
+    if limits.reached or sure_reasons(scenario, whole_subjects(scenario)):
+        return False
+    return least_risk(scenario, limits, scenario.risk_bound).risk <= scenario.risk_bound
+
+
+def _longer(scenario: Scenario, limits: Limits) -> int | str:
+    """Return the shortest horizon tried that does, or what was tried; empty where none can be."""
+    if any(obstacle.is_moving for obstacle in scenario.obstacles):
+        # They are given for this horizon alone.
+        return ""
+    first = _least_time(scenario, limits)
+    last, step = max(scenario.horizon, first - 1), 1
+    most = 2 * max(first, scenario.horizon)
+    begun = last
+    while last < most and not limits.reached:
+        tried = min(last + step, most)
+        if _does(scenario, tried, limits):
+            return _shortest(scenario, last, tried, limits)
+        last, step = tried, 2 * step
+    return f"a horizon of {last} steps" if last > begun else ""
+
+
+def _least_time(scenario: Scenario, limits: Limits) -> int:
+    """Return the fewest steps, the scenario's at least, in which all reach their goals alone."""
+    failed, works = scenario.horizon - 1, scenario.horizon
+    while not _reaches(scenario, works):
+        failed, works = works, works + (works + 1) // 2
+        if limits.reached or works > _MOST_TIMES * scenario.horizon:
+            return scenario.horizon
+    while works - failed > 1:
+        middle = (failed + works) // 2
+        if _reaches(scenario, middle):
+            works = middle
+        else:
+            failed = middle
+    return works
+
+
+def _reaches(scenario: Scenario, horizon: int) -> bool:
+    """Whether every vehicle reaches its goal in time through empty space."""
+    try:
+        longer = replace(scenario, horizon=horizon)
+    except ScenarioError:  # a state that grows too far
+        return False
+    return all(unable_alone(longer, s) is None for s in whole_subjects(longer))
+
+
+def _shortest(scenario: Scenario, failed: int, works: int, limits: Limits) -> int:
+    """Return the shortest horizon that is found to do between two."""
+    while works - failed > 1 and not limits.reached:
+        middle = (failed + works) // 2
+        if _does(scenario, middle, limits):
+            works = middle
+        else:
+            failed = middle
+    return works
+
+
+def _does(scenario: Scenario, horizon: int, limits: Limits) -> bool:
+    """Whether a horizon gives a plan."""
+    try:
+        longer = replace(scenario, horizon=horizon)
+    except ScenarioError:  # a state that grows too far
+        return False
+    return has_plan_within(longer, limits.within(_ONE_TRIAL))
+
+
+def _feedback(scenario: Scenario, limits: Limits) -> str | None:
+    """Return the feedback that does, softer than what there is."""
+    if not _is_noisy(scenario):
+        return None
+    for weight in _WEIGHTS:
+        if limits.reached:
+            return None
+        candidates = [_regulated(v, weight, scenario.horizon) for v in scenario.vehicles]
+        if any(v is None for v in candidates):
+            continue
+        try:
+            trial = replace(scenario, vehicles=tuple(v for v in candidates if v is not None))
+        except ScenarioError:
+            continue
+        if has_plan_within(trial, limits.within(_ONE_TRIAL)):
+            return f"lqr with Q = 1, R = {weight:g} does"
+    return None
+
+
+def _regulated(vehicle: Vehicle, weight: float, horizon: int) -> Vehicle | None:
+    """Return a vehicle under a regulator; None where that is no softer, or takes all control."""
+    system = vehicle.system
+    try:
+        gain = lqr_gain(system, np.eye(system.num_states), weight * np.eye(system.num_controls))
+    except ScenarioError:
+        return None
+    candidate = replace(vehicle, gain=gain)
+    left = candidate.control_bounds(candidate.covariances(horizon)).min()
+    if left < 0.0:
+        return None
+    if vehicle.gain is None:
+        return candidate
+    before = vehicle.control_bounds(vehicle.covariances(horizon)).min()
+    return candidate if left > before + 1e-9 else None
+
+
+def _quieter(scenario: Scenario, limits: Limits) -> float | None:
+    """Return how much less noise does."""
+    if not _is_noisy(scenario):
+        return None
+    for factor in _QUIETER:
+        if has_plan_within(_with_noise(scenario, factor), limits.within(_ONE_TRIAL)):
+            return factor
+    return None
+
+
+def _with_noise(scenario: Scenario, factor: float) -> Scenario:
+    """Return the same fleet with all standard deviations multiplied."""
+    vehicles = tuple(
+        replace(
+            vehicle,
+            initial_covariance=factor**2 * vehicle.initial_covariance,
+            disturbance_covariance=factor**2 * vehicle.disturbance_covariance,
+        )
+        for vehicle in scenario.vehicles
+    )
+    return replace(scenario, vehicles=vehicles)
+
+
+def _is_noisy(scenario: Scenario) -> bool:
+    """Whether there is any noise."""
+    return any(
+        bool(v.initial_covariance.any() or v.disturbance_covariance.any())
+        for v in scenario.vehicles
+    )

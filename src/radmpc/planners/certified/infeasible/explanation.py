@@ -1,0 +1,205 @@
+"""Why a fleet has no plan within its bound: who is stuck, what bound would do, what would help."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from radmpc.arrays import Matrix
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.infeasible.cures import cure_sentence
+from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
+from radmpc.planners.certified.infeasible.stuck import stuck_reason
+from radmpc.planners.explain import danger, unable_alone
+from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
+from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
+from radmpc.program.build import whole_subjects
+from radmpc.solvers.solution import Limits
+
+__all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
+
+_NAMED = 3
+_MAX_CONFLICTS = 8
+
+_CURED = 2
+"""Groups of vehicles for which cures are tried; more would take too long."""
+
+_QUICK = 0.4
+"""Time to look at what the others could do where some are ruled out at first sight [s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WhyNot:
+    """What stands in the way of a plan.
+
+    Attributes
+    ----------
+    explanation : str
+        In sentences, naming vehicles, obstacles and times.
+    is_proven : bool
+        Whether no plan is within the bound; otherwise none was found.
+    controls : tuple of (T, m) array
+        The safest plan met on the way, for the referee to judge; empty without one.
+    sets : tuple of tuple of int
+        Who was planned together in it.
+    blocked : tuple of int
+        For whom the faces of the scenario leave no plan; empty where faces are not what matters.
+    """
+
+    explanation: str
+    is_proven: bool
+    controls: tuple[Matrix, ...] = ()
+    sets: tuple[tuple[int, ...], ...] = ()
+    blocked: tuple[int, ...] = ()
+
+
+def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
+    """Find out, without a search, that a fleet has no plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        When to stop looking at what would help, and at what the other vehicles could do.
+
+    Returns
+    -------
+    WhyNot or None
+        A proof; None where a search has to tell.
+    """
+    reasons = sure_reasons(scenario, whole_subjects(scenario))
+    if not reasons:
+        return None
+    stuck = {i for reason in reasons for i in reason.members}
+    rest = tuple(i for i in range(scenario.num_vehicles) if i not in stuck)
+    texts = _told(scenario, reasons, limits)
+    if rest:
+        part = scenario.subset(rest, scenario.risk_bound)
+        quick = limits.within(_QUICK)
+        found = least_risk(part, quick, part.risk_bound)
+        if found.stuck:
+            members, text, many = stuck_reason(part, found.stuck, quick)
+            other = Reason(tuple(rest[i] for i in members), text, many)
+            texts += [sentence for _, sentence in grouped(scenario, [other])]
+        elif found.risk <= part.risk_bound:
+            texts.append(f"{_others(len(rest))} can be planned within the risk bound.")
+    return WhyNot(" ".join(texts), is_proven=True)
+
+
+def ended(scenario: Scenario, limits: Limits) -> str:
+    """Say what ended a search that had found nothing and ruled out nothing."""
+    kept = (
+        (v.name, reserve_reason(s))
+        for v, s in zip(scenario.vehicles, whole_subjects(scenario), strict=True)
+    )
+    told = [f"The feedback of vehicle {name!r} {text}." for name, text in kept if text is not None]
+    return " ".join(
+        [f"No plan was found, and none was ruled out: {limit_clause(limits)}", *told[:1]]
+    )
+
+
+def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
+    """Find out why a fleet has no plan within its bound.
+
+    Vehicles that cannot be planned at any risk are named and left out, until the rest can be:
+    what is wrong with some never hides what the others could do.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        When to stop looking.
+
+    Returns
+    -------
+    WhyNot
+        The reasons.
+    """
+    reasons = []
+    for i, subject in enumerate(whole_subjects(scenario)):
+        unable = unable_alone(scenario, subject)
+        if unable is not None:
+            reasons.append(Reason((i,), *unable))
+    slow = {i for reason in reasons for i in reason.members}
+    rest = [i for i in range(scenario.num_vehicles) if i not in slow]
+    found: LeastRisk | None = None
+    while rest and len(reasons) < _MAX_CONFLICTS:
+        part = scenario.subset(tuple(rest), scenario.risk_bound)
+        found = least_risk(part, limits)
+        if not found.stuck:
+            break
+        members, text, many = stuck_reason(part, found.stuck, limits)
+        reasons.append(Reason(tuple(rest[i] for i in members), text, many))
+        rest = [i for place, i in enumerate(rest) if place not in found.stuck]
+    if reasons:
+        texts = _told(scenario, reasons, limits)
+        if found is not None and not found.stuck:
+            texts.append(_of_rest(part, found, limits))
+        blocked = () if slow else tuple(sorted({i for r in reasons for i in r.members}))
+        return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
+    if found is None:  # a fleet has vehicles: it was looked at, or there are reasons
+        return WhyNot(ended(scenario, limits), is_proven=False)
+    # Above Δ by simple bounds, the safest plan may still be within it by the referee's.
+    is_proven = found.bound > scenario.risk_bound
+    text = _too_much(scenario, found, limits)
+    if is_proven:
+        text = " ".join(filter(None, [text, cure_sentence(scenario, limits)]))
+    everyone = tuple(range(scenario.num_vehicles)) if is_proven else ()
+    return WhyNot(text, is_proven, found.controls, found.sets, everyone)
+
+
+def _told(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> list[str]:
+    """Return reasons in words, each with what would help, as far as that can be tried."""
+    texts, left = [], _CURED
+    for group, sentence in grouped(scenario, reasons):
+        texts.append(sentence)
+        if group is None or left == 0:
+            continue
+        left -= 1
+        cure = cure_sentence(scenario.subset(group, scenario.risk_bound), limits)
+        if cure:
+            texts.append(cure)
+    return texts
+
+
+def _others(count: int) -> str:
+    """Name vehicles of which nothing is wrong."""
+    return f"The other {count} vehicles" if count > 1 else "The other vehicle"
+
+
+def _of_rest(part: Scenario, found: LeastRisk, limits: Limits) -> str:
+    """Say what those can do who are not stuck."""
+    others = _others(part.num_vehicles)
+    if found.risk <= part.risk_bound:
+        return f"{others} can be planned within the risk bound."
+    if found.bound > part.risk_bound:
+        return f"{others}: {_too_much(part, found, limits)}"
+    return f"{others}: no plan was found, and none was ruled out."
+
+
+def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
+    """Say what bound would do, and what takes it."""
+    bound = f"risk_bound {scenario.risk_bound:g}"
+    if not found.controls:
+        return f"No plan was found at any risk, and none was ruled out: {limit_clause(limits)}"
+    if found.risk <= scenario.risk_bound:
+        return (
+            f"No plan was certified within {bound}, and none was ruled out: {limit_clause(limits)}"
+        )
+    takers = "; ".join(
+        f"{danger(exposure)} around step {exposure.step} ({risk:.2g})"
+        for exposure, risk in found.takers[:_NAMED]
+    )
+    if found.bound > scenario.risk_bound:
+        head = (
+            f"No plan is within {bound} by simple bounds with the faces of this scenario: every "
+            f"such plan runs at least {rounded_down(found.bound)}."
+        )
+    else:
+        head = f"No plan within {bound} was found, and none was ruled out: {limit_clause(limits)}"
+    advice = ""
+    if found.risk < 0.5:
+        advice = f" Raise risk_bound to {rounded_up(found.risk)}, at which there is one."
+    return f"{head} The safest found runs {rounded_up(found.risk)}, most of it {takers}.{advice}"

@@ -1,0 +1,140 @@
+"""The least that a fleet can risk, whatever the effort: the smallest bound that would do."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.rounds import Round, run_round
+from radmpc.program.program import Exposure
+from radmpc.solvers.solution import Limits
+
+__all__ = ["LeastRisk", "least_risk"]
+
+_UNIT = 0.49
+"""Most that a single row may risk: up to here its tail is convex."""
+
+_TOLERANCE = 0.02
+"""Share of the risk bound to which the least risk is sought."""
+
+_Danger = tuple[str, str, str | None]
+"""Cause, vehicle, and what it may meet."""
+
+_EFFORTS = (1, 4, 16)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeastRisk:
+    """How little a fleet can risk.
+
+    Attributes
+    ----------
+    risk : float
+        What the best plan found runs, as programs count it; inf without one.
+    bound : float
+        What every plan runs at least; inf where there is none at any risk.
+    controls : tuple of (T, m) array
+        That plan, per vehicle; empty without one.
+    sets : tuple of tuple of int
+        Who was planned together.
+    takers : tuple of (Exposure, float)
+        The dangers of that plan, the greatest first, each with its worst step.
+    stuck : tuple of int
+        Vehicles that together have no plan at any risk; empty if there are none such.
+    """
+
+    risk: float
+    bound: float
+    controls: tuple[Matrix, ...] = ()
+    sets: tuple[Members, ...] = ()
+    takers: tuple[tuple[Exposure, float], ...] = ()
+    stuck: Members = ()
+
+
+def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> LeastRisk:
+    """Minimize what a fleet risks.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet, with the bound that was asked for.
+    limits : Limits
+        When to stop early.
+    enough : float
+        A plan that runs no more than this ends the search.
+
+    Returns
+    -------
+    LeastRisk
+        With the set that has no plan at all, if there is one.
+    """
+    lenient = replace(scenario, risk_bound=_UNIT)
+    tolerance = _TOLERANCE * scenario.risk_bound / _UNIT
+    fleet = Fleet(lenient, tolerance, limits, _silent, is_costless=True)
+    best = LeastRisk(float("inf"), 0.0)
+    if fleet.budget <= 0.0:
+        return best
+    for effort in _EFFORTS:
+        while True:
+            found = run_round(fleet, 1.0, effort)
+            if found is None or not found.is_sketch:
+                break
+            best = _better(fleet, best, found)
+            if best.risk <= enough:
+                return best
+        stuck = fleet.without_plan()
+        if stuck is not None:
+            return LeastRisk(float("inf"), float("inf"), stuck=stuck)
+        if found is not None:
+            best = _better(fleet, best, found)
+        if best.risk <= enough or limits.reached or (found is not None and not found.is_limited):
+            break
+    return best
+
+
+def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
+    """Return the better of two plans, with the better bound."""
+    initial = fleet.initial
+    # At a price of 1, and with effort free, the value is the risk in units.
+    bound = max(best.bound, fleet.unit * found.least + initial)
+    settled = sum(fleet.problems[m].program.settled_risk for m in found.sets)
+    risk = initial + settled + found.risk + found.cross
+    if risk >= best.risk:
+        return replace(best, bound=min(bound, best.risk))
+    points = [plan.z for plan in found.plans]
+    controls = fleet.controls(found.sets, points)
+    return LeastRisk(risk, min(bound, risk), controls, found.sets, _takers(fleet, found))
+
+
+def _takers(fleet: Fleet, found: Round) -> tuple[tuple[Exposure, float], ...]:
+    """Return what each danger takes over the whole horizon, with its worst step."""
+    total: dict[_Danger, float] = defaultdict(float)
+    worst: dict[_Danger, tuple[float, Exposure]] = {}
+    names = [v.name for v in fleet.scenario.vehicles]
+    for danger in fleet.start_dangers:
+        two = len(danger.members) == 2
+        other = names[danger.members[1]] if two else danger.other
+        exposure = Exposure(danger.cause, names[danger.members[0]], other, 0)
+        total[exposure[:3]] += danger.risk
+        worst[exposure[:3]] = (danger.risk, exposure)
+    for members, plan in zip(found.sets, found.plans, strict=True):
+        program = fleet.problems[members].program
+        risks = program.event_risks(plan.z, plan.selection)
+        for event in np.flatnonzero(risks > 0.0):
+            exposure = program.exposures[int(program.rows.exposures[event])]
+            key = exposure[:3]
+            total[key] += float(risks[event])
+            if key not in worst or risks[event] > worst[key][0]:
+                worst[key] = (float(risks[event]), exposure)
+    ranked = sorted(total, key=lambda key: -total[key])
+    return tuple((worst[key][1], total[key]) for key in ranked)
+
+
+def _silent(done: int, total: int) -> None:
+    """Take progress without showing it."""
+    del done, total

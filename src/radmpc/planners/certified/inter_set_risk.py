@@ -1,0 +1,151 @@
+"""Which sets get into each other's way: a quick estimate that proposes, the referee decides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from radmpc.arrays import Indices, Tensor
+from radmpc.gaussian import tail_probability
+from radmpc.geometry import sphere_directions
+from radmpc.model.scenario import Scenario
+
+__all__ = ["by_sets", "cross_risks", "meeting_risks"]
+
+_FAR = 8.0
+"""Standard deviations beyond which a pair's risk is nothing (6e-16)."""
+
+_CONTACT = 1e-9
+"""What vehicles without noise may miss their distance by [m]: what programs and referee allow."""
+
+_SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
+"""Shares θ of the reserve for the bow at the near end that are tried: 4θ² of the bow there, and
+4(1 − θ)² at the far end."""
+
+
+def cross_risks(
+    scenario: Scenario,
+    means: Tensor,
+    covariances: Tensor,
+    owners: Indices,
+    bows: Tensor | None = None,
+) -> dict[tuple[int, int], float]:
+    """Estimate the collision risk of every two sets; see `meeting_risks`.
+
+    Returns
+    -------
+    dict
+        Risk of the pairs of sets, lower number first, that run any.
+    """
+    return by_sets(meeting_risks(scenario, means, covariances, owners, bows), owners)
+
+
+def by_sets(
+    meetings: Mapping[tuple[int, int], float], owners: Indices
+) -> dict[tuple[int, int], float]:
+    """Sum the risks of pairs of vehicles over the sets that own them."""
+    found: dict[tuple[int, int], float] = {}
+    sets = owners.tolist()
+    for (one, two), risk in meetings.items():
+        i, j = sets[one], sets[two]
+        key = (min(i, j), max(i, j))
+        found[key] = found.get(key, 0.0) + risk
+    return found
+
+
+def meeting_risks(
+    scenario: Scenario,
+    means: Tensor,
+    covariances: Tensor,
+    owners: Indices,
+    bows: Tensor | None = None,
+) -> dict[tuple[int, int], float]:
+    """Estimate the collision risk of every two vehicles of different sets.
+
+    By the same faces as the program's, so that what is charged for two sets is what keeping
+    them apart in one program would cost, the bow between steps included.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    means : (N, T+1, d) array
+        Mean positions [m].
+    covariances : (N, T+1, d, d) array
+        Position covariances [m²].
+    owners : (N,) int array
+        The set of each vehicle.
+    bows : (N, T, d) array or None
+        ``dt²/8 · ū``: how far each mean curve leaves its chord along each axis, against the
+        acceleration [m]; 0 where the path is straight, None where all are.
+
+    Returns
+    -------
+    dict
+        Risk of the pairs of vehicles, lower number first, that run any.
+    """
+    if np.all(owners == owners[0]):
+        return {}
+    radii = np.array([v.radius for v in scenario.vehicles])
+    longest = 0.0 if bows is None else float(np.linalg.norm(bows, axis=2).max(initial=0.0))
+    one, two = _neighbors(scenario, means, covariances, radii, longest)
+    apart = owners[one] != owners[two]
+    one, two = one[apart], two[apart]
+    if one.size == 0:
+        return {}
+    faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
+    apart_by = (means[one] - means[two]) @ faces.T - (radii[one] + radii[two])[:, None, None]
+    noise = np.einsum("fa,pkab,fb->pkf", faces, covariances[one] + covariances[two], faces)
+    deviations = np.sqrt(np.maximum(noise, 0.0))
+    if scenario.avoidance == "intervals":
+        bow = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
+        if bows is not None:
+            bow = np.maximum((bows[one] - bows[two]) @ faces.T, 0.0)
+        by_face = _along_intervals(apart_by, deviations, bow)
+    else:
+        by_face = _tails(apart_by[:, 1:], deviations[:, 1:])
+    risks = by_face.min(axis=2).sum(axis=1)
+    return {
+        (i, j): risk
+        for i, j, risk in zip(one.tolist(), two.tolist(), risks.tolist(), strict=True)
+        if risk > 1e-15
+    }
+
+
+def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tensor:
+    """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
+    near, far = slice(None, -1), slice(1, None)
+
+    def held(share: float) -> Tensor:
+        reserves = 4.0 * share**2 * bow, 4.0 * (1.0 - share) ** 2 * bow
+        at_start = _tails(apart_by[:, near] - reserves[0], deviations[:, near])
+        return at_start + _tails(apart_by[:, far] - reserves[1], deviations[:, far])
+
+    return np.asarray(np.minimum.reduce([held(share) for share in _SHARES]))
+
+
+def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:
+    """Return tails of slacks; without noise contact alone is a collision."""
+    noisy = deviations > 1e-12
+    certain = np.where(apart_by >= -_CONTACT, np.inf, -np.inf)
+    clearances = np.where(noisy, apart_by / np.where(noisy, deviations, 1.0), certain)
+    return np.asarray(tail_probability(clearances))
+
+
+def _neighbors(
+    scenario: Scenario, means: Tensor, covariances: Tensor, radii: np.ndarray, bow: float
+) -> tuple[Indices, Indices]:
+    """Return the pairs of vehicles that come near each other at any step."""
+    steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
+    path = float(steps) + 2.0 * bow if scenario.avoidance == "intervals" else 0.0
+    found: set[tuple[int, int]] = set()
+    largest = np.linalg.eigvalsh(covariances)[..., -1].max(axis=0)
+    for k in range(means.shape[1]):
+        spread = float(np.sqrt(max(float(largest[k]), 0.0)))
+        near = 2.0 * radii.max() + _FAR * np.sqrt(2.0) * spread + path
+        near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
+        found |= cKDTree(means[:, k]).query_pairs(near)
+    pairs = np.array(sorted(found), dtype=np.int64).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]

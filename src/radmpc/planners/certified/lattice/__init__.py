@@ -1,0 +1,1 @@
+"""Paths of single vehicles on a lattice of positions and displacements."""

@@ -1,0 +1,136 @@
+"""Places and moves on which a way is sought."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.planners.certified.lattice.half_planes import Danger, gap_middles, limits_at
+from radmpc.program.subject import Subject
+
+__all__ = ["Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
+
+_MOVES_AROUND = 3
+"""Cells that a move may differ from that of a way which is refined."""
+
+_MAX_CELLS = 20_000
+_TUBE = 4
+"""Cells on each side of a way within which the next, finer one is sought."""
+
+_NARROW = 3.0
+"""Gaps, in cells, whose middles are given a line of their own."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lattice:
+    """Places and moves around a reference way.
+
+    Attributes
+    ----------
+    stride : (2,) array
+        Size of a cell [m].
+    start : (2,) array
+        Where the vehicle starts [m].
+    reference : (T+1, 2) int array
+        Cell around which places are counted at each step, relative to the start.
+    first : (2,) int array
+        First place along each axis, relative to the reference.
+    shape : (int, int)
+        Places along each axis.
+    moves : int
+        Cells, each way, that a move may differ from the reference's.
+    lines : pair of array or None
+        Where the places really are along each axis [m], where they are not evenly spaced.
+    """
+
+    stride: Vector
+    start: Vector
+    reference: Indices
+    first: Indices
+    shape: tuple[int, int]
+    moves: int
+    lines: tuple[Vector, Vector] | None = None
+
+    def positions(self, cells: Indices) -> Matrix:
+        """Return where cells, counted from the start, are [m]."""
+        if self.lines is None:
+            return np.asarray(self.start + cells * self.stride)
+        places = (cells - self.first).T
+        return np.column_stack([line[p] for line, p in zip(self.lines, places, strict=True)])
+
+    def axes(self, reference: Indices) -> list[Vector]:
+        """Return where the places around a reference are along each axis [m]."""
+        if self.lines is not None:
+            return list(self.lines)
+        counts = [reference[a] + self.first[a] + np.arange(self.shape[a]) for a in (0, 1)]
+        return [self.start[a] + self.stride[a] * counts[a] for a in (0, 1)]
+
+    def reached(
+        self, points: Matrix, places: tuple[Indices, Indices], steps: Indices
+    ) -> list[Matrix]:
+        """Return where moves from places lead to along each axis, (moves, places) [m]."""
+        if self.lines is None:
+            shift = steps * self.stride
+            return [points[:, a][None, :] + shift[:, a][:, None] for a in (0, 1)]
+        return [
+            line[np.clip(place[None, :] + steps[:, a][:, None], 0, len(line) - 1)]
+            for a, (line, place) in enumerate(zip(self.lines, places, strict=True))
+        ]
+
+
+def coarse_lattice(
+    subject: Subject, dangers: list[list[Danger]], longest: Vector, moves: int
+) -> Lattice:
+    """Return the lattice over everything within reach and borders.
+
+    Parameters
+    ----------
+    subject : Subject
+        The vehicle.
+    dangers : list of list of Danger
+        Those of each window.
+    longest : (2,) array
+        Its longest move along each axis [m].
+    moves : int
+        Cells that this is.
+    """
+    start = subject.drift_position[0]
+    lower, upper = limits_at(dangers)
+    low = np.maximum(subject.reach_lower, lower).min(axis=0)
+    high = np.minimum(subject.reach_upper, upper).max(axis=0)
+    low, high = np.minimum(low - start, 0.0), np.maximum(high - start, 0.0)
+    stride = longest / moves
+    while np.prod(np.floor(high / stride) - np.ceil(low / stride) + 1) > _MAX_CELLS:
+        stride = stride * 1.25
+    first = np.ceil(low / stride).astype(np.int64)
+    last = np.floor(high / stride).astype(np.int64)
+    shape = (int(last[0] - first[0]) + 1, int(last[1] - first[1]) + 1)
+    still = np.zeros((subject.horizon + 1, 2), dtype=np.int64)
+    return Lattice(stride, start, still, first, shape, moves)
+
+
+def finer_lattice(lattice: Lattice, cells: Indices) -> Lattice:
+    """Return a lattice of half the stride, in a tube around a way."""
+    return Lattice(
+        0.5 * lattice.stride,
+        lattice.start,
+        2 * cells,
+        np.full(2, -_TUBE, dtype=np.int64),
+        (2 * _TUBE + 1, 2 * _TUBE + 1),
+        _MOVES_AROUND,
+    )
+
+
+def snapped_lattice(lattice: Lattice, dangers: list[list[Danger]]) -> Lattice:
+    """Return a lattice whose lines run through the middles of gaps between parallel sides."""
+    lines = []
+    for axis, line in enumerate(lattice.axes(lattice.reference[0])):
+        stride = float(lattice.stride[axis])
+        for middle in gap_middles(dangers, axis, _NARROW * stride):
+            nearest = int(np.abs(line - middle).argmin())
+            if abs(line[nearest] - middle) <= 0.5 * stride:
+                line[nearest] = middle
+        lines.append(line)
+    return replace(lattice, lines=(lines[0], lines[1]))

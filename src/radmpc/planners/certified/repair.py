@@ -1,0 +1,136 @@
+"""From the best sides at a price of risk to a plan within the bound, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.gaussian import CONVEX_RISK, clearance_for
+from radmpc.planners.certified.problem import SetProblem
+from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.warm_lp import WarmLp
+from radmpc.solvers.priced.nodes import Incumbent
+from radmpc.solvers.priced.tree import RiskTree
+from radmpc.solvers.solution import Limits
+
+__all__ = ["polish", "repriced"]
+
+_ROUNDS = 4
+_LEAST = 1e-9
+"""Share of the budget that every row is granted at least."""
+
+_NEAR = 5e-9
+"""Share of the unit below which a side is not worth holding on to when the price rises."""
+
+_FAR = 12.0
+"""Clearance beyond which a row is not held while risks are fitted."""
+
+_SLACK = 1e-6
+"""Share of the budget kept back, so that the solver's tolerance cannot exceed it."""
+
+
+def polish(
+    problems: Sequence[SetProblem], found: Sequence[Incumbent], budget: float
+) -> tuple[Vector, ...] | None:
+    """Fit a fleet's risks to a budget, every side as it is.
+
+    The risks that the rows run are scaled to the budget and given back as fixed margins; at the
+    price where the budget is just used that is optimal, near it nearly so.
+
+    Parameters
+    ----------
+    problems : sequence of SetProblem
+        The sets.
+    found : sequence of Incumbent
+        The plan of each.
+    budget : float
+        What the rows of all sets may risk together.
+
+    Returns
+    -------
+    tuple of (n,) array or None
+        Points whose true risks stay within the budget; None where these sides do not allow it.
+    """
+    if budget <= 0.0:
+        return None
+    points = [incumbent.z for incumbent in found]
+    is_free = [True] * len(points)
+    best, least = None, float("inf")
+    for _ in range(_ROUNDS):
+        risks = [
+            p.program.event_risks(z, i.selection)
+            for p, z, i in zip(problems, points, found, strict=True)
+        ]
+        sums = np.array([r.sum() for r in risks])
+        total = float(sums.sum())
+        if total <= budget:
+            cost = sum(float(p.program.cost @ z) for p, z in zip(problems, points, strict=True))
+            is_better = cost < least * (1.0 - 1e-5)
+            if cost < least:
+                best, least = tuple(points), cost
+            if not is_better or total >= budget * (1.0 - 1e-3):
+                break
+        held = float(sums[~np.array(is_free)].sum())
+        scale = (budget * (1.0 - _SLACK) - held) / max(total - held, 1e-300)
+        if scale <= 0.0:
+            break
+        for number, (problem, incumbent) in enumerate(zip(problems, found, strict=True)):
+            if not is_free[number] or sums[number] <= _LEAST * budget:
+                continue
+            granted = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
+            z = _at(problem, incumbent, granted)
+            # Some risks cannot shrink, such as those next to the start: leave the set as it is.
+            is_free[number] = z is not None
+            points[number] = points[number] if z is None else z
+    return best
+
+
+def repriced(
+    problem: SetProblem, incumbent: Incumbent, unit: float, price: float, limits: Limits
+) -> Incumbent:
+    """Return the best plan of the same sides at another price of risk, about.
+
+    Parameters
+    ----------
+    problem : SetProblem
+        The set.
+    incumbent : Incumbent
+        Its plan.
+    unit : float
+        The fleet's risk bound.
+    price : float
+        Of one unit of risk.
+    limits : Limits
+        When to stop early.
+
+    Returns
+    -------
+    Incumbent
+        No worse at that price than the plan given.
+    """
+    program = problem.program
+    clearances = program.clearances(incumbent.z)
+    sides = incumbent.selection.tolist()
+    far = float(clearance_for(_NEAR * unit))
+    near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < far)
+    tree = RiskTree(program, unit, price, gap=1e-3, scale=price, limits=limits, rater=problem.rater)
+    tree.resume(((-np.inf, near),), price, incumbent)
+    tree.run(1)
+    return incumbent if tree.best is None else tree.best
+
+
+def _at(problem: SetProblem, incumbent: Incumbent, granted: Vector) -> Vector | None:
+    """Return the least-cost point of a set whose events take at most what they are granted."""
+    rows = problem.program.rows
+    chosen = problem.program.selected_rows(incumbent.selection)
+    # Rows far away are left out: the true risk of the outcome tells if it comes near them.
+    is_hard = problem.program.rows.deviations[chosen] == 0.0
+    chosen = chosen[is_hard | (problem.program.clearances(incumbent.z)[chosen] < _FAR)]
+    margins = np.zeros(rows.count)
+    margins[chosen] = rows.deviations[chosen] * clearance_for(granted[rows.events[chosen]])
+    lp = WarmLp(problem.program, margins)
+    lp.activate(chosen.tolist())
+    outcome, _ = lp.solve()
+    return lp.point() if outcome is LpOutcome.OPTIMAL else None

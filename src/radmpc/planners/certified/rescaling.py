@@ -1,0 +1,87 @@
+"""A round's plan with its risks fitted to the bound."""
+
+from __future__ import annotations
+
+from radmpc.arrays import Vector
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.repair import polish, repriced
+from radmpc.planners.certified.rounds import Round
+from radmpc.solvers.priced.budget import OVER
+
+__all__ = ["fitted"]
+
+_TAKE_BACKS = 3
+
+_DEARER = (2.0, 6.0, 20.0, 100.0)
+_LITTLE = 1e-4
+"""Share of the unit below which a set's risk is left as it is."""
+
+_CROSS_SHARE = 0.04
+"""Share of gap times unit by which fitting may raise the risk between sets."""
+
+
+def fitted(fleet: Fleet, found: Round, budget: float, cross: float) -> tuple[Vector, ...] | None:
+    """Return a round's plan with its risks fitted to a budget.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    found : Round
+        The plan at its price.
+    budget : float
+        What its simple bounds may sum to, beyond the risk of the starts.
+    cross : float
+        Risk between sets to leave room for.
+
+    Returns
+    -------
+    tuple of (n,) array or None
+        A point per set; None where these sides do not fit.
+    """
+    problems = [fleet.problems[m] for m in found.sets]
+    whole, budget = budget, budget - cross
+    plans = found.plans
+    if budget < found.risk <= (1.0 + 2.0 * OVER) * budget:
+        # At its budget up to rounding: nothing to fit.
+        whole, budget = whole + found.risk - budget, found.risk
+    points = polish(problems, plans, budget)
+    for factor in _DEARER:
+        if points is not None:
+            break
+        # Scaled margins ask too much of some row; a higher price lets rows share as they can.
+        plans = tuple(
+            repriced(p, plan, fleet.unit, factor * found.price, fleet.limits)
+            if plan.risk > _LITTLE * fleet.unit
+            else plan
+            for p, plan in zip(problems, plans, strict=True)
+        )
+        if sum(plan.risk for plan in plans) <= budget:
+            points = polish(problems, plans, budget)
+    raw = tuple(plan.z for plan in found.plans)
+    fits = found.risk <= budget
+    if points is None:
+        return raw if fits else None
+    points = _kept_apart(fleet, found, raw, points)
+    risk = sum(
+        float(p.program.event_risks(z, i.selection).sum())
+        for p, z, i in zip(problems, points, plans, strict=True)
+    )
+    risk += sum(fleet.crossing(found.sets, points).values())
+    return points if risk <= whole else raw if fits else None
+
+
+def _kept_apart(
+    fleet: Fleet, found: Round, raw: tuple[Vector, ...], points: tuple[Vector, ...]
+) -> tuple[Vector, ...]:
+    """Take back what fitting moved into another set's way."""
+    chosen = list(points)
+    for _ in range(_TAKE_BACKS):
+        crossing = fleet.crossing(found.sets, chosen)
+        if sum(crossing.values()) <= 2.0 * found.cross + _CROSS_SHARE * fleet.gap * fleet.unit:
+            break
+        for pair, risk in crossing.items():
+            if risk > 0.5 * found.cross / len(crossing):
+                for number in pair:
+                    chosen[number] = raw[number]
+    return tuple(chosen)

@@ -1,0 +1,202 @@
+"""The cheapest plan within a budget, where no price of risk leads to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.incumbent import Best, take
+from radmpc.planners.certified.problem import SetProblem
+from radmpc.planners.certified.repair import repriced
+from radmpc.planners.certified.rounds import Round
+from radmpc.planners.certified.verdict import Judge
+from radmpc.solvers.priced.budget import BudgetTree
+from radmpc.solvers.priced.nodes import Frontier, Incumbent
+from radmpc.solvers.priced.rating import Rater
+
+__all__ = ["WithinBudget", "take_sides"]
+
+_INF = float("inf")
+_TIE = 0.05
+"""Share of the gap that the whole budget costs: enough to prefer less risk at equal effort."""
+
+_LEAST_SCALE = 1e-6
+"""Cost below which gaps are taken of this."""
+
+_SHARE = 0.5
+"""Share of the gap that the search may use."""
+
+_BISECTIONS = 14
+_CHEAPEST, _DEAREST = 1e-3, 1e5
+"""Multiples of the first price between which given sides are priced."""
+
+
+def take_sides(
+    fleet: Fleet,
+    best: Best,
+    judge: Judge,
+    sets: tuple[Members, ...],
+    controls: tuple[Matrix, ...],
+) -> None:
+    """Keep the cheapest plan that passes everything on the sides of a given one.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    best : Best
+        Where the plan is kept, if it is certified.
+    judge : callable
+        The referee.
+    sets : tuple of tuple of int
+        Who was planned together in the given plan.
+    controls : tuple of (T, m) array
+        Its controls, in the scenario's order.
+    """
+    plans = tuple(_incumbent(fleet.problem(m), [controls[i] for i in m]) for m in sets)
+    cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
+    price = fleet.first_price()
+    given = _round(sets, price, plans, cross)
+    take(fleet, given, best, judge)
+    low, high = _CHEAPEST * price, _DEAREST * price
+    chosen = None
+    for _ in range(_BISECTIONS):
+        if fleet.limits.reached:
+            break
+        price = (low * high) ** 0.5
+        priced = tuple(
+            repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)
+            for m, plan in zip(sets, plans, strict=True)
+        )
+        if sum(plan.risk for plan in priced) + cross <= fleet.budget:
+            high, chosen = price, _round(sets, price, priced, cross)
+        else:
+            low = price
+    if chosen is not None:
+        take(fleet, chosen, best, judge)
+
+
+@dataclass(slots=True, eq=False)
+class WithinBudget:
+    """The search for the least cost within what simple bounds may sum to.
+
+    Where the whole fleet is one set, what is found is the best, and its bound that of any plan;
+    several sets are improved one after the other, each within what the others leave.
+
+    Attributes
+    ----------
+    fleet : Fleet
+        The fleet.
+    best : Best
+        What was found.
+    gap : float
+        The relative gap asked for.
+    judge : callable
+        The referee.
+    """
+
+    fleet: Fleet
+    best: Best
+    gap: float
+    judge: Judge
+    _trees: dict[tuple[Members, float], BudgetTree] = field(default_factory=dict)
+
+    def search(
+        self, sets: tuple[Members, ...], plans: Sequence[Incumbent], budget: float, max_nodes: int
+    ) -> bool:
+        """Look for a better plan, or for a first one.
+
+        Parameters
+        ----------
+        sets : tuple of tuple of int
+            A partition of the fleet.
+        plans : sequence of Incumbent
+            A plan of each, within the budget together unless there is only one.
+        budget : float
+            What simple bounds may sum to beyond the starts.
+        max_nodes : int
+            Nodes per vehicle of a set.
+
+        Returns
+        -------
+        bool
+            Whether a limit ended the search of any set.
+        """
+        fleet, best = self.fleet, self.best
+        plans, is_limited, is_changed = list(plans), False, False
+        cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
+        for number, (members, plan) in enumerate(zip(sets, plans, strict=True)):
+            # A plan with more faces may have no risk by those of the scenario: others only count.
+            others = sum(p.risk for i, p in enumerate(plans) if i != number)
+            left = budget - cross - others
+            if not left > 0.0 or fleet.limits.reached:
+                continue
+            tree = self._tree(members, left, plan)
+            tree.consider(plan.z)
+            tree.run(max_nodes * len(members))
+            is_limited |= tree.is_limited
+            if tree.best is None:
+                continue
+            if len(sets) == 1:
+                best.within.append((left, tree.bound - tree.price))
+            plans[number], is_changed = tree.best, True
+        if is_changed:
+            price = best.rounds[-1][1] if best.rounds else fleet.first_price()
+            fleet.set_budget(budget)
+            take(fleet, _round(sets, price, plans, cross), best, self.judge)
+        return is_limited
+
+    def plans(self) -> list[Incumbent]:
+        """Return the best plan, set by set."""
+        fleet, best = self.fleet, self.best
+        return [_incumbent(fleet.problem(m), [best.controls[i] for i in m]) for m in best.sets]
+
+    def _tree(self, members: Members, budget: float, plan: Incumbent) -> BudgetTree:
+        """Return the search of a set within a budget, where it stood."""
+        if (members, budget) not in self._trees:
+            problem = self.fleet.problem(members)
+            scale = max(plan.cost, _LEAST_SCALE)
+            price = _TIE * self.gap * scale
+            tree = BudgetTree(
+                problem.program,
+                budget,
+                price,
+                gap=_SHARE * self.gap,
+                scale=scale,
+                limits=self.fleet.limits,
+                rater=Rater(problem.program, budget),
+            )
+            tree.resume(_frontier(self.fleet, members, budget), price, None)
+            self._trees[members, budget] = tree
+        tree = self._trees[members, budget]
+        tree.limits = self.fleet.limits
+        return tree
+
+
+def _round(
+    sets: tuple[Members, ...], price: float, plans: Sequence[Incumbent], cross: float
+) -> Round:
+    """Return plans of sets as a round that proves nothing."""
+    risk = sum(plan.risk for plan in plans)
+    return Round(sets, price, tuple(plans), risk, cross, -_INF, _INF, is_limited=True)
+
+
+def _incumbent(problem: SetProblem, controls: Sequence[Matrix]) -> Incumbent:
+    """Return a set's controls as a plan of its program."""
+    halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
+    z = np.concatenate([half for pair in halves for half in pair])
+    rating = problem.rater.rate(z)
+    return Incumbent(z, rating.selection, float(problem.program.cost @ z), rating.risk)
+
+
+def _frontier(fleet: Fleet, members: Members, budget: float) -> Frontier:
+    """Return what the search at a price left open, with bounds on cost alone within a budget."""
+    state = fleet.states.get(members)
+    if state is None or not state.frontier:
+        return ((-_INF, ()),)
+    paid = state.price * budget / fleet.unit
+    return tuple((bound - paid, chosen) for bound, chosen in state.frontier)

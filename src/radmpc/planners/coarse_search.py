@@ -1,0 +1,297 @@
+"""Sides for every avoidance from a coarse search over places and times.
+
+One vehicle after the other walks over a grid, step by step, at the least effort, around obstacles
+and around those that walked before. Only the sides it passes things on are kept: the linear
+program of these sides then finds the trajectories, dynamics and all. A heuristic for tangled
+scenes, where branching alone takes long to find any plan; it proves nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.restrict import avoidance_blocks
+from radmpc.program.subject import Subject
+from radmpc.solvers.selection import least_violated, violations_of_outputs
+from radmpc.solvers.solution import Limits
+
+__all__ = ["propose_sides"]
+
+_CELLS_PER_STEP = 5
+_MAX_CELLS = 6_000
+_MAX_ROUNDS = 5
+
+
+def propose_sides(
+    program: DisjunctiveProgram, subjects: Sequence[Subject], margins: Vector, limits: Limits
+) -> Indices | None:
+    """Propose one alternative per avoidance.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program of the subjects.
+    subjects : sequence of Subject
+        Its vehicles, in the order of its blocks.
+    margins : (r,) array
+        Back-off of each row [m].
+    limits : Limits
+        When to stop early.
+
+    Returns
+    -------
+    (v,) int array or None
+        A selection; None if no way was found in time, and in space, where grids are too large.
+    """
+    if subjects[0].reach_lower.shape[1] != 2:
+        return None
+    search = _Search(program, subjects, margins, limits)
+    order = list(range(len(subjects)))
+    for _ in range(_MAX_ROUNDS):
+        failed = search.place(order)
+        if failed is None:
+            violations = violations_of_outputs(program, margins, search.outputs)
+            return least_violated(program, violations)
+        if limits.reached:
+            break
+        order = [failed, *(i for i in order if i != failed)]
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Grid:
+    """Places a vehicle may be at.
+
+    Attributes
+    ----------
+    points : (c, 2) array
+        Cell centers [m], row by row.
+    shape : (int, int)
+        Cells per axis.
+    reach : tuple of int
+        Cells per axis that one step can cross.
+    """
+
+    points: Matrix
+    shape: tuple[int, int]
+    reach: tuple[int, int]
+    stride: Vector
+
+
+class _Search:
+    """The vehicles placed so far."""
+
+    def __init__(
+        self,
+        program: DisjunctiveProgram,
+        subjects: Sequence[Subject],
+        margins: Vector,
+        limits: Limits,
+    ) -> None:
+        self.program = program
+        self.limits = limits
+        self.subjects = subjects
+        self.right = program.rows.offsets - margins
+        touched = avoidance_blocks(program)
+        self.blocks = [
+            frozenset(int(b) for b in touched.indices[touched.indptr[v] : touched.indptr[v + 1]])
+            for v in range(program.num_avoidances)
+        ]
+        sizes = [subject.drift_position.size for subject in subjects]
+        self.first = np.concatenate([[0], np.cumsum(sizes)])
+        self.outputs = program.constant.copy()
+
+    def place(self, order: list[int]) -> int | None:
+        """Walk all vehicles in an order; return the one that found no way."""
+        self.outputs = self.program.constant.copy()
+        placed: set[int] = set()
+        for i in order:
+            placed.add(i)
+            path = self._walk(i, placed)
+            if path is None:
+                return i
+            self.outputs[self.first[i] : self.first[i + 1]] = path.ravel()
+        return None
+
+    def _walk(self, i: int, placed: set[int]) -> Matrix | None:
+        """Return positions at every step, (T+1, 2), at the least sum of squared moves."""
+        subject = self.subjects[i]
+        grid, last = _grid(subject), subject.horizon
+        tests = self._tests(i, placed)
+        here = subject.drift_position[:1]
+        goal = subject.vehicle.goal.center[None, :]
+        costs, places, parents = np.zeros(1), here, []
+        for k in range(last):
+            if self.limits.reached:
+                return None
+            ahead = goal if k == last - 1 else grid.points
+            inside = self._within_reach(subject, ahead, k + 1, grid)
+            step = _Step(places, ahead, grid, self._allowed(tests, i, k, places, ahead))
+            costs, parent = step.relax(costs)
+            costs[~inside] = np.inf
+            parents.append(parent)
+            places = ahead
+        if not np.isfinite(costs[0]):
+            return None
+        return _traced(parents, grid.points, here[0], goal[0])
+
+    def _within_reach(self, subject: Subject, points: Matrix, k: int, grid: _Grid) -> np.ndarray:
+        """Whether points lie in the vehicle's reach at a step, up to half a cell."""
+        half = 0.5 * grid.stride
+        low, high = subject.reach_lower[k] - half, subject.reach_upper[k] + half
+        return np.asarray(np.all((points >= low) & (points <= high), axis=1))
+
+    def _tests(self, i: int, placed: set[int]) -> dict[int, list[int]]:
+        """Return the avoidances that concern a vehicle and those before it, by window."""
+        intervals = np.any(np.diff(self.program.alternative_starts) >= 2)
+        shift = 0 if intervals else 1
+        found: dict[int, list[int]] = {}
+        for avoidance, label in enumerate(self.program.avoidances):
+            blocks = self.blocks[avoidance]
+            if i in blocks and blocks <= placed:
+                found.setdefault(label.step - shift, []).append(avoidance)
+        return found
+
+    def _allowed(
+        self, tests: dict[int, list[int]], i: int, k: int, here: Matrix, ahead: Matrix
+    ) -> list[list[tuple[np.ndarray, np.ndarray]]]:
+        """Return per avoidance its alternatives as what holds here and what holds ahead."""
+        result = []
+        for avoidance in tests.get(k, ()):
+            alternatives = []
+            for alternative in self.program.alternatives_of(avoidance):
+                now = np.ones(len(here), dtype=bool)
+                then = np.ones(len(ahead), dtype=bool)
+                for row in self.program.rows_of(alternative):
+                    step, holds = self._row(int(row), i)
+                    if step == k:
+                        now &= holds(here)
+                    else:
+                        then &= holds(ahead)
+                if now.any() and then.any():
+                    alternatives.append((now, then))
+            if not alternatives and len(ahead) == 1:
+                continue  # the middle of a goal may be too close where another part of it is not
+            if not any(now.all() and then.all() for now, then in alternatives):
+                result.append(alternatives)
+        return result
+
+    def _row(self, row: int, i: int) -> tuple[int, _Halfplane]:
+        """Return the step of a row and its half-plane for one vehicle, the others in place."""
+        normals = self.program.rows.normals
+        span = slice(normals.indptr[row], normals.indptr[row + 1])
+        columns, values = normals.indices[span], normals.data[span]
+        mine = (columns >= self.first[i]) & (columns < self.first[i + 1])
+        rest = (columns < self.first[-1]) & ~mine
+        local = columns[mine] - self.first[i]
+        normal = np.zeros(2)
+        normal[local % 2] = values[mine]
+        offset = self.right[row] - float(values[rest] @ self.outputs[columns[rest]])
+        return int(local[0] // 2), _Halfplane(normal, offset)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Halfplane:
+    """Points with ``normal @ point <= offset``."""
+
+    normal: Vector
+    offset: float
+
+    def __call__(self, points: Matrix) -> np.ndarray:
+        """Whether points lie within."""
+        return np.asarray(points @ self.normal <= self.offset + 1e-9)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """One step of the walk: from which places to which, and what forbids it."""
+
+    here: Matrix
+    ahead: Matrix
+    grid: _Grid
+    tests: list[list[tuple[np.ndarray, np.ndarray]]]
+
+    def relax(self, costs: Vector) -> tuple[Vector, Indices]:
+        """Return the least cost of each place ahead and where it came from."""
+        if len(self.here) == len(self.ahead) == len(self.grid.points):
+            return self._between_cells(costs)
+        moves = self.ahead[None, :, :] - self.here[:, None, :]
+        limit = self.grid.stride * (np.array(self.grid.reach) + 1e-9)
+        total = costs[:, None] + np.sum(moves**2, axis=2)
+        total[np.any(np.abs(moves) > limit, axis=2)] = np.inf
+        for alternatives in self.tests:
+            free = np.zeros(total.shape, dtype=bool)
+            for now, then in alternatives:
+                free |= now[:, None] & then[None, :]
+            total[~free] = np.inf
+        parents = total.argmin(axis=0)
+        return total[parents, np.arange(len(self.ahead))], parents
+
+    def _between_cells(self, costs: Vector) -> tuple[Vector, Indices]:
+        """Relax cell to cell, one offset of the grid at a time."""
+        rows, columns = self.grid.shape
+        numbers = np.arange(rows * columns).reshape(rows, columns)
+        best = np.full((rows, columns), np.inf)
+        parents = np.zeros((rows, columns), dtype=np.int64)
+        table = costs.reshape(rows, columns)
+        tests = [
+            [(now.reshape(rows, columns), then.reshape(rows, columns)) for now, then in test]
+            for test in self.tests
+        ]
+        reach = self.grid.reach
+        for dx, dy in product(range(-reach[0], reach[0] + 1), range(-reach[1], reach[1] + 1)):
+            here, ahead = _overlap(rows, dx), _overlap(columns, dy)
+            origin, target = (here[0], ahead[0]), (here[1], ahead[1])
+            length = float(np.sum((self.grid.stride * np.array([dx, dy])) ** 2))
+            total = table[origin] + length
+            for alternatives in tests:
+                free = np.zeros(total.shape, dtype=bool)
+                for now, then in alternatives:
+                    free |= now[origin] & then[target]
+                total[~free] = np.inf
+            better = total < best[target]
+            best[target] = np.where(better, total, best[target])
+            parents[target] = np.where(better, numbers[origin], parents[target])
+        return best.ravel(), parents.ravel()
+
+
+def _overlap(count: int, shift: int) -> tuple[slice, slice]:
+    """Return which indices move by a shift to which, along one axis."""
+    if shift >= 0:
+        return slice(0, max(count - shift, 0)), slice(shift, count)
+    return slice(-shift, count), slice(0, max(count + shift, 0))
+
+
+def _grid(subject: Subject) -> _Grid:
+    """Return a grid over the vehicle's reach, some cells to the longest step."""
+    low, high = subject.reach_lower.min(axis=0), subject.reach_upper.max(axis=0)
+    steps = np.maximum(
+        np.diff(subject.reach_upper, axis=0).max(axis=0),
+        -np.diff(subject.reach_lower, axis=0).min(axis=0),
+    )
+    stride = np.maximum(steps, 1e-6) / _CELLS_PER_STEP
+    while np.prod(np.floor((high - low) / stride) + 1) > _MAX_CELLS:
+        stride = stride * 1.25
+    axes = [np.arange(a, b + s, s) for a, b, s in zip(low, high, stride, strict=True)]
+    x, y = np.meshgrid(*axes, indexing="ij")
+    # One cell more than a step covers: rounding to centers takes up to half a cell at each end.
+    reach = np.floor(steps / stride + 1e-9).astype(int) + 1
+    points = np.column_stack([x.ravel(), y.ravel()])
+    return _Grid(points, (len(axes[0]), len(axes[1])), (int(reach[0]), int(reach[1])), stride)
+
+
+def _traced(parents: list[Indices], cells: Matrix, start: Vector, goal: Vector) -> Matrix:
+    """Follow the parents back from the goal."""
+    path = [goal]
+    number = int(parents[-1][0])
+    for parent in reversed(parents[:-1]):
+        path.append(cells[number])
+        number = int(parent[number])
+    path.append(start)
+    return np.array(path[::-1])

@@ -1,0 +1,269 @@
+"""What starts and goals risk by themselves: risk that no plan can avoid, as the referee counts it.
+
+At a start the mean is fixed, in a goal it lies in a box. The probability that a Gaussian around a
+mean hits a convex set grown by a radius is a log-concave function of the mean, and so is the risk
+of its best half-space's clearance quasi-concave: over a box either is least at a corner. The least
+over the corners of small boxes, summed over dangers, is therefore a bound that no plan is below.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.gaussian import clearance_for, tail_probability
+from radmpc.geometry import Polytope
+from radmpc.model.plan import Cause
+from radmpc.model.scenario import Scenario
+from radmpc.planners.boxes import Box, Shapes
+from radmpc.program.subject import Subject
+from radmpc.referee.bound.bounds import instant_risks
+from radmpc.referee.contact import solid_distances, solid_of
+from radmpc.referee.encounters import Encounters
+
+__all__ = ["Danger", "Floors", "floors", "start_dangers"]
+
+_FAR = 8.5
+"""Standard deviations beyond which a danger counts as nothing (1e-17)."""
+
+_LEAST = 1e-4
+"""Share of Δ below which a danger counts as nothing: most of a large fleet's need no look."""
+
+_TOL = 1e-6
+"""What a plan may miss its goal by [m]."""
+
+_CELLS = {2: 6, 3: 2}
+"""Cells per axis into which a goal is cut, by dimension: dangers on opposite sides of it are least
+at different corners, and the fewer cells, the further is the sum of those from the least sum."""
+
+
+@dataclass(frozen=True, slots=True)
+class Danger:
+    """What a place risks of one kind.
+
+    Attributes
+    ----------
+    cause : {'obstacle', 'pair', 'workspace'}
+        What may happen.
+    members : tuple of int
+        The vehicle, or the two, by their numbers in the scenario.
+    other : str or None
+        The obstacle.
+    at_goal : bool
+        At the goal rather than at the start.
+    risk : float
+        Least probability [-].
+    distance : float
+        Largest distance of the mean, or of the two means, from what is to be avoided [m];
+        negative outside the workspace.
+    """
+
+    cause: Cause
+    members: tuple[int, ...]
+    other: str | None
+    at_goal: bool
+    risk: float
+    distance: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Floors:
+    """Risk that no plan can avoid.
+
+    Attributes
+    ----------
+    starts, goals : tuple of Danger
+        Whatever is not nothing, the greatest first.
+    vehicles : (N, 2) array
+        What each vehicle risks at least at its start and in its goal, other vehicles aside.
+    total : float
+        What the fleet risks at least.
+    """
+
+    starts: tuple[Danger, ...]
+    goals: tuple[Danger, ...]
+    vehicles: Matrix
+    total: float
+
+
+def floors(scenario: Scenario, subjects: Sequence[Subject]) -> Floors:
+    """Return what starts and goals risk at least, whatever the plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    subjects : sequence of Subject
+        Its vehicles over the whole horizon.
+
+    Returns
+    -------
+    Floors
+        Valid for every plan that the referee may certify: it sums over vehicles, pairs and
+        obstacles, and of each charges no less than the probability at any one step.
+    """
+    starts, at_start = _dangers(scenario, subjects, at_goal=False)
+    goals, in_goal = _dangers(scenario, subjects, at_goal=True)
+    vehicles = np.stack([at_start, in_goal], axis=1)
+    pairs: dict[tuple[int, ...], float] = defaultdict(float)
+    for danger in (*starts, *goals):
+        if danger.cause == "pair":
+            pairs[danger.members] = max(pairs[danger.members], danger.risk)
+    total = float(vehicles.max(axis=1).sum()) + sum(pairs.values())
+    return Floors(starts, goals, vehicles, total)
+
+
+def start_dangers(scenario: Scenario, subjects: Sequence[Subject]) -> tuple[Danger, ...]:
+    """Return what the starts risk, the greatest first: no less than any plan runs there."""
+    return _dangers(scenario, subjects, at_goal=False)[0]
+
+
+def _dangers(
+    scenario: Scenario, subjects: Sequence[Subject], *, at_goal: bool
+) -> tuple[tuple[Danger, ...], Vector]:
+    """Return what starts or goals risk, and the sum for each vehicle, others aside."""
+    boxes = [_box(subject, at_goal=at_goal) for subject in subjects]
+    shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
+    found: list[Danger] = []
+    least = np.zeros(len(boxes))
+    for i, box in enumerate(boxes):
+        dangers, least[i] = _of_vehicle(scenario, i, box, shapes, at_goal=at_goal)
+        found += dangers
+    found += _of_pairs(scenario, boxes, at_goal=at_goal)
+    return tuple(sorted(found, key=lambda danger: -danger.risk)), least
+
+
+def _box(subject: Subject, *, at_goal: bool) -> Box:
+    """Return where a vehicle's mean is at the start, or may be at the end."""
+    covariance = subject.position_covariances[-1 if at_goal else 0]
+    if not at_goal:
+        return Box(subject.drift_position[0], subject.drift_position[0], covariance)
+    goal = subject.vehicle.goal
+    lower = np.maximum(goal.lower, subject.reach_lower[-1]) - _TOL
+    upper = np.minimum(goal.upper, subject.reach_upper[-1]) + _TOL
+    # Out of reach: which corner is nearer does not matter, as long as it is a box.
+    return Box(np.minimum(lower, upper), np.maximum(lower, upper), covariance)
+
+
+def _of_vehicle(
+    scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool
+) -> tuple[list[Danger], float]:
+    """Return what one vehicle risks in a place, danger by danger and in all."""
+    cells = _CELLS[scenario.dimension] if at_goal else 1
+    points = box.corners(cells)
+    radius = scenario.vehicles[i].radius
+    dangers: list[Danger] = []
+    fields: list[Vector] = []
+    for name, near in shapes.near(box, radius, _far(scenario)).items():
+        # Pieces of one obstacle are one danger: the worst of them is a bound on their union.
+        by_piece = [_cells(_risks(points, box.covariance, radius, piece), cells) for piece in near]
+        field = np.maximum.reduce(by_piece)
+        distance = min(float(_distances(points, piece).max()) for piece in near)
+        fields.append(field)
+        dangers.append(Danger("obstacle", (i,), name, at_goal, float(field.min()), distance))
+    borders = list(_borders(scenario, box, points))
+    if borders:
+        # Opposite faces exclude each other, and the referee adds up all of them.
+        field = _cells(np.sum([risks for risks, _ in borders], axis=0), cells)
+        fields.append(field)
+        distance = min(most for _, most in borders)
+        dangers.append(Danger("workspace", (i,), None, at_goal, float(field.min()), distance))
+    least = float(np.sum(fields, axis=0).min()) if fields else 0.0
+    return [danger for danger in dangers if danger.risk > 0.0], least
+
+
+def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[Danger]:
+    """Return what pairs risk in their places."""
+    if len(boxes) < 2:
+        return []
+    radii = np.array([v.radius for v in scenario.vehicles])
+    centers = np.array([0.5 * (box.lower + box.upper) for box in boxes])
+    halves = np.array([0.5 * np.linalg.norm(box.upper - box.lower) for box in boxes])
+    spreads = np.array([box.spread for box in boxes])
+    far = _far(scenario)
+    near = 2.0 * (radii.max() + halves.max() + far * spreads.max()) + 1e-6
+    found = []
+    for i, j in sorted(cKDTree(centers).query_pairs(float(near))):
+        one, two = boxes[i], boxes[j]
+        box = Box(one.lower - two.upper, one.upper - two.lower, one.covariance + two.covariance)
+        points = box.corners(1)
+        most = float(np.linalg.norm(points, axis=1).max())
+        if most >= radii[i] + radii[j] + far * box.spread + 1e-6:
+            continue
+        risks = _risks(points, box.covariance, float(radii[i] + radii[j]), None)
+        if risks.min() > 0.0:
+            found.append(Danger("pair", (i, j), None, at_goal, float(risks.min()), most))
+    return found
+
+
+def _far(scenario: Scenario) -> float:
+    """Return the standard deviations beyond which nothing is to be feared."""
+    return min(_FAR, float(clearance_for(_LEAST * scenario.risk_bound)))
+
+
+def _cells(values: Vector, cells: int) -> Vector:
+    """Return the least value at the corners of every cell of a grid."""
+    if cells == 1:
+        return np.array([values.min()])
+    dimension = round(np.log(values.size) / np.log(cells + 1))
+    grid = values.reshape((cells + 1,) * dimension)
+    for axis in range(dimension):
+        grid = np.minimum(grid.take(range(cells), axis), grid.take(range(1, cells + 1), axis))
+    return np.asarray(grid.ravel())
+
+
+def _risks(points: Matrix, covariance: Matrix, radius: float, piece: Polytope | None) -> Vector:
+    """Return what the referee says of a mean at every point; the origin is what pairs avoid."""
+    count, d = points.shape
+    axes = np.concatenate([np.eye(d), -np.eye(d)])
+    vertices, normals = np.zeros((1, d)), axes
+    edges = np.zeros((0, 2, d))
+    if piece is not None:
+        vertices, normals = piece.vertices, np.vstack([axes, piece.normals])
+        edges = edges if d == 2 else solid_of(piece).edges
+    none: Indices = np.zeros(1, dtype=np.int64)
+    places = Encounters(
+        kind="pair" if piece is None else "obstacle",
+        first=none,
+        other=none,
+        piece=none,
+        means=points[None],
+        covariances=np.broadcast_to(covariance, (1, count, d, d)),
+        bent_covariances=None,
+        bows=np.zeros((1, count - 1, d)),
+        radii=np.array([radius]),
+        vertices=vertices[None, None],
+        directions=normals[None],
+        edges=edges[None, None],
+    )
+    risks: Vector = instant_risks(places)[0]
+    return risks
+
+
+def _distances(points: Matrix, piece: Polytope) -> Vector:
+    """Return the distance of points from a piece, 0 within it [m]."""
+    return solid_distances(points, points, solid_of(piece))
+
+
+def _borders(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tuple[Vector, float]]:
+    """Yield what points risk of leaving through each face, and their most distance from it."""
+    workspace = scenario.workspace
+    if workspace is None:
+        return
+    for axis in range(scenario.dimension):
+        deviation = float(np.sqrt(max(box.covariance[axis, axis], 0.0)))
+        below, above = (
+            points[:, axis] - workspace.lower[axis],
+            workspace.upper[axis] - points[:, axis],
+        )
+        for slack in (below, above):
+            if slack.min() > _far(scenario) * deviation:
+                continue
+            certain = np.where(slack >= -1e-9, np.inf, -np.inf)
+            clearance = slack / deviation if deviation > 0.0 else certain
+            yield np.asarray(tail_probability(clearance)), float(slack.max())

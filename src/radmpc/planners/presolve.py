@@ -1,0 +1,205 @@
+"""What rules out any plan before a search: control reserve, time, and risk at starts and goals.
+
+Every reason here is a proof: no plan exists, by whatever half-spaces or sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.model.scenario import Scenario
+from radmpc.planners.endpoint_risk import Danger, Floors, floors
+from radmpc.planners.wording import listed, places_text
+from radmpc.program.subject import Subject
+
+__all__ = [
+    "Reason",
+    "grouped",
+    "overdrawn_texts",
+    "place_reasons",
+    "reserve_reason",
+    "sure_reasons",
+    "too_far_texts",
+]
+
+_ROUNDING = 1e-6
+"""Share of Δ by which a risk must exceed it to be called above: what integrals are off by."""
+
+_GROUPED = 3
+"""Vehicles with the same reason from which on one sentence speaks of all."""
+
+_TOLD = 8
+"""Sentences at most; one more says how many are left out."""
+
+_NOTICED = 0.5
+"""Share of the control limit from which on what feedback keeps back is worth telling."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why some vehicles have no plan.
+
+    Attributes
+    ----------
+    members : tuple of int
+        The vehicles, by their numbers in the scenario.
+    text : str
+        A sentence about them; of a single vehicle what follows "Vehicle 'name' ".
+    many : str or None
+        The same of several vehicles; empty where the text is a sentence of its own, None where
+        nothing but moving starts or goals could help.
+    """
+
+    members: tuple[int, ...]
+    text: str
+    many: str | None = None
+
+
+def sure_reasons(scenario: Scenario, subjects: Sequence[Subject]) -> list[Reason]:
+    """Return why there can be no plan, as far as no search is needed to know.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    subjects : sequence of Subject
+        Its vehicles over the whole horizon.
+
+    Returns
+    -------
+    list of Reason
+        Empty where nothing is wrong at first sight.
+    """
+    reasons = []
+    for i, subject in enumerate(subjects):
+        reason = overdrawn_texts(subject) or _too_far(scenario, subject)
+        if reason is not None:
+            reasons.append(Reason((i,), *reason))
+    return reasons + place_reasons(scenario, floors(scenario, subjects))
+
+
+def grouped(
+    scenario: Scenario, reasons: Sequence[Reason]
+) -> list[tuple[tuple[int, ...] | None, str]]:
+    """Return reasons in words, one sentence for vehicles that share one.
+
+    Returns
+    -------
+    list of (tuple of int or None, str)
+        Each sentence with the vehicles it is about, if something may be tried for them: None
+        where it is about starts and goals, which only their owner can move.
+    """
+    names = [repr(v.name) for v in scenario.vehicles]
+    groups: dict[tuple[str, str | None], list[Reason]] = {}
+    for reason in reasons:
+        groups.setdefault((reason.text, reason.many), []).append(reason)
+    told: list[tuple[tuple[int, ...] | None, str]] = []
+    for (text, many), group in groups.items():
+        if not many:
+            told.append((None if many is None else group[0].members, text))
+        elif len(group) < _GROUPED:
+            told += [(one.members, f"Vehicle {names[one.members[0]]} {text}") for one in group]
+        else:
+            members = tuple(one.members[0] for one in group)
+            told.append((members, f"Vehicles {listed([names[i] for i in members])} {many}"))
+    hidden = len(told) - _TOLD
+    return [*told[:_TOLD], (None, f"There are {hidden} more reasons.")] if hidden > 0 else told
+
+
+def reserve_reason(subject: Subject) -> str | None:
+    """Say how much control the feedback keeps back, where that is much of it.
+
+    Returns
+    -------
+    str or None
+        What follows "the feedback"; None without feedback, or where it takes little.
+    """
+    vehicle = subject.vehicle
+    if vehicle.gain is None:
+        return None
+    reserves = vehicle.control_limit - subject.control_bounds
+    step, axis = (
+        int(k)
+        for k in np.unravel_index((reserves / vehicle.control_limit).argmax(), reserves.shape)
+    )
+    kept, limit = float(reserves[step, axis]), float(vehicle.control_limit[axis])
+    if kept < _NOTICED * limit:
+        return None
+    unit = " m/s²" if vehicle.system.is_double_integrator else ""
+    return (
+        f"keeps back {kept:.3g} of {limit:.3g}{unit} on axis {axis} at step {step} "
+        f"({vehicle.control_sigmas:g} standard deviations)"
+    )
+
+
+def overdrawn_texts(subject: Subject) -> tuple[str, str] | None:
+    """Say that feedback takes more control than there is."""
+    if np.all(subject.control_bounds >= 0.0):
+        return None
+    step, axis = (int(k) for k in np.argwhere(subject.control_bounds < 0.0)[0])
+    vehicle = subject.vehicle
+    limit = float(vehicle.control_limit[axis])
+    unit = " m/s²" if vehicle.system.is_double_integrator else ""
+    text = (
+        f"has no control left to steer: at step {step} the feedback alone takes more than control "
+        f"axis {axis} allows, it keeps back {limit - subject.control_bounds[step, axis]:.3g} of "
+        f"{limit:.3g}{unit} ({vehicle.control_sigmas:g} standard deviations)."
+    )
+    return text, text.replace("has no", "have no", 1)
+
+
+def _too_far(scenario: Scenario, subject: Subject) -> tuple[str, str] | None:
+    """Say that full throttle does not lead to the goal in time, axis by axis."""
+    missing = subject.reach_lower - subject.reach_upper
+    if np.all(missing <= 1e-6):
+        return None
+    return too_far_texts(scenario, subject)
+
+
+def too_far_texts(scenario: Scenario, subject: Subject) -> tuple[str, str]:
+    """Return the sentence that a goal is out of reach, of one vehicle and of several."""
+    seconds = scenario.horizon * scenario.dt
+    kept = reserve_reason(subject)
+    because = f" (the feedback {kept})" if kept else ""
+    end = (
+        f" within {scenario.horizon} steps ({seconds:g} s) under its control and speed "
+        f"limits{because}, obstacles aside."
+    )
+    return (
+        f"cannot reach its goal{end}",
+        f"cannot reach their goals{end.replace(' its ', ' their ')}",
+    )
+
+
+def place_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
+    """Say what starts and goals risk, where that alone is above Δ."""
+    granted = scenario.risk_bound * (1.0 + _ROUNDING)
+    if found.total <= granted:
+        return []
+    dangers = (*found.starts, *found.goals)
+    reasons = [
+        Reason(danger.members, places_text(scenario, (danger,), danger.risk))
+        for danger in dangers
+        if danger.risk > granted
+    ]
+    if reasons:
+        return reasons
+    for i in range(scenario.num_vehicles):
+        for at_goal in (False, True):
+            risk = float(found.vehicles[i, int(at_goal)])
+            if risk > granted:
+                own = _own(dangers, i, at_goal=at_goal)
+                reasons.append(Reason((i,), places_text(scenario, own, risk)))
+    if reasons:
+        return reasons
+    ranked = tuple(sorted(dangers, key=lambda danger: -danger.risk))
+    everyone = tuple(sorted({i for danger in ranked for i in danger.members}))
+    return [Reason(everyone, places_text(scenario, ranked, found.total))]
+
+
+def _own(dangers: Sequence[Danger], i: int, *, at_goal: bool) -> tuple[Danger, ...]:
+    """Return what one vehicle runs in one place, others aside."""
+    return tuple(d for d in dangers if d.members == (i,) and d.at_goal == at_goal)

@@ -1,0 +1,1 @@
+"""What a picture consists of, in the plane and in space."""

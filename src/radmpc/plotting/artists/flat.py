@@ -1,0 +1,163 @@
+"""The artists of a plane picture."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
+
+from radmpc.arrays import Matrix
+from radmpc.model.plan import Trajectory
+from radmpc.model.scenario import Workspace
+from radmpc.model.vehicle import Vehicle
+from radmpc.plotting.artists.obstacles import along_lines
+from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.style import MUTED, NUMBER_SIZE, STAR_SIZE, Dashes, numbered_steps
+from radmpc.plotting.curves import confidence_ellipses, mean_path, point_along, positions
+
+__all__ = ["Color", "draw_ends", "draw_trajectory", "draw_workspace", "number_steps"]
+
+Color = tuple[float, float, float]
+
+
+def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard) -> None:
+    """Draw the outline of the workspace."""
+    width, height = workspace.upper - workspace.lower
+    ax.add_patch(
+        Rectangle(
+            (float(workspace.lower[0]), float(workspace.lower[1])),
+            float(width),
+            float(height),
+            fill=False,
+            edgecolor=MUTED,
+            linewidth=0.7,
+            linestyle=(0, (6, 3)),
+            zorder=1,
+            gid="workspace",
+        )
+    )
+    low, high = workspace.lower, workspace.upper
+    corners = np.array([low, (high[0], low[1]), high, (low[0], high[1]), low])
+    board.avoid(along_lines(corners, 60))
+
+
+def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
+    """Draw the hull at the start as an open circle, the goal as a box with a star."""
+    x, y = vehicle.start_position
+    ax.add_patch(
+        Circle(
+            (float(x), float(y)),
+            vehicle.radius,
+            facecolor="none",
+            edgecolor=color,
+            linewidth=0.9,
+            zorder=4,
+            gid=f"start:{vehicle.name}",
+        )
+    )
+    lower, size = vehicle.goal.lower, vehicle.goal.upper - vehicle.goal.lower
+    ax.add_patch(
+        Rectangle(
+            (float(lower[0]), float(lower[1])),
+            float(size[0]),
+            float(size[1]),
+            facecolor=(*color, 0.25),
+            edgecolor=color,
+            linewidth=0.7,
+            zorder=6,
+            gid=f"goal:{vehicle.name}",
+        )
+    )
+    ax.plot(
+        *vehicle.goal.center[:, None],
+        marker="*",
+        markersize=STAR_SIZE,
+        markeredgewidth=0.4,
+        markeredgecolor="white",
+        color=color,
+        zorder=8,
+        gid=f"star:{vehicle.name}",
+    )
+
+
+def draw_trajectory(
+    ax: Axes,
+    vehicle: Vehicle,
+    trajectory: Trajectory,
+    dt: float,
+    color: Color,
+    dashes: Dashes = "solid",
+) -> None:
+    """Draw the swept hull, the 3σ ellipses, the mean path, its steps and its direction."""
+    name, path = vehicle.name, mean_path(vehicle, trajectory)
+    swept = shapely.LineString(path).buffer(vehicle.radius)
+    ax.add_patch(
+        Polygon(
+            np.asarray(swept.exterior.coords),
+            facecolor=(*color, 0.10),
+            edgecolor="none",
+            zorder=2.5,
+            gid=f"hull:{name}",
+        )
+    )
+    ax.add_collection(
+        PolyCollection(
+            confidence_ellipses(vehicle, trajectory),
+            facecolors=[(*color, 0.20)],
+            edgecolors=[(*color, 0.45)],
+            linewidths=0.35,
+            zorder=3,
+            gid=f"ellipses:{name}",
+        ),
+        autolim=False,
+    )
+    ax.plot(*path.T, color=color, linewidth=1.1, linestyle=dashes, zorder=5, gid=f"path:{name}")
+    steps = positions(vehicle, trajectory)[1:]
+    ax.plot(
+        *steps.T, linestyle="none", marker=".", markersize=3.2, color=color, zorder=5.5,
+        gid=f"steps:{name}",
+    )  # fmt: skip
+    for share in (0.3, 0.7):
+        _draw_arrow(ax, path, share, color, name)
+
+
+def number_steps(vehicle: Vehicle, trajectory: Trajectory, color: Color, board: LabelBoard) -> None:
+    """Write the numbers of some steps beside their dots, unless the vehicle stays."""
+    places = positions(vehicle, trajectory)
+    if np.ptp(places, axis=0).max() <= vehicle.radius:
+        return
+    for k in numbered_steps(len(places) - 1):
+        board.beside(
+            str(k),
+            places[k],
+            np.zeros(2),
+            color,
+            size=NUMBER_SIZE,
+            gid=f"step:{vehicle.name}:{k}",
+        )
+
+
+def _draw_arrow(ax: Axes, path: Matrix, share: float, color: Color, name: str) -> None:
+    """Draw an arrow head on the path."""
+    found = point_along(path, share)
+    if found is None:
+        return
+    point, direction = found
+    # The shaft is shrunk to nothing: only the head shows, whatever the scale.
+    tail = point - 1e-3 * direction
+    ax.add_patch(
+        FancyArrowPatch(
+            (float(tail[0]), float(tail[1])),
+            (float(point[0]), float(point[1])),
+            arrowstyle="-|>,head_length=0.5,head_width=0.28",
+            mutation_scale=9.0,
+            shrinkA=0.0,
+            shrinkB=0.0,
+            linewidth=0.4,
+            color=color,
+            zorder=6.5,
+            gid=f"arrow:{name}",
+        )
+    )

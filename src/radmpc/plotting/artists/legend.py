@@ -1,0 +1,101 @@
+"""The legend below a plan's picture: the signs as they are drawn."""
+
+from __future__ import annotations
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation
+from mpl_toolkits.mplot3d import Axes3D
+
+from radmpc.model.plan import Plan
+from radmpc.plotting.artists.highlights import worst_rows
+from radmpc.plotting.canvas.style import ALERT, MUTED, STAR_SIZE, TICK_SIZE
+
+__all__ = ["draw_film_legend", "draw_legend", "num_legend_lines"]
+
+_DROP = 0.27  # from the axes' lower edge, past ticks and label [in]
+_MOST_COLUMNS = 5
+
+Handle = Artist | tuple[Artist, ...]
+
+
+def num_legend_lines(plan: Plan) -> int:
+    """Return how many lines the legend of a plan in a figure of its own takes."""
+    return -(-len(_entries(plan)) // _MOST_COLUMNS)
+
+
+def draw_legend(ax: Axes, plan: Plan) -> None:
+    """Say below the axes what the signs mean that are drawn."""
+    _place(ax, _entries(plan))
+
+
+def draw_film_legend(ax: Axes, plan: Plan) -> None:
+    """Say below the axes what the signs of a film mean."""
+    entries: dict[str, Handle] = {"start": _sign("o", 5.5, "none", MUTED, 0.9)}
+    if plan.trajectories:
+        is_flat = plan.scenario.dimension == 2
+        size = 8.0 if is_flat else 5.0
+        entries["hull" if is_flat else "center"] = _sign("o", size, "#55555566", MUTED, 0.6)
+        entries["3σ"] = _sign("o", 5.0, "#555555B0" if is_flat else "none", MUTED, 0.4)
+        entries["temporal obstacle"] = Patch(
+            facecolor="#55555512", edgecolor="#55555599" if is_flat else "none", linewidth=0.5,
+            linestyle=(0, (3, 1.5)),
+        )  # fmt: skip
+    entries["goal"] = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
+    _place(ax, entries)
+
+
+def _place(ax: Axes, entries: dict[str, Handle]) -> None:
+    """Put a legend below the axes' labels."""
+    figure = ax.get_figure(root=True)
+    if figure is None:
+        return
+    lines = -(-len(entries) // _MOST_COLUMNS)
+    drop = 0.0 if isinstance(ax, Axes3D) else -_DROP
+    below = ScaledTranslation(0.0, drop, figure.dpi_scale_trans)
+    ax.legend(
+        list(entries.values()),
+        list(entries),
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=ax.transAxes + below,
+        ncols=-(-len(entries) // lines),
+        handler_map={tuple: HandlerTuple(ndivide=1)},
+        fontsize=TICK_SIZE,
+        frameon=False,
+        handlelength=1.4,
+        handletextpad=0.4,
+        columnspacing=1.0,
+        borderaxespad=0.0,
+        borderpad=0.1,
+    )
+
+
+def _entries(plan: Plan) -> dict[str, Handle]:
+    """Return the legend's handles by what they mean."""
+    is_flat = plan.scenario.dimension == 2
+    entries: dict[str, Handle] = {"start": _sign("o", 5.5, "none", MUTED, 0.9)}
+    if plan.trajectories:
+        line = Line2D([], [], color=MUTED, linewidth=1.1, marker=".", markersize=4)
+        entries["mean path, step no."] = line
+        if is_flat:
+            entries["3σ"] = _sign("o", 7.0, "#55555533", "#55555573", 0.35)
+            entries["swept hull"] = Patch(facecolor="#5555551A")
+        else:
+            entries["3σ"] = _sign("o", 7.0, "none", "#55555580", 0.4)
+    star = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
+    entries["goal"] = (_sign("s", 6.0, "#55555540", MUTED, 0.7), star) if is_flat else star
+    if worst_rows(plan):
+        entries["most risk"] = _sign("o", 6.5, "none", ALERT, 1.0)
+    return entries
+
+
+def _sign(marker: str, size: float, face: str, edge: str, width: float) -> Line2D:
+    """Return a marker alone."""
+    return Line2D(
+        [], [], linestyle="none", marker=marker, markersize=size, markerfacecolor=face,
+        markeredgecolor=edge, markeredgewidth=width,
+    )  # fmt: skip

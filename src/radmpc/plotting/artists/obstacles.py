@@ -1,0 +1,131 @@
+"""The obstacles of a plane picture."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+
+from radmpc.arrays import Matrix
+from radmpc.geometry import planar
+from radmpc.model.obstacle import Obstacle
+from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.style import (
+    MUTED,
+    NUMBER_SIZE,
+    OBSTACLE_EDGE,
+    OBSTACLE_FILL,
+    POST_SIZE,
+    WALL_WIDTH,
+    numbered_steps,
+)
+
+__all__ = ["along_lines", "draw_obstacle"]
+
+
+def draw_obstacle(
+    ax: Axes, obstacle: Obstacle, board: LabelBoard, *, is_named: bool = True
+) -> None:
+    """Draw an obstacle and, unless there are too many to read, its name.
+
+    A moving one fades in from its first step to its last, with an arrow along its way, the
+    numbers of some steps, and its name where it is first.
+    """
+    last = len(obstacle.steps) - 1
+    outlines = [shapely.union_all([planar(p) for p in pieces]) for pieces in obstacle.steps]
+    for step, outline in enumerate(outlines):
+        alpha = 1.0 if last == 0 else 0.12 + 0.58 * (step / last) ** 2
+        if outline.area == 0.0:
+            for piece in obstacle.at(step):
+                _draw_wall(ax, obstacle.name, piece.vertices, alpha)
+                board.avoid(along_lines(np.vstack([piece.vertices, piece.vertices[:1]])))
+            continue
+        ax.add_patch(
+            Polygon(
+                _ring(outline),
+                facecolor=OBSTACLE_FILL,
+                edgecolor=OBSTACLE_EDGE,
+                linewidth=0.6,
+                alpha=alpha,
+                zorder=2,
+                gid=f"obstacle:{obstacle.name}",
+            )
+        )
+        board.avoid(along_lines(_ring(outline)))
+    if is_named:
+        _name_obstacle(obstacle, board)
+    if last > 0:
+        _draw_way(ax, obstacle.name, np.array([_center(outline) for outline in outlines]), board)
+
+
+def _draw_wall(ax: Axes, name: str, ends: Matrix, alpha: float) -> None:
+    """Draw a wall without thickness as a line, a post as a dot."""
+    ax.plot(
+        *ends.T,
+        color=OBSTACLE_EDGE,
+        linewidth=WALL_WIDTH,
+        marker="o",
+        markersize=POST_SIZE if len(ends) == 1 else 0.0,
+        markeredgewidth=0.0,
+        alpha=alpha,
+        zorder=2,
+        gid=f"obstacle:{name}",
+    )
+
+
+def _draw_way(ax: Axes, name: str, centers: Matrix, board: LabelBoard) -> None:
+    """Draw an arrow from first to last step and the numbers of some steps on it."""
+    if np.ptp(centers, axis=0).max() < 1e-9:
+        return
+    ax.plot(*centers.T, color=MUTED, linewidth=0.5, zorder=2.4, gid=f"way:{name}")
+    moved = [k for k in range(len(centers) - 1) if np.any(centers[k] != centers[-1])]
+    ax.annotate(
+        "",
+        (float(centers[-1, 0]), float(centers[-1, 1])),
+        xytext=(float(centers[moved[-1], 0]), float(centers[moved[-1], 1])),
+        arrowprops={
+            "arrowstyle": "-|>,head_length=0.4,head_width=0.2", "color": MUTED, "linewidth": 0.5,
+            "shrinkA": 0.0, "shrinkB": 0.0,
+        },
+        zorder=2.4,
+        gid=f"direction:{name}",
+    )  # fmt: skip
+    board.avoid(along_lines(centers))
+    for k in numbered_steps(len(centers) - 1):
+        board.beside(
+            str(k), centers[k], np.zeros(2), MUTED, size=NUMBER_SIZE, gid=f"step:{name}:{k}"
+        )
+
+
+def _name_obstacle(obstacle: Obstacle, board: LabelBoard) -> None:
+    """Write the name inside the first step's largest piece, upright or turned, else beside it."""
+    largest = max(obstacle.steps[0], key=lambda p: (planar(p).area, planar(p).length))
+    width, height = np.ptp(largest.vertices, axis=0)
+    center = largest.vertices.mean(axis=0)
+    has_room = len(obstacle.steps) == 1 and len(largest.vertices) > 2
+    if has_room and board.fits(obstacle.name, width, height):
+        board.put(obstacle.name, center, MUTED)
+    elif has_room and board.fits(obstacle.name, height, width):
+        board.put(obstacle.name, center, MUTED, rotation=90.0)
+    else:
+        board.beside(obstacle.name, center, 0.5 * np.array([width, height]), MUTED)
+
+
+def _center(outline: shapely.Geometry) -> tuple[float, float]:
+    """Return the centroid."""
+    return float(outline.centroid.x), float(outline.centroid.y)
+
+
+def _ring(polygon: shapely.Geometry) -> Matrix:
+    """Return the outer corners of a polygon."""
+    outline = polygon if polygon.geom_type == "Polygon" else polygon.convex_hull
+    return np.asarray(outline.exterior.coords)
+
+
+def along_lines(corners: Matrix, count: int = 8) -> Matrix:
+    """Return points along a line, ``count`` per side, so that texts notice its sides too."""
+    share = np.linspace(0.0, 1.0, count, endpoint=False)[:, None]
+    return np.vstack([a + share * (b - a) for a, b in pairwise(corners)])

@@ -1,0 +1,1 @@
+"""Figures, axes, colors, labels: what every picture is drawn on."""

@@ -1,0 +1,137 @@
+"""Figures and axes without global state."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
+from mpl_toolkits.mplot3d import Axes3D
+
+from radmpc.arguments import told
+from radmpc.arrays import Matrix
+from radmpc.errors import ArgumentError, ArgumentTypeError
+from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, TICK_SIZE
+
+__all__ = ["DPI", "check_axes", "new_axes", "settle_axes", "settle_layout"]
+
+DPI = 300  # of files and of the layout
+
+_BESIDE_AXES = 0.32  # ticks and label of the y axis [in]
+_BELOW_AXES = 0.30  # ticks and label of the x axis [in]
+_LINE = 0.135  # a line of text [in]
+_AZIMUTH, _ELEVATION = -60.0, 30.0  # of the view in space, matplotlib's own [°]
+_ZOOM = 0.95  # of scenes in space, before they are made to fill the axes
+_EDGES = 0.12  # above the first line and below the last [in]
+
+
+def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
+    """Return axes in a figure of their own, one column wide, as high as the extent asks.
+
+    The figure belongs to no window and to no list of figures: it goes when the axes go.
+
+    Parameters
+    ----------
+    extent : (2, d) array
+        Corners of what will be shown [m].
+    num_lines : int
+        Lines of text above and below the axes.
+
+    Returns
+    -------
+    Axes
+        Three-dimensional where the extent is.
+    """
+    width, height = (extent[1] - extent[0])[:2]
+    is_flat = extent.shape[1] == 2
+    ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else _ratio_in_space(extent)
+    inches = (COLUMN_WIDTH - _BESIDE_AXES) * ratio + _BELOW_AXES + _LINE * num_lines + _EDGES
+    figure = Figure(figsize=(COLUMN_WIDTH, inches), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    # Axes in space read the grid's looks only when they are made.
+    with rc_context({"grid.color": "#D0D0D0", "grid.linewidth": 0.4}):
+        return figure.add_subplot(projection=None if is_flat else "3d")
+
+
+def check_axes(ax: object, dimension: int | None = None) -> None:
+    """Refuse what cannot be drawn on.
+
+    Parameters
+    ----------
+    ax : object
+        The argument; None makes a figure.
+    dimension : int or None
+        Number of coordinates that the axes must have; None is any.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is neither axes nor None.
+    ArgumentError
+        If the axes have another number of coordinates.
+    """
+    if ax is None:
+        return
+    if not isinstance(ax, Axes):
+        raise ArgumentTypeError(f"ax must be one of matplotlib's Axes or None, got {told(ax)}")
+    if dimension is not None and isinstance(ax, Axes3D) != (dimension == 3):
+        wanted = "made with projection='3d'" if dimension == 3 else "flat"
+        raise ArgumentError(f"ax must be {wanted} for a scenario in {dimension}-D")
+
+
+def settle_axes(ax: Axes, extent: Matrix) -> None:
+    """Set limits, equal aspect and the axes' labels."""
+    ax.set_xlim(*extent[:, 0])
+    ax.set_ylim(*extent[:, 1])
+    ax.set_xlabel("x [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+    ax.set_ylabel("y [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+    ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    if isinstance(ax, Axes3D):
+        ax.set_zlim(*extent[:, 2])
+        sides = extent[1] - extent[0]
+        ax.zaxis.set_major_locator(MaxNLocator(int(np.clip(9.0 * sides[2] / sides.max(), 2, 9))))
+        ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-8.0)
+        ax.tick_params(pad=-2.0)
+        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=_ZOOM)
+        return
+    ax.set_aspect("equal", adjustable="box")
+    for spine in ax.spines.values():
+        spine.set_linewidth(0.5)
+
+
+def settle_layout(ax: Axes) -> None:
+    """Fix where the axes end up, so that sizes of texts can be told in meters."""
+    figure = ax.get_figure(root=True)
+    if figure is None:
+        return
+    figure.draw_without_rendering()
+    if isinstance(ax, Axes3D):
+        _fill(ax)
+
+
+def _fill(ax: Axes3D) -> None:
+    """Zoom until box, ticks and labels in space fill the axes."""
+    boxes = [axis.get_tightbbox() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
+    drawn = Bbox.union([box for box in boxes if box is not None])
+    room = ax.bbox
+    center = 0.5 * np.array([room.x0 + room.x1, room.y0 + room.y1])
+    # Zooming keeps the center: what counts is how far the drawing reaches from it.
+    reach = np.abs(np.array([drawn.x0, drawn.y0, drawn.x1, drawn.y1]) - np.tile(center, 2))
+    half = 0.5 * np.array([room.width, room.height])
+    zoom = float(np.min(np.tile(half, 2) / np.maximum(reach, 1.0)))
+    (low_x, high_x), (low_y, high_y) = ax.get_xlim(), ax.get_ylim()
+    (low_z, high_z) = ax.get_zlim()
+    ax.set_box_aspect((high_x - low_x, high_y - low_y, high_z - low_z), zoom=_ZOOM * zoom)
+
+
+def _ratio_in_space(extent: Matrix) -> float:
+    """Return height over width of a box as it is looked at."""
+    azimuth, elevation = np.radians([_AZIMUTH, _ELEVATION])
+    x, y, z = extent[1] - extent[0]
+    across = abs(x * np.sin(azimuth)) + abs(y * np.cos(azimuth))
+    deep = abs(x * np.cos(azimuth)) + abs(y * np.sin(azimuth))
+    high = z * np.cos(elevation) + deep * np.sin(elevation)
+    return float(np.clip(0.88 * high / across, 0.5, 1.2))  # its corners leave room at the top

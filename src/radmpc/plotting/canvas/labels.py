@@ -1,0 +1,149 @@
+"""Names beside what they name, where they cover the least."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+from matplotlib.patheffects import withStroke
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.plotting.canvas.style import LABEL_SIZE
+
+__all__ = ["LabelBoard"]
+
+# Width and height of a letter in units of the font size: rough, and always a little too wide.
+_LETTER = (0.62, 1.25)
+_DIRECTIONS = [
+    (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0),
+    (0.75, 0.75), (-0.75, 0.75), (0.75, -0.75), (-0.75, -0.75),
+]  # fmt: skip
+
+
+@dataclass(slots=True)
+class LabelBoard:
+    """Places texts one after the other, away from points and from earlier texts.
+
+    Attributes
+    ----------
+    axes : Axes
+        Where to write; its limits and size must be settled.
+    points : list of (p, 2) array
+        What a text should not cover [m].
+    boxes : list of (4,) array
+        Texts placed so far: x0, y0, x1, y1 [m].
+    """
+
+    axes: Axes
+    points: list[Matrix] = field(default_factory=list)
+    boxes: list[Vector] = field(default_factory=list)
+
+    def avoid(self, *clouds: Matrix) -> None:
+        """Keep later texts off these points, each (p, 2) [m]."""
+        self.points.extend(clouds)
+
+    def size(self, text: str, size: float = LABEL_SIZE) -> Vector:
+        """Return the width and height of a text of a font size [m]."""
+        pixels_per_point = self.axes.figure.dpi / 72.0
+        window = self.axes.get_window_extent()
+        left, right = self.axes.get_xlim()
+        scale = (right - left) / (max(window.width, 1.0) / pixels_per_point)
+        return np.array([_LETTER[0] * len(text), _LETTER[1]]) * size * scale
+
+    def fits(self, text: str, width: float, height: float) -> bool:
+        """Whether a text has room in a box of this size [m]."""
+        needed = self.size(text)
+        return bool(needed[0] <= width and needed[1] <= height)
+
+    def beside(
+        self,
+        text: str,
+        center: Vector,
+        half_size: Vector,
+        color: object,
+        *,
+        size: float = LABEL_SIZE,
+        gid: str | None = None,
+    ) -> None:
+        """Write a text next to a thing.
+
+        Parameters
+        ----------
+        text : str
+            What to write.
+        center : (2,) array
+            Middle of the thing [m].
+        half_size : (2,) array
+            Half the width and height of the box around it [m].
+        color : color
+            Of the text.
+        size : float
+            Of the font [pt].
+        gid : str or None
+            Id of the text; None for ``label:`` and the text.
+        """
+        half = 0.5 * self.size(text, size)
+        obstacles = np.vstack(self.points) if self.points else np.empty((0, 2))
+        best: tuple[float, Vector] | None = None
+        for gap in (0.5, 1.5, 3.0):
+            for i, direction in enumerate(_DIRECTIONS):
+                place = center + np.asarray(direction) * (half + half_size + gap * half[1])
+                box = np.concatenate([place - half, place + half])
+                # Ties go to the nearer and earlier candidate: pictures stay the same.
+                badness = self._badness(box, obstacles) + 0.6 * gap + 0.01 * i
+                if best is None or badness < best[0]:
+                    best = (badness, place)
+        if best is not None:
+            self.put(text, best[1], color, size=size, gid=gid)
+
+    def put(
+        self,
+        text: str,
+        center: Vector,
+        color: object,
+        *,
+        rotation: float = 0.0,
+        size: float = LABEL_SIZE,
+        gid: str | None = None,
+    ) -> None:
+        """Write a text at a place, whatever is there."""
+        half = 0.5 * self.size(text, size)
+        if rotation:
+            half = half[::-1]
+        self.boxes.append(np.concatenate([center - half, center + half]))
+        self.axes.text(
+            float(center[0]),
+            float(center[1]),
+            text,
+            color=to_rgba(color),  # type: ignore[arg-type] # any color matplotlib knows
+            fontsize=size,
+            ha="center",
+            va="center",
+            rotation=rotation,
+            zorder=10,
+            clip_on=True,
+            gid=gid or f"label:{text}",
+            path_effects=[withStroke(linewidth=1.4, foreground="white")],
+        )
+
+    def _badness(self, box: Vector, points: Matrix) -> float:
+        """Return how much a text in this box would cover."""
+        inside = np.all((points >= box[:2]) & (points <= box[2:]), axis=1)
+        covered = sum(_overlap(box, other) for other in self.boxes)
+        area = float(np.prod(box[2:] - box[:2]))
+        return float(inside.sum()) + 30.0 * covered / area + 50.0 * self._outside(box)
+
+    def _outside(self, box: Vector) -> bool:
+        """Whether a text would leave the picture."""
+        (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
+        return bool(box[0] < left or box[2] > right or box[1] < low or box[3] > high)
+
+
+def _overlap(first: Vector, second: Vector) -> float:
+    """Return the area two boxes share [m²]."""
+    sides: Iterable[float] = np.minimum(first[2:], second[2:]) - np.maximum(first[:2], second[:2])
+    width, height = sides
+    return max(width, 0.0) * max(height, 0.0)

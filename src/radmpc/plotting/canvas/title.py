@@ -1,0 +1,96 @@
+"""What a plan's picture says above the axes."""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.axes import Axes
+
+from radmpc.model.ledger import bound_text
+from radmpc.model.plan import Plan
+from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
+
+__all__ = ["alert_text", "draw_title", "num_title_lines", "subtitle"]
+
+_LINE_CHARACTERS = 62  # of a line of facts in one column
+_ALERT_CHARACTERS = 48  # must fit beside narrow axes, too
+_MOST_LINES = 5  # of an explanation
+
+
+def num_title_lines(plan: Plan, *, details: bool = True) -> int:
+    """Return how many lines stand above the axes."""
+    texts = [text for _, text, _ in _blocks(plan, details=details)]
+    return 1 + sum(len(text.splitlines()) for text in texts)
+
+
+def subtitle(plan: Plan, *, details: bool = True) -> str:
+    """Return the facts of a plan: cost, risk against its bound and, as details, how it was made."""
+    facts = []
+    if plan.cost is not None:
+        facts.append(f"cost {plan.cost:.4g}")
+    if plan.risk.certified is not None:
+        sign = "≤" if plan.risk.certified <= plan.risk.bound else ">"
+        certified = min(plan.risk.certified, 1.0)
+        # Below this a bound says "none": its digits would only look like something.
+        risk = "< 1e-12" if certified < 1e-12 else f"{certified:.3g}"
+        facts.append(f"risk {risk} {sign} {plan.risk.bound:g}")
+    if not details:
+        return " · ".join(facts)
+    if "total" in plan.seconds:
+        facts.append(f"{plan.seconds['total']:.2g} s")
+    # Alone, a record that begins with "optimal" would read as a verdict.
+    planner = f"planner: {plan.planner}"
+    line = " · ".join([*facts, planner])
+    if len(line) <= _LINE_CHARACTERS:
+        return line
+    return "\n".join([" · ".join(facts), textwrap.fill(planner, _LINE_CHARACTERS)])
+
+
+def alert_text(plan: Plan) -> str | None:
+    """Return what must not be overlooked, or None."""
+    if not plan.trajectories:
+        return "no plan"
+    certified = plan.risk.certified
+    if certified is not None and certified > plan.risk.bound:
+        return f"certificate {bound_text(certified)} exceeds the risk bound {plan.risk.bound:g}"
+    return None
+
+
+def draw_title(ax: Axes, plan: Plan, *, details: bool = True, headline: str | None = None) -> None:
+    """Write headline, facts and, in red, what is wrong above the axes."""
+    blocks = _blocks(plan, details=details)
+    # The title's empty last lines make room for the smaller lines below it, which no layout
+    # engine would otherwise see.
+    below = "\n" * (num_title_lines(plan, details=details) - 1)
+    first = plan.scenario.name if headline is None else headline
+    ax.set_title(first + below, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
+    offset = 3.0
+    for gid, text, color in reversed(blocks):
+        ax.annotate(
+            text,
+            (0.0, 1.0),
+            xycoords="axes fraction",
+            xytext=(0.0, offset),
+            textcoords="offset points",
+            fontsize=LABEL_SIZE,
+            color=color,
+            va="bottom",
+            annotation_clip=False,
+            gid=gid,
+        )
+        offset += 1.35 * LABEL_SIZE * len(text.splitlines())
+
+
+def _blocks(plan: Plan, *, details: bool) -> list[tuple[str, str, str]]:
+    """Return id, text and color of what stands below the headline, from the top down."""
+    alert, facts = alert_text(plan), subtitle(plan, details=details)
+    blocks = [("facts", facts, MUTED)] if facts else []
+    if alert is not None:
+        blocks.append(("alert", textwrap.fill(alert, _ALERT_CHARACTERS), ALERT))
+    if not plan.trajectories:
+        why = textwrap.wrap(plan.explanation or plan.status.sentence, _LINE_CHARACTERS)
+        lines = [*why[:_MOST_LINES]]
+        if len(why) > _MOST_LINES:
+            lines[-1] += " …"
+        blocks.append(("explanation", "\n".join(lines), MUTED))
+    return blocks

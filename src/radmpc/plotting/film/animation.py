@@ -1,0 +1,132 @@
+"""A plan as it is flown: hulls, 3σ regions and temporal obstacles that move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from matplotlib.animation import FuncAnimation
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from mpl_toolkits.mplot3d import Axes3D
+
+from radmpc.arguments import check_integer
+from radmpc.model.given import check_plan
+from radmpc.model.plan import Plan
+from radmpc.plotting.artists.legend import draw_film_legend
+from radmpc.plotting.canvas.extent import plan_extent
+from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
+from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.style import LABEL_SIZE, MUTED, vehicle_colors
+from radmpc.plotting.canvas.title import draw_title, num_title_lines
+from radmpc.plotting.film.actors import draw_actors
+from radmpc.plotting.scenario import draw_surroundings
+
+__all__ = ["FRAMES_PER_STEP", "SECONDS_PER_STEP", "Film", "animate_plan", "make_film"]
+
+FRAMES_PER_STEP = 5
+SECONDS_PER_STEP = 0.5  # of the film
+_MOST_FRAMES = 50
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Film:
+    """A figure and how to set it to any of its frames.
+
+    Attributes
+    ----------
+    figure : Figure
+        What to draw.
+    show : callable
+        Sets it to a frame.
+    num_frames : int
+        How many there are, ≥ 1.
+    """
+
+    figure: Figure
+    show: Callable[[int], list[Artist]]
+    num_frames: int
+
+
+def animate_plan(
+    plan: Plan, ax: Axes | None = None, *, frames_per_step: int = FRAMES_PER_STEP
+) -> FuncAnimation:
+    """Return a plan as a film: every hull, its 3σ region and its temporal obstacle as they move.
+
+    Trails show where everyone has been; moving obstacles move. A step takes half a second.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    ax : Axes or None
+        Where; three-dimensional for a scenario in space. None makes a figure of one column.
+    frames_per_step : int
+        Frames from one step to the next, 1 to 50.
+
+    Returns
+    -------
+    FuncAnimation
+        Not started and not saved: `save_animation` writes files, ``to_jshtml()`` shows it in a
+        notebook.
+
+    Raises
+    ------
+    ArgumentError
+        If the frames are not 1 to 50, or the axes do not fit the scenario.
+    ArgumentTypeError
+        If an argument is of another kind.
+    """
+    film = make_film(plan, ax, frames_per_step)
+    return FuncAnimation(
+        film.figure, film.show, frames=film.num_frames, init_func=list, repeat_delay=1000,
+        interval=round(1000.0 * SECONDS_PER_STEP / frames_per_step),
+    )  # fmt: skip
+
+
+def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
+    """Return a plan as a figure that can be set to any frame; see `animate_plan`."""
+    check_plan(plan)
+    check_axes(ax, plan.scenario.dimension)
+    check_integer(frames_per_step, "frames_per_step", 1, _MOST_FRAMES)
+    extent = plan_extent(plan)
+    lines = num_title_lines(plan, details=False) + 1
+    axes = new_axes(extent, lines) if ax is None else ax
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        raise RuntimeError("axes without a figure cannot be animated")
+    settle_axes(axes, extent)
+    draw_title(axes, plan, details=False)
+    if ax is None:
+        draw_film_legend(axes, plan)
+    settle_layout(axes)
+    if ax is None:
+        # Laid out once: a layout per frame would take longer than the frames.
+        figure.set_layout_engine("none")
+    scenario = plan.scenario
+    colors = vehicle_colors([v.name for v in scenario.vehicles], plan.sets)
+    draw_surroundings(axes, scenario, LabelBoard(axes), colors, moving=False)
+    actors = draw_actors(axes, plan, colors, frames_per_step)
+    clock = _clock(axes)
+
+    def show(frame: int) -> list[Artist]:
+        time = frame / frames_per_step
+        for actor in actors:
+            actor.show(frame, time)
+        clock.set_text(f"t = {time * scenario.dt:.1f} s")
+        return []
+
+    show(0)
+    return Film(figure, show, scenario.horizon * frames_per_step + 1 if plan.trajectories else 1)
+
+
+def _clock(ax: Axes) -> Text:
+    """Return the text that tells the time, at the upper right above the axes."""
+    write = ax.text2D if isinstance(ax, Axes3D) else ax.text
+    clock: Text = write(
+        1.0, 1.0, "", transform=ax.transAxes, fontsize=LABEL_SIZE, color=MUTED, ha="right",
+        va="bottom", gid="clock",
+    )  # fmt: skip
+    return clock

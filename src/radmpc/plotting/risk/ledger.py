@@ -1,0 +1,151 @@
+"""The picture of where Δ went: by cause and step, by vehicle, and what was left unused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from radmpc.model.given import check_plan
+from radmpc.model.ledger import bound_text
+from radmpc.model.plan import Plan
+from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TICK_SIZE, TITLE_SIZE
+from radmpc.plotting.risk.ledger_looks import (
+    ROW,
+    new_column,
+    percent,
+    say_nothing,
+    settle_part,
+    write_beside,
+)
+from radmpc.plotting.risk.ledger_rows import map_rows
+from radmpc.plotting.risk.ledger_shares import plot_risk_shares, shares_height
+
+__all__ = ["plot_ledger", "plot_risk_map"]
+
+_DECADES = 8  # what the map tells apart: risks below are left blank
+_MAP_FRAME = 0.80  # heading, ticks, labels and color bar of the map [in]
+_HEADLINES = 0.32  # name and certificate [in]
+_LINE = 0.14  # a line of the headlines [in]
+
+
+def plot_ledger(plan: Plan) -> Figure:
+    """Draw the risk ledger: by cause and step above, shares of Δ by vehicle below.
+
+    Parameters
+    ----------
+    plan : Plan
+        With a certificate; without one the figure says so.
+
+    Returns
+    -------
+    Figure
+        One column wide, with two axes and a color bar; nothing is shown and nothing saved.
+    """
+    check_plan(plan)
+    heights = [_map_height(plan), shares_height(plan)]
+    figure = new_column(sum(heights) + _HEADLINES)
+    upper, lower = figure.subplots(2, 1, height_ratios=heights)
+    _write_headlines(figure, plan)
+    plot_risk_map(plan, upper)
+    plot_risk_shares(plan, lower)
+    return figure
+
+
+def plot_risk_map(plan: Plan, ax: Axes | None = None) -> Axes:
+    """Draw the risk by cause and step as a map of powers of ten.
+
+    The share of Δ stands beside each row: the largest 20 causes, the others in one row.
+
+    Parameters
+    ----------
+    plan : Plan
+        With a certificate; without one the axes say so.
+    ax : Axes or None
+        Where. None makes a figure of one column.
+
+    Returns
+    -------
+    Axes
+        The axes drawn on; the color bar is below them, in the same figure.
+    """
+    check_plan(plan)
+    check_axes(ax, 2)
+    axes = new_column(_map_height(plan)).add_subplot() if ax is None else ax
+    names, risks = map_rows(plan, _DECADES)
+    settle_part(axes, "by cause and step", "step [-]")
+    if not names:
+        return say_nothing(axes, plan)
+    with np.errstate(divide="ignore"):  # blank where there is no risk
+        powers = np.log10(risks)
+    top = math.ceil(float(powers.max()))
+    mesh = axes.pcolormesh(
+        np.arange(risks.shape[1] + 1) - 0.5,
+        np.arange(len(names) + 1) - 0.5,
+        np.ma.masked_less(powers, top - _DECADES),
+        cmap="cividis_r",  # lightness alone tells its order, in gray and to the color-blind
+        vmin=top - _DECADES,
+        vmax=top,
+        edgecolors="white",
+        linewidth=0.4,
+        gid="risk-map",
+    )
+    axes.set_xlim(-0.5, risks.shape[1] - 0.5)
+    axes.hlines(
+        np.arange(len(names)) + 0.5, -0.5, risks.shape[1] - 0.5, colors="#E4E4E4", linewidths=0.4
+    )
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_yticks(range(len(names)), names)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    for row, total in enumerate(risks.sum(axis=1)):
+        write_beside(axes, row, percent(float(total) / plan.risk.bound), f"share:{names[row]}")
+    write_beside(axes, -1, "of Δ", "share")
+    _add_color_bar(axes, mesh)
+    return axes
+
+
+def _map_height(plan: Plan) -> float:
+    """Return the height that the map asks for [in]."""
+    return _MAP_FRAME + ROW * max(2, len(map_rows(plan, _DECADES)[0]))
+
+
+def _write_headlines(figure: Figure, plan: Plan) -> None:
+    """Write the scenario's name and its certificate against Δ, in red if that is above."""
+    # The empty line makes room for the smaller one, which no layout engine would see.
+    headline = figure.suptitle(
+        plan.scenario.name + "\n", x=0.02, ha="left", fontsize=TITLE_SIZE, fontweight="bold"
+    )
+    certified, bound = plan.risk.certified, plan.risk.bound
+    if certified is None:
+        text, color = "no certificate", MUTED
+    elif certified <= bound:
+        text, color = f"risk at most {bound_text(certified)}, within Δ = {bound:g}", MUTED
+    else:
+        text, color = f"risk at most {bound_text(certified)}: ABOVE Δ = {bound:g}", ALERT
+    figure.text(
+        0.02,
+        headline.get_position()[1] - _LINE / figure.get_figheight(),
+        text,
+        fontsize=LABEL_SIZE,
+        color=color,
+        va="top",
+        gid="certificate",
+    )
+
+
+def _add_color_bar(ax: Axes, mesh: ScalarMappable) -> None:
+    """Say below the map what its colors mean."""
+    figure = ax.get_figure(root=True)
+    if figure is None:
+        return
+    bar = figure.colorbar(mesh, ax=ax, location="bottom", aspect=40, pad=0.02, shrink=0.9)
+    bar.set_label("log₁₀ of the risk per step [-]; blank: less", fontsize=LABEL_SIZE, labelpad=1.0)
+    bar.ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    bar.locator = MaxNLocator(integer=True)
+    bar.outline.set_linewidth(0.5)
+    bar.update_ticks()

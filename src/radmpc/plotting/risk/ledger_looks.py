@@ -1,0 +1,67 @@
+"""What both parts of a ledger's picture share: figure, ticks, texts."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from radmpc.model.plan import Plan
+from radmpc.plotting.canvas.figure import DPI
+from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, MUTED, TICK_SIZE
+
+__all__ = ["ROW", "new_column", "percent", "say_nothing", "settle_part", "write_beside"]
+
+ROW = 0.125  # height of a row of the map, of a bar [in]
+
+
+def new_column(height: float) -> Figure:
+    """Return a figure of one column that belongs to no window and no list of figures."""
+    figure = Figure(figsize=(COLUMN_WIDTH, height), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def settle_part(ax: Axes, heading: str, xlabel: str) -> None:
+    """Set heading, label and looks that both parts share."""
+    ax.set_title(heading, loc="left", fontsize=LABEL_SIZE, pad=3.0)
+    ax.set_xlabel(xlabel, fontsize=LABEL_SIZE, labelpad=1.0)
+    ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
+    ax.tick_params(axis="y", length=0.0)
+    for side, spine in ax.spines.items():
+        spine.set_linewidth(0.5)
+        spine.set_visible(side in {"left", "bottom"})
+
+
+def say_nothing(ax: Axes, plan: Plan) -> Axes:
+    """Write why there is nothing to draw."""
+    text = "no plan" if not plan.trajectories else "no risk at all"
+    if plan.trajectories and plan.risk.certified is None:
+        text = "no certificate"
+    ax.text(0.5, 0.5, text, transform=ax.transAxes, ha="center", va="center", fontsize=LABEL_SIZE)
+    ax.set_xticks([])
+    ax.set_yticks([])
+    return ax
+
+
+def write_beside(ax: Axes, row: float, text: str, gid: str) -> None:
+    """Write a few letters at the right of a row."""
+    ax.annotate(
+        text,
+        (1.0, row),
+        xycoords=("axes fraction", "data"),
+        xytext=(3.0, 0.0),
+        textcoords="offset points",
+        fontsize=TICK_SIZE,
+        color=MUTED,
+        va="center",
+        annotation_clip=False,
+        gid=gid,
+    )
+
+
+def percent(share: float) -> str:
+    """Return a share in percent; what rounds to nothing but is something says so."""
+    if 0.0 < share < 0.0005:
+        return "< 0.1 %"
+    return f"{100.0 * share:.1f} %" if share < 10.0 else f"{100.0 * share:.0f} %"

@@ -1,0 +1,1 @@
+"""An upper bound on the probability of any collision of a plan: the certificate."""

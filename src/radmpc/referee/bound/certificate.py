@@ -1,0 +1,147 @@
+"""The verdict on a plan: does it hold, and how likely is any collision at most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.model.given import check_plan
+from radmpc.model.ledger import bound_text
+from radmpc.model.plan import Cause, LedgerRow, Plan
+from radmpc.model.scenario import Scenario
+from radmpc.referee.bound.bounds import step_risks
+from radmpc.referee.bound.ledger import Account, total_risk
+from radmpc.referee.bound.workspace import workspace_risks
+from radmpc.referee.claims import claim_problems, limit_problems, shape_problems
+from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs
+from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.neighbors import CUTOFF_RISK
+from radmpc.referee.saturation import saturation_bound
+
+__all__ = ["Certificate", "certify"]
+
+# A stated certificate may be below the recomputed one by rounding on another machine only.
+_STATED_TOL = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Certificate:
+    """What the referee found.
+
+    Attributes
+    ----------
+    bound : float
+        The scenario's Δ [-].
+    certified : float
+        Upper bound on the probability that any vehicle ever collides or leaves the workspace [-].
+        A sum, so it may exceed 1; 1 where the plan cannot be judged.
+    ledger : tuple of LedgerRow
+        Where it goes; sums to ``certified``. ``other`` is None for the workspace and for
+        everything far from a vehicle taken together. Empty where the plan cannot be judged.
+    problems : tuple of str
+        What is wrong with the plan besides its risk, one sentence each.
+    saturation : float
+        Upper bound on the probability that any vehicle's feedback ever asks for more control than
+        there is [-]. ``certified`` speaks of feedback that is not cut off: the probability of a
+        collision under controls that saturate is at most the sum of both. 1 where the plan
+        cannot be judged.
+    """
+
+    bound: float
+    certified: float
+    ledger: tuple[LedgerRow, ...]
+    problems: tuple[str, ...]
+    saturation: float = 1.0
+
+    @property
+    def holds(self) -> bool:
+        """Whether the plan is what it says and its risk at most Δ, without any tolerance."""
+        return not self.problems and self.certified <= self.bound
+
+    @property
+    def summary(self) -> str:
+        """The verdict in one sentence."""
+        relation = "at most" if self.certified <= self.bound else "above"
+        risk = (
+            f"certified risk {bound_text(self.certified)} is {relation} the bound {self.bound:.4g}"
+        )
+        if not self.problems:
+            return f"{'holds' if self.holds else 'does not hold'}: {risk}"
+        count = len(self.problems)
+        return f"does not hold: {count} problem{'s' if count > 1 else ''}; {risk}"
+
+
+def certify(plan: Plan) -> Certificate:
+    r"""Judge a plan by its scenario and its controls alone.
+
+    Means and covariances are propagated anew. By Boole's inequality the joint probability is at
+    most the sum over vehicles, pairs, obstacles, workspace faces and steps,
+
+    .. math:: \Pr[\text{any collision}] \le \sum_{e} \min_n
+              Q\left(\frac{n^\top \bar x_e - c_e(n)}{\sqrt{n^\top \Sigma_e n}}\right),
+
+    each with the best half-space found over all directions. Step 0 counts. Under ``intervals`` a
+    half-space is held over each part of an interval: at its near end, at what feedback held over
+    the step makes of it, and at its far end, with what the mean curve hangs off its chord in
+    reserve; and each of these is charged only with what the one before it does not fail
+    (Hunter 1976, Worsley 1982).
+
+    Parameters
+    ----------
+    plan : Plan
+        Any plan, also one from a file that somebody edited.
+
+    Returns
+    -------
+    Certificate
+        Never raises for a plan that is merely wrong: ``problems`` says what is.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no plan; of a result take ``require()``.
+    """
+    check_plan(plan)
+    scenario = plan.scenario
+    problems = shape_problems(plan)
+    if problems:
+        return Certificate(scenario.risk_bound, 1.0, (), tuple(problems))
+    motion = propagate(scenario, [t.controls for t in plan.trajectories])
+    if motion.problems:
+        return Certificate(scenario.risk_bound, 1.0, (), tuple(motion.problems))
+    problems = claim_problems(plan, motion) + limit_problems(plan, motion)
+    ledger = _ledger(scenario, motion)
+    certified = total_risk(ledger)
+    stated = plan.risk.certified
+    if stated is not None and stated < certified * (1.0 - _STATED_TOL):
+        problems.append(
+            f"plan: states a certified risk of {stated:.9g}, the referee finds {certified:.9g}"
+        )
+    saturation = saturation_bound(scenario, motion, [t.controls for t in plan.trajectories])
+    total = min(float(saturation.sum()), 1.0)
+    return Certificate(scenario.risk_bound, certified, ledger, tuple(problems), total)
+
+
+def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:
+    """Rate everything that can go wrong."""
+    intervals = scenario.avoidance == "intervals"
+    everyone = np.arange(scenario.num_vehicles)
+    account = Account()
+    gathered: tuple[tuple[Cause, Gathered], ...] = (
+        ("obstacle", gather_obstacles(scenario, motion, intervals=intervals)),
+        ("pair", gather_pairs(scenario, motion, intervals=intervals)),
+    )
+    half_spaces = 3 * scenario.horizon if intervals else scenario.horizon + 1
+    for cause, found in gathered:
+        for batch in found.batches:
+            risks = step_risks(batch, motion, intervals=intervals)
+            account.charge(cause, batch.first, batch.other, risks)
+        rest = found.skipped.astype(np.float64) * (half_spaces * CUTOFF_RISK)
+        account.charge(cause, everyone, None, rest[:, None])
+    if scenario.workspace is not None:
+        risks = workspace_risks(scenario.workspace, motion, intervals=intervals)
+        account.charge("workspace", everyone, None, risks)
+    return account.rows(
+        tuple(v.name for v in scenario.vehicles), tuple(o.name for o in scenario.obstacles)
+    )

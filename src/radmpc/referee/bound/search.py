@@ -1,0 +1,139 @@
+"""The best half-space at each site."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.referee.bound.halfspace import refine, shared_risks, unit
+from radmpc.referee.bound.tangent import tangent_directions
+from radmpc.referee.sites import Sites
+
+__all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
+
+# Half-spaces below this risk are charged as they are, without looking for a better one.
+NEGLIGIBLE = 1e-15
+
+# Above this risk directions across the chord are tried, too: few sites, a tenth of the time.
+_TELLING = 1e-10
+
+
+def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix, Vector]:
+    """Return the best direction found for each site and its risk, summed over ends.
+
+    At one end the tangents are the best there is. At two ends the search goes on from them.
+    """
+    gaps = sites.means.mean(axis=1)[:, None] - _centers(sites.vertices)
+    tried = np.concatenate(
+        [np.repeat(common, repeats, axis=0), unit(gaps.mean(axis=1, keepdims=True))], axis=1
+    )
+    best, risks = _cheapest(sites, tried)
+    worth = np.flatnonzero(risks > NEGLIGIBLE)
+    if not worth.size:
+        return best, risks
+    close = sites.take(worth)
+    tangents, found = _cheapest(close, np.concatenate([best[worth, None], _tangents(close)], 1))
+    if sites.means.shape[1] > 1:
+        tangents, found = _or_across(close, tangents, found)
+        tangents, found = refine(close, tangents, _sum_over_ends)
+    best[worth], risks[worth] = tangents, found
+    return best, risks
+
+
+def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
+    """Return the best of faces, tangents and a known direction for each site, without a search.
+
+    Over a short part of an interval the tangents of its ends are close to the best there is.
+
+    Parameters
+    ----------
+    sites : Sites
+        S places.
+    common : (S, C, d) array
+        Faces and axes.
+    known : (S, d) array
+        A direction found for a larger place; kept where its risk is negligible.
+
+    Returns
+    -------
+    (S, d) array
+        Directions.
+    """
+    _, risks = _cheapest(sites, known[:, None])
+    worth = np.flatnonzero(risks > NEGLIGIBLE)
+    if not worth.size:
+        return known
+    close = sites.take(worth)
+    tried = np.concatenate([known[worth, None], common[worth], _tangents(close)], axis=1)
+    best = known.copy()
+    best[worth], _ = _or_across(close, *_cheapest(close, tried))
+    return best
+
+
+def _centers(vertices: Tensor) -> Tensor:
+    """Return the mean of the distinct corners at each step around a site, (S, 1 or 2, d).
+
+    Corners are padded by repeating the first. Which one that is, and how often it is repeated,
+    hangs on how outlines are written and on what else there is: neither may move the center.
+    """
+    is_new = np.ones(vertices.shape[:3], dtype=bool)
+    is_new[:, :, 1:] = (vertices[:, :, 1:] != vertices[:, :, :1]).any(axis=3)
+    kept = np.where(is_new[..., None], vertices, 0.0)
+    return np.asarray(kept.sum(axis=2) / is_new.sum(axis=2)[..., None])
+
+
+def _sum_over_ends(risks: Tensor) -> Tensor:
+    """Return the score of a half-space on its own."""
+    return np.asarray(risks.sum(axis=2))
+
+
+def _cheapest(sites: Sites, tried: Tensor) -> tuple[Matrix, Vector]:
+    """Return the best of some directions for each site, and its risk."""
+    rows = np.arange(len(tried))
+    found = shared_risks(sites, tried).sum(axis=2)
+    choice = found.argmin(axis=1)
+    return tried[rows, choice], found[rows, choice]
+
+
+def _tangents(sites: Sites) -> Tensor:
+    """Return the best directions at each end, (S, E (V + R), d)."""
+    per_end = []
+    for end in range(sites.means.shape[1]):
+        shape = 0 if sites.is_near[end] else sites.vertices.shape[1] - 1
+        per_end.append(
+            tangent_directions(
+                sites.means[:, end],
+                sites.covariances[:, end],
+                sites.radii,
+                sites.vertices[:, shape],
+                sites.edges[:, shape],
+            )
+        )
+    return np.concatenate(per_end, axis=1)
+
+
+def _or_across(sites: Sites, best: Matrix, risks: Vector) -> tuple[Matrix, Vector]:
+    """Return the best of given directions and, where these leave a risk, those across the chord."""
+    telling = np.flatnonzero(risks > _TELLING)
+    if telling.size:
+        close = sites.take(telling)
+        tried = np.concatenate([best[telling, None], _across(close)], axis=1)
+        best[telling], risks[telling] = _cheapest(close, tried)
+    return best, risks
+
+
+def _across(sites: Sites) -> Tensor:
+    """Return the directions in which corners and edges are nearest to the chord itself, (S, …, d).
+
+    Where a chord passes a corner so closely that only a few directions separate them, these are
+    at right angles to it: a search in steps would pass over them.
+    """
+    begin = sites.means[:, :1] - sites.vertices[:, 0]
+    end = sites.means[:, -1:] - sites.vertices[:, -1]
+    along = unit(end - begin)
+    across = [begin - (begin * along).sum(axis=2, keepdims=True) * along]
+    if along.shape[2] == 3:
+        edges = sites.edges[:, 0, :, 1] - sites.edges[:, 0, :, 0]
+        normals = np.cross(along[:, :1], edges)
+        across += [normals, -normals]
+    return unit(np.concatenate(across, axis=1))

@@ -1,0 +1,95 @@
+"""Probability of leaving the workspace, face by face."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.scenario import Workspace
+from radmpc.referee.bound.halfspace import end_risks
+from radmpc.referee.bound.parts import NUM_PARTS, part_sites
+from radmpc.referee.bound.persistence import path_charges
+from radmpc.referee.encounters import Encounters, instant_sites, interval_sites
+from radmpc.referee.motion import FleetMotion
+
+__all__ = ["faces_of", "workspace_risks"]
+
+_WORTH = 1e-13
+"""Sum of a vehicle at a face below which its intervals are not looked at in parts [-]."""
+
+
+def faces_of(workspace: Workspace, motion: FleetMotion) -> list[tuple[Matrix, Encounters]]:
+    """Return every vehicle's center against every face of the box.
+
+    The box is convex: each face is a half-space to stay in, whatever the others do.
+
+    Returns
+    -------
+    list of ((d,) array, Encounters)
+        The unit normal into the box, and all vehicles against the half-space behind the face.
+    """
+    count, _, d = motion.positions.shape
+    everyone, none = np.arange(count), np.zeros(count, dtype=np.int64)
+    faces = []
+    for axis in range(d):
+        # Staying above `lower` along n = +axis, below `upper` along n = −axis.
+        for sign, corner in ((1.0, workspace.lower), (-1.0, workspace.upper)):
+            normal = np.zeros(d)
+            normal[axis] = sign
+            batch = Encounters(
+                kind="workspace",
+                first=everyone,
+                other=none,
+                piece=none,
+                means=motion.positions,
+                covariances=motion.position_covariances,
+                bent_covariances=motion.bent_covariances if motion.is_bent else None,
+                bows=motion.bows,
+                radii=np.zeros(count),
+                vertices=np.broadcast_to(corner, (count, 1, 1, d)),
+                directions=np.broadcast_to(normal, (count, 1, d)),
+                edges=np.zeros((count, 1, 0, 2, d)),
+            )
+            faces.append((normal, batch))
+    return faces
+
+
+def workspace_risks(workspace: Workspace, motion: FleetMotion, *, intervals: bool) -> Vector:
+    """Return an upper bound on the probability that each center is outside, step by step.
+
+    Parameters
+    ----------
+    workspace : Workspace
+        The box.
+    motion : FleetMotion
+        Where the vehicles are.
+    intervals : bool
+        Whether the path between the steps counts.
+
+    Returns
+    -------
+    (N, T+1) array
+        Summed over faces.
+    """
+    count, steps, _ = motion.positions.shape
+    risks = np.zeros((count, steps))
+    for normal, batch in faces_of(workspace, motion):
+        if not intervals:
+            sites = instant_sites(batch)
+            along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
+            risks += end_risks(sites, along)[:, 0, 0].reshape(count, steps)
+            continue
+        sites = interval_sites(batch)
+        along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
+        ends = end_risks(sites, along)[:, 0].reshape(count, steps - 1, -1)
+        near = np.flatnonzero(ends.sum(axis=(1, 2)) > _WORTH)
+        # Far from the face, both ends of every interval are charged as they are.
+        found = np.zeros((count, steps))
+        found[:, :-1] = ends[:, :, :-1].sum(axis=2)
+        found[:, 1:] += ends[:, :, -1]
+        if near.size:
+            parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
+            held = np.broadcast_to(normal, (near.size, NUM_PARTS * (steps - 1), normal.size))
+            found[near] = path_charges(parts, held, crossed, NUM_PARTS)
+        risks += found
+    return risks

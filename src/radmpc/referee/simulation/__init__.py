@@ -1,0 +1,1 @@
+"""Monte Carlo of the motion that is flown, feedback, curves and clipped controls among it."""

@@ -1,0 +1,340 @@
+"""One chunk of flights: draw deviations, find the few that matter, test those exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.errors import NoPlanError, ScenarioError
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.referee.claims import shape_problems
+from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.sampling import Sampler
+from radmpc.referee.saturation import Cutoff, cutoffs, may_saturate, saturation_bound
+from radmpc.referee.simulation.collisions import Flags, leaves_workspace, meets_origin, meets_solid
+from radmpc.referee.simulation.projections import Projections, projections_of
+from radmpc.referee.simulation.sweep import SweepPart, resting, swept
+from radmpc.referee.simulation.watch import OBSTACLE, PAIR, WORKSPACE, Watch, WatchList, watch_list
+
+__all__ = ["Chunk", "Flight", "prepare"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flight:
+    """Everything that all chunks share; read-only, so that threads may.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        What is flown.
+    motion : FleetMotion
+        Means.
+    sampler : Sampler
+        Draws the deviations of the vehicles that matter.
+    watched : WatchList
+        What to watch in each window.
+    usual, wide : tuple of Projections
+        Deviations along the normals of each window's rows.
+    position_rows : (N, d) int array
+        Where a vehicle's position stands among the deviations.
+    bends : sparse (N d, width) array
+        ``B_p K`` of every vehicle: what feedback held over a step adds to the position.
+    held_back : sparse (N d, R) array
+        ``B_p`` for the controls that may be cut off.
+    parts : mapping
+        Solids by obstacle, piece and (where it moves) window.
+    cutoffs : tuple of Cutoff
+        Controls that may saturate, per step.
+    always_saturated : bool
+        Whether some nominal control is above its limit already.
+    """
+
+    scenario: Scenario
+    motion: FleetMotion
+    sampler: Sampler
+    watched: WatchList
+    usual: tuple[Projections, ...]
+    wide: tuple[Projections, ...]
+    position_rows: Indices
+    bends: csr_array
+    held_back: csr_array
+    parts: dict[tuple[int, int, int], tuple[SweepPart, ...]]
+    cutoffs: tuple[Cutoff, ...]
+    always_saturated: bool
+
+    @property
+    def overlooked(self) -> float:
+        """Upper bound on the probability of what is not watched [-]."""
+        return self.watched.overlooked
+
+    def count(self, size: int, seed: np.random.SeedSequence) -> Indices:
+        """Return flights with any collision, with each kind, and with saturation.
+
+        Parameters
+        ----------
+        size : int
+            Flights.
+        seed : SeedSequence
+            Of this chunk alone.
+
+        Returns
+        -------
+        (5,) int array
+            Any, pair, obstacle, workspace, saturated.
+        """
+        chunk = Chunk(self, size)
+        chunk.fly(np.random.default_rng(seed))
+        hits = chunk.hits
+        counts = [hits.any(axis=0).sum(), *hits.sum(axis=1), chunk.saturated.sum()]
+        return np.array(counts, dtype=np.int64)
+
+
+@dataclass(slots=True, eq=False)
+class Chunk:
+    """Flights in the air.
+
+    Attributes
+    ----------
+    flight : Flight
+        What is flown.
+    size : int
+        Flights.
+    hits : (3, size) bool array
+        Which flights met a vehicle, met an obstacle, left the workspace.
+    saturated : (size,) bool array
+        In which some control was cut off so far.
+    excess : (R, size) array or None
+        What the controls of the last step asked for beyond their limits.
+    """
+
+    flight: Flight
+    size: int
+    hits: Flags = field(init=False)
+    saturated: Flags = field(init=False)
+    excess: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        """Begin without any hit."""
+        self.hits = np.zeros((3, self.size), dtype=bool)
+        self.saturated = np.full(self.size, self.flight.always_saturated)
+
+    def fly(self, rng: np.random.Generator) -> None:
+        """Draw all flights step by step, and test each window."""
+        flight = self.flight
+        horizon = flight.scenario.horizon
+        intervals = flight.scenario.avoidance == "intervals"
+        before: Matrix | None = None
+        for k, here in enumerate(flight.sampler.draw(horizon, self.size, rng, self._hold_back)):
+            if not intervals:
+                self._test(k, (k, k), (here, here))
+            elif before is not None:
+                self._test(k - 1, (k - 1, k), (before, here))
+            before = here
+
+    def _hold_back(self, step: int, state: Matrix, following: Matrix) -> None:
+        """Take off what saturated controls do not do."""
+        cutoff = self.flight.cutoffs[step]
+        self.excess = cutoff.excess(state)
+        if self.excess is not None:
+            self.saturated |= self.excess.any(axis=0)
+            following -= cutoff.pushes @ self.excess
+
+    def _test(self, window: int, steps: tuple[int, int], states: tuple[Matrix, Matrix]) -> None:
+        """Mark the flights that collide in a window."""
+        flight = self.flight
+        everyone = np.arange(self.size)
+        usual = flight.watched.usual[window], flight.usual[window]
+        self._test_rows(window, usual, everyone, steps, states)
+        wide = flight.watched.wide[window]
+        strayed = np.flatnonzero(self.saturated)
+        if wide.kinds.size and strayed.size:
+            self._test_rows(window, (wide, flight.wide[window]), strayed, steps, states)
+
+    def _test_rows(
+        self,
+        window: int,
+        rows: tuple[Watch, Projections],
+        samples: Indices,
+        steps: tuple[int, int],
+        states: tuple[Matrix, Matrix],
+    ) -> None:
+        """Mark those of some flights that collide with what some rows watch."""
+        watch, along = rows
+        if not watch.kinds.size:
+            return
+        if samples.size < self.size:
+            states = states[0][:, samples], states[1][:, samples]
+        excess = None if self.excess is None else self.excess[:, samples]
+        row, sample = np.nonzero(along.leaves(watch.margins, states, excess))
+        fresh = self.is_open(watch.kinds[row], samples[sample])
+        row, sample = row[fresh], sample[fresh]
+        if not row.size:
+            return
+        begin, end = (
+            self._places(watch, row, sample, k, state)
+            for k, state in zip(steps, states, strict=True)
+        )
+        bows = watch.bows[row]
+        if watch.margins.shape[1] > 1:
+            bows = bows + self._extra_bows(watch, row, sample, states[0], excess)
+        met = (begin, end, bows)
+        self._test_pairs(watch, (row, samples[sample]), met)
+        self._test_solids(window, watch, (row, samples[sample]), met)
+        self._test_workspace(watch, (row, samples[sample]), met)
+
+    def is_open(self, kinds: Indices, samples: Indices) -> Flags:
+        """Return whether flights are still to be tested for kinds of collisions, (M,) bool."""
+        return ~self.hits[kinds, samples]
+
+    def mark(self, watch: Watch, rows: Indices, samples: Indices) -> None:
+        """Note that rows of a window went wrong in flights."""
+        self.hits[watch.kinds[rows], samples] = True
+
+    def _places(
+        self, watch: Watch, row: Indices, sample: Indices, step: int, state: Matrix
+    ) -> Matrix:
+        """Return the (relative) positions of some rows in some samples, (M, d)."""
+        first, other = watch.first[row], watch.other[row]
+        places = self._positions(first, sample, step, state)
+        pair = np.flatnonzero(watch.kinds[row] == PAIR)
+        places[pair] -= self._positions(other[pair], sample[pair], step, state)
+        return places
+
+    def _positions(self, who: Indices, sample: Indices, step: int, state: Matrix) -> Matrix:
+        """Return the positions of some vehicles in some samples, (M, d)."""
+        positions: Matrix = self.flight.motion.positions[who, step]
+        return positions + state[self.flight.position_rows[who], sample[:, None]]
+
+    def _extra_bows(
+        self, watch: Watch, row: Indices, sample: Indices, state: Matrix, excess: Matrix | None
+    ) -> Matrix:
+        """Return how far feedback as flown makes paths hang off their chords, (M, d) [m]."""
+        flight = self.flight
+        if not flight.bends.nnz:
+            return np.zeros((row.size, flight.scenario.dimension))
+        used, place = np.unique(sample, return_inverse=True)
+        pushed = flight.bends @ state[:, used]
+        if excess is not None:
+            pushed -= flight.held_back @ excess[:, used]
+        by_axis: Tensor = pushed.reshape(flight.scenario.num_vehicles, -1, used.size)
+        extra = by_axis[watch.first[row], :, place]
+        pair = np.flatnonzero(watch.kinds[row] == PAIR)
+        extra[pair] -= by_axis[watch.other[row[pair]], :, place[pair]]
+        return np.asarray(extra / 4.0)
+
+    def _test_pairs(
+        self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
+    ) -> None:
+        """Mark flights in which two vehicles meet."""
+        row, sample = where
+        begin, end, bows = met
+        at = np.flatnonzero(watch.kinds[row] == PAIR)
+        found = meets_origin(begin[at], end[at], bows[at], watch.reaches[row[at]])
+        self.mark(watch, row[at[found]], sample[at[found]])
+
+    def _test_solids(
+        self,
+        window: int,
+        watch: Watch,
+        where: tuple[Indices, Indices],
+        met: tuple[Matrix, Matrix, Matrix],
+    ) -> None:
+        """Mark flights in which a vehicle hits an obstacle, piece by piece."""
+        row, sample = where
+        begin, end, bows = met
+        at = np.flatnonzero(watch.kinds[row] == OBSTACLE)
+        keys = np.column_stack([watch.other[row[at]], watch.piece[row[at]]])
+        for obstacle, piece in np.unique(keys, axis=0).tolist():
+            these = at[(keys == (obstacle, piece)).all(axis=1)]
+            these = these[self.is_open(watch.kinds[row[these]], sample[these])]
+            moving = self.flight.scenario.obstacles[obstacle].is_moving
+            parts = self.flight.parts[obstacle, piece, window if moving else -1]
+            reaches = watch.reaches[row[these]]
+            found = meets_solid(begin[these], end[these], bows[these], reaches, parts)
+            self.mark(watch, row[these[found]], sample[these[found]])
+
+    def _test_workspace(
+        self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
+    ) -> None:
+        """Mark flights in which a center leaves the workspace."""
+        workspace = self.flight.scenario.workspace
+        if workspace is None:
+            return
+        row, sample = where
+        begin, end, bows = met
+        at = np.flatnonzero(watch.kinds[row] == WORKSPACE)
+        out = leaves_workspace(begin[at], end[at], bows[at], workspace)
+        self.mark(watch, row[at[out]], sample[at[out]])
+
+
+def prepare(plan: Plan) -> Flight:
+    """Return a plan ready to be flown.
+
+    Raises
+    ------
+    NoPlanError
+        If the plan holds no trajectories.
+    ScenarioError
+        If its vehicles or arrays do not fit its scenario, or overflow.
+    """
+    problems = shape_problems(plan)
+    if problems:
+        kind = ScenarioError if plan.trajectories else NoPlanError
+        raise kind("; ".join(problems))
+    scenario = plan.scenario
+    controls = [t.controls for t in plan.trajectories]
+    motion = propagate(scenario, controls)
+    if motion.problems:
+        raise ScenarioError("; ".join(motion.problems))
+    saturation = saturation_bound(scenario, motion, controls)
+    loose = may_saturate(saturation)
+    watched = watch_list(scenario, motion, loose)
+    everything = [*watched.usual, *watched.wide]
+    involved = [w.first for w in everything] + [w.other[w.kinds == PAIR] for w in everything]
+    needed = np.unique(np.concatenate([*involved, np.flatnonzero(loose)]))
+    sampler = Sampler.of(motion, needed)
+    cut = cutoffs(scenario, loose, controls, sampler)
+    projections = projections_of(scenario, motion, sampler, cut[0])
+    open_loop = [i for i, v in enumerate(scenario.vehicles) if v.gain is None]
+    return Flight(
+        scenario,
+        motion,
+        sampler,
+        watched,
+        tuple(projections.onto(w) for w in watched.usual),
+        tuple(projections.onto(w) for w in watched.wide),
+        projections.position_rows,
+        projections.bends,
+        projections.held_back,
+        _solids(scenario, everything),
+        cut,
+        bool(np.any(saturation[open_loop] > 0.0)),
+    )
+
+
+def _solids(
+    scenario: Scenario, watches: Sequence[Watch]
+) -> dict[tuple[int, int, int], tuple[SweepPart, ...]]:
+    """Return the solids that any row names."""
+    num_windows = scenario.horizon + (0 if scenario.avoidance == "intervals" else 1)
+    parts: dict[tuple[int, int, int], tuple[SweepPart, ...]] = {}
+    for number, watch in enumerate(watches):
+        window = number % num_windows
+        named = np.flatnonzero(watch.kinds == OBSTACLE)
+        keys = np.column_stack([watch.other[named], watch.piece[named]])
+        for obstacle_number, piece in np.unique(keys, axis=0).tolist():
+            obstacle = scenario.obstacles[obstacle_number]
+            key = (obstacle_number, piece, window if obstacle.is_moving else -1)
+            if key in parts:
+                continue
+            here = obstacle.at(window)[piece]
+            if obstacle.is_moving and scenario.avoidance == "intervals":
+                parts[key] = swept(here, obstacle.at(window + 1)[piece])
+            else:
+                parts[key] = resting(here)
+    return parts

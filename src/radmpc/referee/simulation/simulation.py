@@ -1,0 +1,166 @@
+"""Monte Carlo: how often a plan collides when it is flown."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import betaincinv
+
+from radmpc.arguments import check_callable, check_integer, check_rng
+from radmpc.model.given import check_plan
+from radmpc.model.plan import Plan
+from radmpc.referee.simulation.flight import prepare
+
+__all__ = ["Simulation", "simulate"]
+
+# Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because
+# a chunk is what one stream of random numbers fills.
+_CHUNK_NUMBERS = 100_000
+_LEAST_CHUNK = 512
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """What happened in many flights.
+
+    Attributes
+    ----------
+    samples : int
+        Flights.
+    collisions : int
+        Flights with at least one collision, or one vehicle outside the workspace.
+    pair_collisions, obstacle_collisions, workspace_exits : int
+        Flights with at least one of each kind; a flight may count in several.
+    saturated : int
+        Flights in which some ``|ū + K (x − x̄)|`` exceeds its control limit at some step; what
+        exceeds it is cut off.
+    overlooked : float
+        Upper bound on the probability of everything that was too unlikely to be tested [-].
+    """
+
+    samples: int
+    collisions: int
+    pair_collisions: int
+    obstacle_collisions: int
+    workspace_exits: int
+    saturated: int
+    overlooked: float
+
+    @property
+    def rate(self) -> float:
+        """Share of flights that collide."""
+        return self.collisions / self.samples
+
+    @property
+    def rate_low(self) -> float:
+        """Lower end of the two-sided 95 % Clopper-Pearson interval of the probability."""
+        if self.collisions == 0:
+            return 0.0
+        return float(betaincinv(self.collisions, self.samples - self.collisions + 1, 0.025))
+
+    @property
+    def rate_high(self) -> float:
+        """Upper end of the two-sided 95 % Clopper-Pearson interval of the probability."""
+        if self.collisions == self.samples:
+            return 1.0
+        return float(betaincinv(self.collisions + 1, self.samples - self.collisions, 0.975))
+
+    @property
+    def pair_rate(self) -> float:
+        """Share of flights in which two vehicles collide."""
+        return self.pair_collisions / self.samples
+
+    @property
+    def obstacle_rate(self) -> float:
+        """Share of flights in which a vehicle hits an obstacle."""
+        return self.obstacle_collisions / self.samples
+
+    @property
+    def workspace_rate(self) -> float:
+        """Share of flights in which a center leaves the workspace."""
+        return self.workspace_exits / self.samples
+
+    @property
+    def saturation_rate(self) -> float:
+        """Share of flights in which a control exceeds its limit."""
+        return self.saturated / self.samples
+
+
+def simulate(
+    plan: Plan,
+    samples: int = 100_000,
+    *,
+    rng: np.random.Generator | int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Simulation:
+    r"""Fly a plan many times and count collisions.
+
+    Every flight is a whole trajectory, :math:`x^+ = A x + B u + w` under the control
+    :math:`u = \bar u + K(x - \bar x)`, cut off at the control limit as an autopilot does, with its
+    correlation in time, tested with exact geometry: discs or balls of the vehicles' radii against
+    each other and against the obstacles as they are. Under ``steps`` at k = 0..T; under
+    ``intervals`` along the path: a double integrator flies the parabola of the control it holds
+    over the step, feedback included, everything else the straight segment, and the disturbance
+    enters in proportion to time.
+
+    Parameters
+    ----------
+    plan : Plan
+        Judged by its scenario and controls.
+    samples : int
+        Flights, >= 1.
+    rng : Generator, int or None
+        Source of randomness or a seed. Equal seeds give equal results on any number of cores.
+    progress : callable, optional
+        Called with flights done and flights in all.
+
+    Returns
+    -------
+    Simulation
+        Counts and rates.
+
+    Raises
+    ------
+    ArgumentError
+        If ``samples`` is below 1 or the seed below 0.
+    ArgumentTypeError
+        If an argument is of another kind.
+    NoPlanError
+        If the plan holds no trajectories.
+    ScenarioError
+        If its vehicles or arrays do not fit its scenario, or overflow.
+    """
+    check_plan(plan)
+    samples = check_integer(samples, "samples", 1)
+    check_rng(rng)
+    check_callable(progress, "progress")
+    flight = prepare(plan)
+    size = max(_LEAST_CHUNK, _CHUNK_NUMBERS // max(1, flight.sampler.width))
+    sizes = [size] * (samples // size) + ([samples % size] if samples % size else [])
+    entropy = np.random.default_rng(rng).integers(0, 2**32, size=4).tolist()
+    seeds = np.random.SeedSequence(entropy).spawn(len(sizes))
+    counts = np.zeros(5, dtype=np.int64)
+    done = 0
+    pool = ThreadPoolExecutor(max_workers=_num_workers())
+    try:
+        for found, part in zip(pool.map(flight.count, sizes, seeds), sizes, strict=True):
+            counts += found
+            done += part
+            if progress is not None:
+                progress(done, samples)
+    finally:
+        # An interrupted caller waits for the chunks in the air, not for all that are left.
+        pool.shutdown(cancel_futures=True)
+    total, pairs, obstacles, exits, saturated = (int(c) for c in counts)
+    return Simulation(samples, total, pairs, obstacles, exits, saturated, flight.overlooked)
+
+
+def _num_workers() -> int:
+    """Return the cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

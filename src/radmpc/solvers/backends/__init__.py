@@ -1,1 +1,0 @@
-"""Mixed-integer solvers behind one small protocol, one file each."""

@@ -1,0 +1,1 @@
+"""Branch and bound over alternatives at fixed margins, vehicles apart while they can be."""

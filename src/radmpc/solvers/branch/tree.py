@@ -1,0 +1,278 @@
+"""Disjunctive branch and bound over one warm linear program, at fixed margins.
+
+A node is a set of chosen alternatives. Its linear program holds their rows only, so its
+optimum bounds every solution that chooses them. Where the optimum violates some avoidance, the
+node splits into one child per alternative of one such avoidance. Children are kept disjoint:
+a later child takes the opposite of its earlier siblings' rows, so that no solution is met twice.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.warm_lp import CostRow, WarmLp
+from radmpc.solvers.selection import possible_alternatives, side_table, violations_of
+from radmpc.solvers.solution import Limits, relative_gap
+
+__all__ = ["Tree"]
+
+_VIOLATION_TOL = 1e-8
+_SECOND_WEIGHT = 0.5
+"""An avoidance is worth branching on if its best alternative is far away, and half as much if its
+second best is: then both children move."""
+
+_PATIENCE = 100
+"""Nodes that a dive without any solution may back up for before the best bound is tried again."""
+
+
+@dataclass(order=True, slots=True)
+class _Node:
+    """A node, ordered by its bound, then deeper first, then older first.
+
+    A dive takes its nodes without looking for them in the heap: they stay there, no longer open,
+    until they come to the top. A node that is opened again is queued still, or pushed.
+    """
+
+    bound: float
+    depth: int
+    number: int
+    chosen: tuple[int, ...] = field(compare=False)
+    excluded: tuple[int, ...] = field(compare=False)
+    is_open: bool = field(compare=False, default=True)
+    is_queued: bool = field(compare=False, default=False)
+
+
+class Tree:
+    """The running state of one search; afterwards its answer.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program.
+    margins : (r,) array
+        Back-off of each row [m].
+    gap : float
+        Relative gap at which to stop.
+    limits : Limits
+        When to stop early.
+    cost_rows : sequence of CostRow
+        Known lower bounds on the cost of some columns.
+
+    Attributes
+    ----------
+    cost, z : float, (n,) array or None
+        The best solution found.
+    bound : float
+        Proven lower bound; inf where infeasible.
+    nodes, lps : int
+        Work done.
+    is_limited : bool
+        Whether a limit ended the search.
+    """
+
+    def __init__(
+        self,
+        program: DisjunctiveProgram,
+        margins: Vector,
+        *,
+        gap: float,
+        limits: Limits,
+        cost_rows: Sequence[CostRow] = (),
+    ) -> None:
+        self.program = program
+        self.margins = margins
+        self.gap = gap
+        self.limits = limits
+        self.cost = float("inf")
+        self.z: Vector | None = None
+        self.bound = float("inf")
+        self.nodes = 0
+        self.is_limited = False
+        self._lp = WarmLp(program, margins, cost_rows)
+        self._open: list[_Node] = []
+        self._trail: list[_Node] = []
+        self._weights = np.ones(program.num_avoidances)
+        self._owner = np.repeat(
+            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
+        )
+        self._created = 0
+        self._closed = float("inf")
+        self._possible = possible_alternatives(program, margins)
+        self._table = side_table(program, self._possible)
+        left = (self._table >= 0).sum(axis=1)
+        self._is_hopeless = bool(np.any(left == 0)) or bool(np.any(program.upper < program.lower))
+        self._forced = tuple(int(self._table[v, 0]) for v in np.flatnonzero(left == 1))
+
+    @property
+    def lps(self) -> int:
+        """Linear programs solved."""
+        return self._lp.solves
+
+    def try_selection(self, selection: Indices) -> None:
+        """Make an incumbent of a full selection, if it has a solution."""
+        if self._is_hopeless:
+            return
+        self._lp.activate(self.program.selected_rows(selection))
+        outcome, _ = self._lp.solve()
+        if outcome is LpOutcome.OPTIMAL:
+            z = self._lp.point()
+            cost = float(self.program.cost @ z)
+            if cost < self.cost:
+                self.cost, self.z = cost, z
+
+    def try_point(self, z: Vector) -> None:
+        """Make an incumbent of a point, if it satisfies the program."""
+        violations = violations_of(self.program, self.margins, z)
+        cost = float(self.program.cost @ z)
+        if cost < self.cost and self._most_promising(violations) is None:
+            self.cost, self.z = cost, z
+
+    def run(self, max_nodes: int) -> None:
+        """Dive from the best open node until none can improve on the incumbent.
+
+        Stops after so many nodes; called again it goes on where it stood.
+        """
+        if self._is_hopeless:
+            return
+        if self.nodes == 0:
+            self._push(-float("inf"), self._forced, ())
+        last = self.nodes + max_nodes
+        self.is_limited = False
+        while self._top() is not None and not self.is_limited:
+            if relative_gap(self.cost, self._open[0].bound) <= self.gap:
+                break
+            self._dive(self._popped(), last)
+        left = self._top()
+        self.bound = min(self._closed, float("inf") if left is None else left.bound, self.cost)
+
+    def _dive(self, node: _Node | None, last: int) -> None:
+        """Follow a node's best children down; without any solution yet, back up a while."""
+        self._trail.clear()
+        patience = _PATIENCE
+        while node is not None:
+            node.is_open = False
+            if self.nodes >= last or self.limits.reached:
+                self.is_limited = True
+                self._queue(node)
+                return
+            node = self._expand(node)
+            if node is None and self.z is None and patience > 0:
+                node = self._backtrack()
+            patience -= 1
+
+    def _backtrack(self) -> _Node | None:
+        """Return the latest open node of this dive."""
+        while self._trail:
+            node = self._trail.pop()
+            if node.is_open:
+                return node
+        return None
+
+    def _top(self) -> _Node | None:
+        """Return the open node of least bound; those taken by a dive are dropped on the way."""
+        while self._open and not self._open[0].is_open:
+            self._popped()
+        return self._open[0] if self._open else None
+
+    def _popped(self) -> _Node:
+        """Take the first node off the heap."""
+        node = heapq.heappop(self._open)
+        node.is_queued = False
+        return node
+
+    def _queue(self, node: _Node) -> None:
+        """Open a node, in the heap once."""
+        node.is_open = True
+        if not node.is_queued:
+            node.is_queued = True
+            heapq.heappush(self._open, node)
+
+    def _expand(self, node: _Node) -> _Node | None:
+        """Solve a node; return the child to dive into, if it has any."""
+        self.nodes += 1
+        cutoff = self._cutoff()
+        if node.bound >= cutoff:
+            self._close(node.bound)
+            return None
+        self._lp.activate(self._rows(node.chosen), self._rows(node.excluded))
+        outcome, bound = self._lp.solve(cutoff)
+        if outcome is not LpOutcome.OPTIMAL and node.chosen:
+            self._weights[self._owner[node.chosen[-1]]] += 1.0
+        if outcome is LpOutcome.INFEASIBLE:
+            return None
+        bound = max(bound, node.bound)
+        if outcome is not LpOutcome.OPTIMAL:
+            # Cut off; or HiGHS failed: a limit like any other, its bound stays.
+            self._close(bound)
+            return None
+        z = self._lp.point()
+        violations = violations_of(self.program, self.margins, z)
+        avoidance = self._most_promising(violations)
+        if avoidance is not None:
+            return self._branch(node, avoidance, violations, bound)
+        self._close(bound)
+        cost = float(self.program.cost @ z)
+        if cost < self.cost:
+            self.cost, self.z = cost, z
+        return None
+
+    def _most_promising(self, violations: Vector) -> int | None:
+        """Return the avoidance to branch on; None if all hold."""
+        if violations.size == 0:
+            return None
+        padded = np.where(self._table >= 0, violations[self._table], np.inf)
+        least = padded.min(axis=1)
+        violated = np.flatnonzero(least > _VIOLATION_TOL)
+        if violated.size == 0:
+            return None
+        if self.z is None or padded.shape[1] == 1:
+            # Without a solution, what failed often fails early: begin there (Boussemart 2004).
+            return int(violated[(least[violated] * self._weights[violated]).argmax()])
+        nearest = np.partition(padded[violated], 1, axis=1)
+        return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * nearest[:, 1]).argmax()])
+
+    def _branch(self, node: _Node, avoidance: int, violations: Vector, bound: float) -> _Node:
+        """Open one child per alternative; return the one violated least."""
+        alternatives = [int(a) for a in self._table[avoidance] if a >= 0]
+        alternatives.sort(key=lambda a: violations[a])
+        excluded, later = node.excluded, []
+        for before, alternative in pairwise(alternatives):
+            # Only a single row has an opposite that is a row.
+            if self.program.rows_of(before).size == 1:
+                excluded = (*excluded, before)
+            later.append(self._push(bound, (*node.chosen, alternative), excluded))
+        self._trail += later[::-1]
+        self._created += 1
+        chosen = (*node.chosen, alternatives[0])
+        return _Node(bound, -len(chosen), self._created, chosen, node.excluded)
+
+    def _rows(self, alternatives: tuple[int, ...]) -> list[int]:
+        """Return the rows of alternatives."""
+        starts, rows = self.program.alternative_starts, self.program.alternative_rows
+        return [int(r) for a in alternatives for r in rows[starts[a] : starts[a + 1]]]
+
+    def _cutoff(self) -> float:
+        """Return the cost from which on a node cannot matter."""
+        if self.z is None:
+            return float("inf")
+        # A hair above what the gap allows, so that a node cut off counts as within it.
+        return self.cost - self.gap * (1.0 - 1e-6) * max(abs(self.cost), 1e-9)
+
+    def _close(self, bound: float) -> None:
+        """Account for the bound of a node that is not split further."""
+        self._closed = min(self._closed, bound)
+
+    def _push(self, bound: float, chosen: tuple[int, ...], excluded: tuple[int, ...]) -> _Node:
+        """Open a node."""
+        self._created += 1
+        node = _Node(bound, -len(chosen), self._created, chosen, excluded)
+        self._queue(node)
+        return node

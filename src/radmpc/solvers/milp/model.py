@@ -1,0 +1,73 @@
+"""A mixed-integer linear program as a value, and what a backend must do with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Vector
+from radmpc.solvers.solution import Limits, Outcome
+
+__all__ = ["Backend", "MilpAnswer", "MilpModel"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MilpModel:
+    """Minimize ``cost @ x`` with ``row_lower <= matrix @ x <= row_upper``.
+
+    Attributes
+    ----------
+    cost, lower, upper : (n,) array
+        Costs and bounds of the columns.
+    num_continuous : int
+        The columns after this many are binary.
+    matrix : (r, n) sparse array
+        Row coefficients.
+    row_lower, row_upper : (r,) array
+        Row bounds, ±inf where there is none.
+    """
+
+    cost: Vector
+    lower: Vector
+    upper: Vector
+    num_continuous: int
+    matrix: csr_array
+    row_lower: Vector
+    row_upper: Vector
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MilpAnswer:
+    """What a backend found.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        How it ended.
+    x : (n,) array or None
+        The best point.
+    bound : float
+        Proven lower bound.
+    nodes : int
+        Nodes of its tree.
+    """
+
+    outcome: Outcome
+    x: Vector | None
+    bound: float
+    nodes: int
+
+
+class Backend(Protocol):
+    """A mixed-integer solver."""
+
+    @property
+    def name(self) -> str:
+        """What users call it."""
+        ...
+
+    def minimize(self, model: MilpModel, gap: float, limits: Limits) -> MilpAnswer:
+        """Solve a model to a relative gap, or until a limit."""
+        ...

@@ -1,0 +1,49 @@
+"""Branch and bound over faces and risks within a budget that is hard.
+
+A price finds the plans on the lower convex hull of cost over risk; where sides change at a jump,
+the best plan within a budget lies above the hull, and no price finds it. Here the budget is the
+unit, which the linear programs keep anyway, and the price only breaks ties.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.solvers.priced.rating import Rating
+from radmpc.solvers.priced.tree import RiskTree
+
+__all__ = ["OVER", "BudgetTree"]
+
+OVER = 2e-6
+"""Share of the budget by which a candidate may exceed it: what tangents and solver leave."""
+
+_MISSING = 0.5 * OVER
+"""Units by which the risk of chosen rows may be underestimated in all."""
+
+
+class BudgetTree(RiskTree):
+    """The search for the least cost within a budget; see `RiskTree`, whose unit is the budget."""
+
+    rounds = 60
+    """A budget that is hard is met by more tangents than a price asks for."""
+
+    def _worth(self, z: Vector, rating: Rating) -> float:
+        """Return a point's value; inf beyond the budget."""
+        return float("inf") if rating.risk > (1.0 + OVER) * self.unit else super()._worth(z, rating)
+
+    def _refine(
+        self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
+    ) -> bool:
+        """Add tangents where a point within the budget by them is beyond it in truth."""
+        if super()._refine(chosen, point, rating, tolerance):
+            return True
+        rows = self._noisy_rows(chosen)
+        if rows.size == 0 or rating.risk <= (1.0 + OVER) * self.unit:
+            return False
+        missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0) / self.unit
+        if missing.sum() <= _MISSING:
+            return False
+        return self._add_tangents(rows[missing > _MISSING / (4.0 * rows.size)], rating)

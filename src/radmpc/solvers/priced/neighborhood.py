@@ -1,0 +1,222 @@
+"""Incumbents at a price of risk, by planning one block or two around the others.
+
+What the others do is a moving obstacle to the free ones; a small search with faces and risks
+together finds their best way around it. Heuristics: they prove nothing, but a point they return
+is a solution of the whole at its true risk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Vector
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.restrict import Restriction, avoidance_blocks, restrict_around
+from radmpc.solvers.priced.around import search_around
+from radmpc.solvers.priced.nodes import Incumbent
+from radmpc.solvers.priced.rating import Rater
+from radmpc.solvers.priced.tree import RiskTree
+from radmpc.solvers.solution import Limits
+
+__all__ = ["Neighborhood", "Seek"]
+
+Seek = Callable[[Rater, int, bool], Incumbent | None]
+"""Looks for a plan of one block, its program laid out for rating, around placed others; in haste
+or at its own pace."""
+
+_ROUGH_GAP = 5e-3
+_NODES_AROUND = 60
+_TRIES = 3
+_TRIES_IN_HASTE = 5
+"""Orders in which blocks are placed."""
+
+_NODES = 200
+"""Nodes per free block: it is a heuristic, not a proof."""
+
+
+@dataclass(eq=False)
+class Neighborhood:
+    """A program of several blocks, to be planned a few at a time.
+
+    Attributes
+    ----------
+    program : DisjunctiveProgram
+        The whole.
+    unit, price : float
+        The budget of risk, and what it costs.
+    scale : float
+        Value below which a gap is taken of this.
+    limits : Limits
+        When to stop early.
+    move : float
+        The longest move from step to step [m].
+    least : sequence of float
+        Every block's value in the best of cases, alone: one that has it is not planned anew.
+    seek : callable or None
+        Where the search for a block that is to be placed finds no way.
+    """
+
+    program: DisjunctiveProgram
+    unit: float
+    price: float
+    scale: float
+    limits: Limits
+    move: float
+    least: Sequence[float]
+    seek: Seek | None = None
+
+    def __post_init__(self) -> None:
+        """Find out which avoidances touch which blocks."""
+        self.touched: csr_array = avoidance_blocks(self.program)
+        self.blocks = list(range(self.touched.shape[1]))
+
+    def place(self, alone: Vector, order: Sequence[int]) -> Vector | None:
+        """Plan blocks one after the other, each around those before it.
+
+        Parameters
+        ----------
+        alone : (n,) array
+            Every block's solution without the others.
+        order : sequence of int
+            The blocks, the first to be placed first.
+
+        Returns
+        -------
+        (n,) array or None
+            A solution of the whole. A block that finds no way is put first and all begins again,
+            a few times; then None.
+        """
+        order, tried = list(order), list[list[int]]()
+        for _ in range(_TRIES):
+            z = alone.copy()
+            failed = None
+            for place, block in enumerate(order):
+                moved = self._freed(z, [block], order[:place], is_new=True)
+                if moved is None:
+                    failed = block
+                    break
+                z = moved
+            if failed is None:
+                return z
+            tried.append(order[: order.index(failed) + 1])
+            order = [failed, *(b for b in order if b != failed)]
+            if self.limits.reached or any(order[: len(t)] == t for t in tried):
+                return None
+        return None
+
+    def place_in_haste(self, alone: Vector, order: Sequence[int]) -> Vector | None:
+        """Place blocks one after the other, each as soon as those before it leave it the way.
+
+        Parameters
+        ----------
+        alone, order
+            As of `place`.
+
+        Returns
+        -------
+        (n,) array or None
+            As of `place`.
+        """
+        for sequence in (list(order), list(order)[::-1]):
+            tried, following = list[list[int]](), sequence
+            for _ in range(_TRIES_IN_HASTE):
+                z, failed = self._hastened(alone, following)
+                if failed is None:
+                    return self.improve(z, [[block] for block in following])
+                tried.append(following[: following.index(failed) + 1])
+                following = [failed, *(b for b in following if b != failed)]
+                if self.limits.reached or any(following[: len(t)] == t for t in tried):
+                    break
+        return None
+
+    def _hastened(self, alone: Vector, order: list[int]) -> tuple[Vector, int | None]:
+        """Return a point with blocks placed in an order, and the first that found no way."""
+        z = alone.copy()
+        for place, block in enumerate(order):
+            part = self._around(z, [block], order[:place])
+            found = None
+            if self.seek is not None and not self.limits.reached:
+                found = self.seek(Rater(part.program, self.unit), block, True)
+            if found is None:
+                return z, block
+            z[part.columns] = found.z
+        return z, None
+
+    def improve(self, z: Vector, groups: Sequence[Sequence[int]]) -> Vector:
+        """Free groups of blocks in turn and plan each anew around all others.
+
+        Parameters
+        ----------
+        z : (n,) array
+            A solution.
+        groups : sequence of sequence of int
+            What to free together.
+
+        Returns
+        -------
+        (n,) array
+            A solution whose value is no greater.
+        """
+        for group in groups:
+            if self.limits.reached:
+                break
+            others = [b for b in self.blocks if b not in group]
+            found = self._freed(z, list(group), others, is_new=False)
+            z = z if found is None else found
+        return z
+
+    def _freed(
+        self, z: Vector, free: list[int], placed: Sequence[int], *, is_new: bool
+    ) -> Vector | None:
+        """Return the point with some blocks planned anew; None if no way was found."""
+        part = self._around(z, free, placed)
+        rater = Rater(part.program, self.unit)
+        if rater.is_hopeless:
+            return None
+        tree = RiskTree(
+            part.program,
+            self.unit,
+            self.price,
+            gap=_ROUGH_GAP,
+            scale=self.scale,
+            limits=self.limits,
+            rater=rater,
+        )
+        tree.consider(z[part.columns])
+        least = sum(self.least[b] for b in free)
+        if tree.value <= least + _ROUGH_GAP * max(least, self.scale):
+            return z
+        if tree.best is not None:
+            near = search_around(
+                tree.rater,
+                part.program.slacks(tree.best.z),
+                tree.best,
+                move=self.move,
+                unit=self.unit,
+                price=self.price,
+                scale=self.scale,
+                limits=self.limits,
+                max_nodes=_NODES_AROUND * len(free),
+            )
+            if near is not None:
+                tree.consider(near.z)
+        tree.run(_NODES * len(free))
+        if tree.best is None and is_new and self.seek is not None and not self.limits.reached:
+            found = self.seek(tree.rater, free[0], False)
+            if found is not None:
+                tree.consider(found.z)
+        if tree.best is None:
+            return None
+        moved = z.copy()
+        moved[part.columns] = tree.best.z
+        return moved
+
+    def _around(self, z: Vector, free: Sequence[int], placed: Sequence[int]) -> Restriction:
+        """Return the program of some blocks around placed others."""
+        return restrict_around(
+            self.program, np.array(free), np.array(placed, dtype=np.int64), z, self.touched
+        )

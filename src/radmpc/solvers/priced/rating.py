@@ -1,0 +1,142 @@
+"""Rating a point by its true risks: what every avoidance costs at its cheapest side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.selection import possible_alternatives, side_table
+
+__all__ = ["Rater", "Rating"]
+
+_REFERENCE = 0.1
+"""Share of the unit at whose clearance an alternative counts as kept, when branching."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rating:
+    """What a point is worth.
+
+    Attributes
+    ----------
+    clearances, risks : (r,) array
+        Of every row.
+    cheapest : (v,) array
+        Least risk of any side of each avoidance.
+    selection : (v,) int array
+        The side that has it.
+    short : (v, w) array
+        By how much each side misses the reference clearance [m]; inf where there is none.
+    risk : float
+        Risk of the selection, shared rows counted once.
+    largest : float
+        Largest risk of a single row of the selection.
+    """
+
+    clearances: Vector
+    risks: Vector
+    cheapest: Vector
+    selection: Indices
+    short: Vector
+    risk: float
+    largest: float
+
+
+class Rater:
+    """A program laid out for rating.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program.
+    unit : float
+        The budget of risk; no row may take more than it, nor than `CONVEX_RISK`.
+
+    Attributes
+    ----------
+    row_cap : float
+        Most that one row may risk.
+    floor : (r,) array
+        The margin of each row that this leaves [m].
+    """
+
+    def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
+        self.program = program
+        deviations = program.rows.deviations
+        noisy = deviations > 0.0
+        self._inverse = np.where(noisy, 1.0 / np.where(noisy, deviations, 1.0), 0.0)
+        self._certain = ~noisy
+        self.row_cap = min(unit, CONVEX_RISK)
+        self.floor = deviations * float(clearance_for(self.row_cap))
+        self.possible = possible_alternatives(program, self.floor)
+        self._reference = deviations * float(clearance_for(min(_REFERENCE * unit, CONVEX_RISK)))
+        self.table = side_table(program, self.possible)
+        self._blank = self.table < 0
+        self._every = np.arange(program.num_avoidances)
+        starts = program.alternative_starts
+        self._starts = starts[:-1]
+        self._rows = program.alternative_rows
+        self._is_single = bool(np.all(np.diff(starts) == 1))
+        # Rows of one event are neighbors within an alternative and are charged once.
+        owners = np.repeat(np.arange(program.num_alternatives), np.diff(starts))
+        events = program.rows.events[self._rows]
+        begins = np.append(True, (np.diff(owners) != 0) | (np.diff(events) != 0))[: owners.size]
+        self._event_starts = np.flatnonzero(begins)
+        self._has_twins = self._event_starts.size < owners.size
+        self._starts_of_events = np.searchsorted(self._event_starts, self._starts)
+        self.is_hopeless = bool(np.any(self._blank.all(axis=1))) or bool(
+            np.any(program.upper < program.lower)
+        )
+        if self._is_single and program.num_alternatives:
+            # One row per side: the table of sides is a table of rows.
+            self._row_table = np.where(self._blank, 0, self._rows[self.table])
+
+    def rate(self, z: Vector) -> Rating:
+        """Return the rating of a point; where some avoidance has no side left, an infinite risk."""
+        program = self.program
+        slacks = program.slacks(z)
+        clearances = slacks * self._inverse
+        if self._certain.any():
+            # A hard row holds up to the solver's own feasibility tolerance.
+            clearances[self._certain] = np.where(slacks[self._certain] >= -1e-8, np.inf, -np.inf)
+        risks: Vector = np.asarray(tail_probability(clearances))
+        if program.num_avoidances == 0 or self.is_hopeless:
+            risk = np.inf if self.is_hopeless else 0.0
+            none = np.zeros(0)
+            return Rating(
+                clearances, risks, none, none.astype(np.int64), none.reshape(0, 1), risk, risk
+            )
+        misses = self._reference - slacks
+        if self._is_single:
+            by_side = risks[self._row_table]
+            short = misses[self._row_table]
+        else:
+            members = self._rows
+            by_event = risks[members]
+            if self._has_twins:
+                by_event = np.maximum.reduceat(by_event, self._event_starts)
+            by_side = np.add.reduceat(by_event, self._starts_of_events)[self.table]
+            short = np.maximum.reduceat(misses[members], self._starts)[self.table]
+        by_side = np.where(self._blank, np.inf, by_side)
+        short = np.where(self._blank, np.inf, short)
+        places = by_side.argmin(axis=1)
+        cheapest = by_side[self._every, places]
+        selection = self.table[self._every, places]
+        risk, largest = self._total(z, selection, cheapest)
+        return Rating(clearances, risks, cheapest, selection, short, risk, largest)
+
+    def _total(self, z: Vector, selection: Indices, cheapest: Vector) -> tuple[float, float]:
+        """Return the risk of a selection, and its largest part."""
+        if self._is_single and self._is_distinct:
+            return float(cheapest.sum()), float(cheapest.max())
+        by_event = self.program.event_risks(z, selection)
+        return float(by_event.sum()), float(by_event.max(initial=0.0))
+
+    @property
+    def _is_distinct(self) -> bool:
+        """Whether no two rows share an event."""
+        return self.program.rows.exposures.size == self.program.rows.count

@@ -1,0 +1,380 @@
+"""Branch and bound over faces and risks together.
+
+A node is a set of chosen alternatives; its linear program (`RiskLp`) underestimates their risk
+and ignores all others', so its optimum bounds every solution below it. Every point met on the way
+is a solution of the priced problem
+
+    minimize  cost(z) + price · risk(z) / unit,  risk(z) = Σ of every avoidance's cheapest side
+
+at its true risk, so incumbents come for free and are exact. Nodes that the cutoff closes are kept
+with their bounds: at another price, or for a smaller gap, the search goes on from them.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.gaussian import clearance_for
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.priced.branching import BranchingChoice
+from radmpc.solvers.priced.lp import RiskLp, SetBound
+from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node
+from radmpc.solvers.priced.rating import Rater, Rating
+from radmpc.solvers.solution import Limits
+
+__all__ = ["RiskTree"]
+
+_INF = float("inf")
+_EPSILON = 0.3
+"""Share of the gap within which a node's bound and its point's true value count as equal."""
+
+_FLAT = 1e-7
+"""Share of the unit below which a tangent is no better than t >= 0."""
+
+_ROUNDING = 1e-6
+"""How far a row held at its cap may exceed it by the linear solver's tolerance. Such a point
+is a candidate at a price only: plans are fitted to the bound exactly afterwards."""
+
+_OVERDRAWN = 1.2
+"""Units that a candidate may risk in all: plans are fitted to the bound afterwards."""
+
+_PATIENCE = 100
+_HEADROOM = 0.01
+
+
+class RiskTree:
+    """The running state of one search at a price of risk.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program.
+    unit : float
+        Budget of risk that the price refers to; no row may take more than it, nor than one half.
+    price : float
+        Cost of one unit of risk.
+    gap : float
+        Relative gap at which to stop.
+    scale : float
+        Values below this count as this in relative gaps.
+    limits : Limits
+        When to stop early.
+    bounds : sequence of SetBound
+        Known bounds of parts, at this price.
+
+    Attributes
+    ----------
+    best : Incumbent or None
+        The best solution at the present price.
+    value : float
+        Its cost with its risk at the price; inf without one.
+    bound : float
+        Proven lower bound of the value; inf where there is no solution at any price.
+    nodes : int
+        Work done.
+    is_limited : bool
+        Whether a limit ended the last run, or a linear program that matters was not solved.
+    """
+
+    rounds = 8
+    """Times that a node's linear program is solved at most, with ever more tangents."""
+
+    def __init__(
+        self,
+        program: DisjunctiveProgram,
+        unit: float,
+        price: float,
+        *,
+        gap: float,
+        scale: float,
+        limits: Limits,
+        bounds: Sequence[SetBound] = (),
+        rater: Rater | None = None,
+    ) -> None:
+        self.program = program
+        self.unit = unit
+        self.price = price
+        self.gap = gap
+        self.scale = scale
+        self.limits = limits
+        self.best: Incumbent | None = None
+        self.value = _INF
+        self.bound = -_INF
+        self.nodes = 0
+        self.is_limited = False
+        self.rater = Rater(program, unit) if rater is None else rater
+        self._flat = float(clearance_for(_FLAT * unit))
+        self._bounds = tuple(bounds)
+        self._lp: RiskLp | None = None
+        self._open: list[Node] = []
+        self._parked: list[Node] = []
+        self._trail: list[Node] = []
+        self._unsolved: list[Node] = []
+        self._created = 0
+        self._choice = BranchingChoice(program, self.rater)
+        self._noisy = program.rows.deviations > 0.0
+        starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
+        self._rows_of = [members[a:b] for a, b in pairwise(starts)]
+        if self.rater.is_hopeless:
+            self.bound = _INF
+        else:
+            self._push(-_INF, ())
+
+    @property
+    def lp(self) -> RiskLp:
+        """The linear program, loaded when first needed."""
+        if self._lp is None:
+            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds)
+        return self._lp
+
+    @property
+    def lps(self) -> int:
+        """Linear programs solved."""
+        return 0 if self._lp is None else self._lp.solves
+
+    @property
+    def frontier(self) -> Frontier:
+        """What is left of the search: nodes that together hold every solution, with bounds."""
+        nodes = [n for n in self._open if n.is_open] + self._parked
+        return tuple((node.bound, node.chosen) for node in nodes)
+
+    def resume(
+        self, frontier: Frontier, price: float, best: Incumbent | None, base: float = 0.0
+    ) -> None:
+        """Go on from another search's frontier, whatever its price and gap.
+
+        A bound is concave in the price. One at a lower price holds as it is; one at a higher price
+        gives, with what solutions cost where risk is free, the chord between.
+
+        Parameters
+        ----------
+        frontier : Frontier
+            Of the other search.
+        price : float
+            Its price.
+        best : Incumbent or None
+            Its incumbent.
+        base : float
+            Least cost of any solution, at price 0; a cost is never negative.
+        """
+        share = 1.0 if self.price >= price else self.price / price
+        self._open, self._parked = [], []
+        if self.rater.is_hopeless:
+            return
+        for bound, chosen in frontier:
+            known = bound if share == 1.0 else share * bound + (1.0 - share) * base
+            self._push(known, chosen)
+        if best is not None:
+            self.best = best
+            self.value = best.cost + self.price * best.risk / self.unit
+
+    def consider(self, z: Vector) -> None:
+        """Make an incumbent of a point that keeps the hard rows."""
+        self._note(z, self.rater.rate(z))
+
+    def run(self, max_nodes: int) -> None:
+        """Dive from the best open node until none can improve on the incumbent.
+
+        Stops after so many nodes; called again it goes on where it stood.
+        """
+        last = self.nodes + max_nodes
+        self.is_limited = False
+        while not self.is_limited:
+            top = self._top()
+            if top is None or top.bound >= self._cutoff():
+                break
+            self._dive(self._popped(), last)
+        if self.rater.is_hopeless:
+            return
+        top = self._top()
+        bounds = [n.bound for n in self._parked]
+        if top is not None:
+            bounds.append(top.bound)
+        # Parked where HiGHS failed, a node is work left over unless its bound is good enough.
+        self.is_limited |= any(node.bound < self._cutoff() for node in self._unsolved)
+        # The incumbent is below no node's bound by more than rounding.
+        self.bound = min([*bounds, self.value])
+
+    def _dive(self, node: Node | None, last: int) -> None:
+        """Follow the best children down; without any solution yet, back up a while."""
+        self._trail.clear()
+        patience = _PATIENCE
+        while node is not None:
+            node.is_open = False
+            if self.nodes >= last or self.limits.reached:
+                self.is_limited = True
+                self._queue(node)
+                return
+            if not node.is_solved:
+                self._solve(node)
+            node = self._expand(node)
+            if node is None and self.best is None and patience > 0:
+                node = self._backtrack()
+            patience -= 1
+
+    def _backtrack(self) -> Node | None:
+        """Return the latest open node of this dive."""
+        while self._trail:
+            node = self._trail.pop()
+            if node.is_open:
+                return node
+        return None
+
+    def _top(self) -> Node | None:
+        """Return the open node of least bound; those taken by a dive are dropped on the way."""
+        while self._open and not self._open[0].is_open:
+            self._popped()
+        return self._open[0] if self._open else None
+
+    def _popped(self) -> Node:
+        """Take the first node off the heap."""
+        node = heapq.heappop(self._open)
+        node.is_queued = False
+        return node
+
+    def _queue(self, node: Node) -> None:
+        """Open a node, in the heap once."""
+        node.is_open = True
+        if not node.is_queued:
+            node.is_queued = True
+            heapq.heappush(self._open, node)
+
+    def _expand(self, node: Node) -> Node | None:
+        """Solve a node's children one after the other; return the best that is left open.
+
+        All at once: from one child to the next the linear program changes by a row, and with
+        its own bound a child need not be visited again before it is its turn.
+        """
+        children = []
+        for side in node.sides:
+            child = self._node(node.bound, (*node.chosen, side))
+            self._solve(child)
+            if child.sides:
+                children.append(child)
+        children.sort()
+        for child in children:
+            self._queue(child)
+        self._trail += children[:0:-1]
+        return children[0] if children else None
+
+    def _solve(self, node: Node) -> None:
+        """Solve a node: find the sides to branch on, or park it, or drop it."""
+        self.nodes += 1
+        node.is_solved = True
+        if node.bound < self._cutoff():
+            self.lp.activate(self._rows(node.chosen))
+            for attempt in range(self.rounds):
+                outcome = self._relax(node)
+                if outcome is LpOutcome.INFEASIBLE:
+                    return
+                if outcome is not LpOutcome.OPTIMAL:
+                    self._unsolved += [node] * (outcome is LpOutcome.FAILED)
+                    break
+                point = self.lp.point()
+                z = point[: self.program.num_columns]
+                rating = self.rater.rate(z)
+                self._note(z, rating)
+                worth = self._worth(z, rating)
+                epsilon = self._epsilon(min(worth, self.value))
+                if worth - node.bound <= epsilon:
+                    break
+                avoidance, is_blunt = self._choice.most_promising(
+                    node.chosen, rating, has_plan=self.best is not None
+                )
+                # Far from any plan, an exact account of the risks chosen so far can wait.
+                tolerance = (3.0 if is_blunt else 0.5) * epsilon
+                is_last = attempt >= (1 if is_blunt else self.rounds - 1)
+                if not is_last and self._refine(node.chosen, point, rating, tolerance):
+                    continue
+                if avoidance is None:
+                    break
+                node.sides = self._choice.sides(avoidance, rating)
+                return
+        node.is_open = True
+        self._parked.append(node)
+
+    def _relax(self, node: Node) -> LpOutcome:
+        """Solve a node's linear program and raise its bound; cut off where it cannot matter."""
+        cutoff = self._cutoff()
+        # A little beyond the cutoff, so that the bound still serves at a higher price.
+        outcome, bound = self.lp.solve(cutoff + _HEADROOM * abs(cutoff))
+        if outcome is not LpOutcome.OPTIMAL and node.chosen:
+            self._choice.failed(node.chosen[-1])
+        node.bound = max(node.bound, bound)
+        if outcome is LpOutcome.OPTIMAL and node.bound >= cutoff:
+            return LpOutcome.CUTOFF
+        return outcome
+
+    def _refine(
+        self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
+    ) -> bool:
+        """Add tangents where the chosen rows' risk is underestimated; tell whether any was."""
+        rows = self._noisy_rows(chosen)
+        if rows.size == 0:
+            return False
+        # Rows of one event share a column: that one runs less than it grants hides no other.
+        missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0)
+        missing *= self.price / self.unit
+        if missing.sum() <= tolerance:
+            return False
+        return self._add_tangents(rows[missing > tolerance / (4.0 * rows.size)], rating)
+
+    def _add_tangents(self, rows: Indices, rating: Rating) -> bool:
+        """Add tangents of rows where a point is, unless they are far away; tell whether any was."""
+        added = False
+        for row in rows.tolist():
+            clearance = float(rating.clearances[row])
+            if clearance < self._flat:
+                added |= self.lp.add_tangent(row, max(clearance, self.lp.floor))
+        return added
+
+    def _noisy_rows(self, chosen: Sequence[int]) -> Indices:
+        """Return the distinct rows with noise of chosen alternatives."""
+        rows = np.unique(np.array(self._rows(chosen), dtype=np.int64))
+        return np.asarray(rows[self._noisy[rows]])
+
+    def _rows(self, sides: Sequence[int]) -> list[int]:
+        """Return the rows of alternatives."""
+        return [row for side in sides for row in self._rows_of[side]]
+
+    def _worth(self, z: Vector, rating: Rating) -> float:
+        """Return a point's value; inf where a row, or all, risk more than they may by far."""
+        if rating.largest > self.rater.row_cap * (1.0 + _ROUNDING):
+            return _INF
+        if rating.risk > _OVERDRAWN * self.unit:
+            return _INF
+        return float(self.program.cost @ z) + self.price * rating.risk / self.unit
+
+    def _note(self, z: Vector, rating: Rating) -> None:
+        """Keep a point if it is the best."""
+        value = self._worth(z, rating)
+        if value < self.value:
+            cost = float(self.program.cost @ z)
+            self.best = Incumbent(z, rating.selection, cost, rating.risk)
+            self.value = value
+
+    def _epsilon(self, value: float) -> float:
+        """Return what counts as no difference."""
+        return _EPSILON * self.gap * max(abs(value) if value < _INF else 0.0, self.scale)
+
+    def _cutoff(self) -> float:
+        """Return the value from which on a node cannot matter."""
+        if self.best is None:
+            return _INF
+        # A hair above what the gap allows, so that a node cut off counts as within it.
+        return self.value - self.gap * (1.0 - 1e-6) * max(abs(self.value), self.scale)
+
+    def _push(self, bound: float, chosen: tuple[int, ...]) -> None:
+        """Open a node that is yet to be solved."""
+        self._queue(self._node(bound, chosen))
+
+    def _node(self, bound: float, chosen: tuple[int, ...]) -> Node:
+        """Return a new node."""
+        self._created += 1
+        return Node(bound, -len(chosen), self._created, chosen)

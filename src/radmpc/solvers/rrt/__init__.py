@@ -1,0 +1,1 @@
+"""Rapidly-exploring random trees over the controls: no optimizer at all."""

@@ -1,0 +1,158 @@
+"""A rapidly-exploring random tree over the controls of one vehicle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.solvers.rrt.connect import connect
+from radmpc.solvers.rrt.course import Course
+from radmpc.solvers.rrt.shortcuts import Shortcuts
+from radmpc.solvers.solution import Limits
+
+__all__ = ["RandomTree"]
+
+_BATCH = 16
+"""Targets drawn at once: one product serves them all."""
+
+_NEAR = 0.5
+"""Share of the targets drawn around the best way known."""
+
+_SPREAD = 0.3
+"""Their spread as a share of the reach, at most."""
+
+_WORTH = 1.6
+"""A way is shortened if it costs at most so many times the best."""
+
+_FINE_ROUNDS = 10
+"""For the last shortcuts: smears of small controls become few controls."""
+
+
+class RandomTree:
+    """The running state of one search.
+
+    A node is a prefix of controls. It is grown toward random places at random later steps, and
+    from every new node the cheap way to the goal is tried.
+
+    Parameters
+    ----------
+    course : Course
+        The vehicle.
+    max_nodes : int
+        Nodes at the most.
+    rng : Generator
+        Draws the targets.
+    limits : Limits
+        When to stop early.
+
+    Attributes
+    ----------
+    best : (c,) array or None
+        The cheapest controls found.
+    cost : float
+        Their cost.
+    count : int
+        Nodes grown.
+    """
+
+    def __init__(
+        self, course: Course, max_nodes: int, rng: np.random.Generator, limits: Limits
+    ) -> None:
+        self.course = course
+        self.rng = rng
+        self.limits = limits
+        self.best: Vector | None = None
+        self.cost = float("inf")
+        self.count = 0
+        self.max_nodes = max_nodes
+        size = course.steps.size
+        self._controls = np.zeros((max_nodes, size))
+        self._levels = np.zeros(max_nodes, dtype=np.int64)
+        self._costs = np.zeros(max_nodes)
+        self._paths = np.zeros((max_nodes, *course.still.shape))
+        self._way = course.still
+        self._shortcuts = Shortcuts(course)
+
+    def run(self) -> None:
+        """Grow until there are enough nodes or a limit is reached."""
+        course = self.course
+        root, start = np.zeros((1, course.steps.size)), np.zeros(1, dtype=np.int64)
+        if self.limits.reached:
+            return
+        failure = course.failures(root)[0]
+        if failure > course.horizon:
+            self._note(root[0])
+        if failure in {0, course.horizon + 1}:
+            return
+        self._way = course.paths(course.homeward(root, root == 0.0))[0]
+        self._add(root, start)
+        # With one step there is no place to go but the goal.
+        for _ in range(0, self.max_nodes if course.horizon > 1 else 0, _BATCH):
+            if self.count >= self.max_nodes or self.limits.reached:
+                break
+            self._grow()
+        if self.best is not None:
+            self._note(self._shortcuts.shorten(self.best, self.limits, _FINE_ROUNDS))
+
+    def _grow(self) -> None:
+        """Draw targets, and grow the nearest nodes toward them as far as nothing is hit."""
+        course, T = self.course, self.course.horizon
+        is_open = (self._levels[: self.count] < T - 1) & (self._costs[: self.count] < self.cost)
+        if not is_open.any():
+            return
+        levels = self.rng.choice(np.unique(self._levels[: self.count][is_open]), _BATCH)
+        ends = self.rng.integers(levels + 1, T)
+        targets = self._targets(ends)
+        away = self._paths[: self.count, ends] - targets
+        distances = np.einsum("nsd,nsd->ns", away, away)
+        fits = is_open[:, None] & (self._levels[: self.count, None] == levels)
+        nodes = np.where(fits, distances, np.inf).argmin(axis=0)
+        needs = targets - self._paths[nodes, ends]
+        free = (course.steps >= levels[:, None]) & (course.steps < ends[:, None])
+        grown = self._controls[nodes] + connect(
+            course.places[ends], needs, free * course.limits, rounds=1
+        )
+        reached = np.minimum(course.failures(grown) - 1, ends)
+        counts = np.maximum(reached - levels, 0)
+        which = np.repeat(np.arange(_BATCH), counts)
+        starts = np.cumsum(counts) - counts
+        new = levels[which] + 1 + np.arange(which.size) - starts[which]
+        self._add(np.where(course.steps < new[:, None], grown[which], 0.0), new)
+
+    def _targets(self, ends: Indices) -> Matrix:
+        """Return places at given steps: anywhere in reach, or around the best way known."""
+        low, high = self.course.lower[ends], self.course.upper[ends]
+        anywhere = low + self.rng.random(low.shape) * (high - low)
+        scale = _SPREAD * self.rng.random((len(ends), 1)) * (high - low)
+        around = self._way[ends] + scale * self.rng.standard_normal(low.shape)
+        is_near = self.rng.random((len(ends), 1)) < _NEAR
+        return np.where(is_near, around, anywhere)
+
+    def _add(self, controls: Matrix, levels: Indices) -> None:
+        """Add nodes, and try the way to the goal from each."""
+        costs = self.course.costs(controls)
+        kept = np.flatnonzero(costs < self.cost)[: self.max_nodes - self.count]
+        if kept.size == 0:
+            return
+        controls, levels = controls[kept], levels[kept]
+        new = slice(self.count, self.count + kept.size)
+        self._controls[new] = controls
+        self._levels[new] = levels
+        self._costs[new] = costs[kept]
+        self._paths[new] = self.course.paths(controls)
+        self.count += kept.size
+        ways = self.course.homeward(controls, self.course.steps >= levels[:, None])
+        costs = self.course.costs(ways)
+        cheap = np.flatnonzero(costs < _WORTH * self.cost)
+        cheap = cheap[self.course.failures(ways[cheap]) > self.course.horizon]
+        if cheap.size:
+            # Others of the same batch would mostly end as the same way.
+            cheapest = ways[cheap[costs[cheap].argmin()]]
+            self._note(self._shortcuts.shorten(cheapest, self.limits))
+
+    def _note(self, controls: Vector) -> None:
+        """Keep a way if it is the cheapest."""
+        cost = float(self.course.costs(controls[None])[0])
+        if cost < self.cost:
+            self.best, self.cost = controls, cost
+            self._way = self.course.paths(controls[None])[0]
