@@ -20,9 +20,8 @@ from rich.table import Table
 
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Plan
-from radmpc.planners.planner import Centralized, Planner
+from radmpc.planners import Centralized, Ira, Planner
 from radmpc.planning import plan
-from radmpc.program.policy import Ira
 from radmpc.solvers.branch.branch import Branch
 
 REFERENCE = Planner(Ira(), Branch(10_000_000), Centralized())

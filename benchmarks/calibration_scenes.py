@@ -15,9 +15,8 @@ from radmpc.model.dynamics import LinearSystem, double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.planner import Centralized, Couplings, Planner
+from radmpc.planners import Centralized, Couplings, Ira, Planner, Sigmas, Uniform
 from radmpc.planners.presets import PRESETS
-from radmpc.program.policy import Ira, Sigmas, Uniform
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 

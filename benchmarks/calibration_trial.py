@@ -11,9 +11,8 @@ import numpy as np
 from calibration_overlap import measure_overlap
 from calibration_scenes import random_planner, random_scenario
 from radmpc.model.plan import Plan
-from radmpc.planners.planner import Planner
+from radmpc.planners import Ira, Planner
 from radmpc.planning import plan
-from radmpc.program.policy import Ira
 from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
 

@@ -30,7 +30,7 @@ from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.planner import Planner
+from radmpc.planners import Planner
 from radmpc.planners.presets import PRESETS, parse_planner
 from radmpc.planning import plan
 from radmpc.program.build import build_program, controls_of, whole_subjects

@@ -15,10 +15,9 @@ from hunt_flight import plain_collisions
 from hunt_scenes import draw_scene
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.planner import Centralized, Planner
+from radmpc.planners import Centralized, Ira, Planner, Sigmas, Uniform
 from radmpc.planners.presets import PRESETS
 from radmpc.planning import plan
-from radmpc.program.policy import Ira, Sigmas, Uniform
 from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
 from radmpc.solvers.branch.branch import Branch

@@ -16,9 +16,8 @@ import numpy as np
 
 from radmpc.experiments.families import paper
 from radmpc.model.scenario import Avoidance
-from radmpc.planners.planner import Centralized, Planner
+from radmpc.planners import Centralized, Ira, Planner
 from radmpc.planning import plan
-from radmpc.program.policy import Ira
 from radmpc.referee import simulate
 from radmpc.solvers.branch.branch import Branch
 

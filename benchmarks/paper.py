@@ -21,9 +21,8 @@ from rich.table import Table
 
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Status
-from radmpc.planners.planner import Centralized, Planner
+from radmpc.planners import Centralized, Ira, Planner
 from radmpc.planning import plan
-from radmpc.program.policy import Ira
 from radmpc.solvers.milp.big_m import BigM
 
 

@@ -24,8 +24,8 @@ from rich.table import Table
 
 from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
+from radmpc.program.allocation import margins_of, uniform_allocation
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import margins_of, uniform_allocation
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.solution import Limits, Outcome, Solution

@@ -24,7 +24,7 @@ from rich.table import Table
 from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Status
-from radmpc.planners.planner import Planner
+from radmpc.planners import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.solvers.milp.big_m import BACKENDS, BigM

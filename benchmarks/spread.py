@@ -14,9 +14,9 @@ import numpy as np
 
 from radmpc import plan
 from radmpc.experiments.families import paper
-from radmpc.planners.planner import Centralized, Planner, Receding
+from radmpc.planners import Centralized, Ira, Planner, Pool, Receding, Uniform
+from radmpc.program.allocation import Spread
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import Ira, Pool, Spread, Uniform
 from radmpc.solvers.branch.branch import Branch
 
 NUM_VEHICLES = 6

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from peers.protocol import Answer
 from radmpc.model.scenario import Scenario
-from radmpc.planners.planner import Planner
+from radmpc.planners import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.solvers.branch.branch import Branch

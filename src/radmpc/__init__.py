@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
     from radmpc.model.scenario import Scenario, Workspace
     from radmpc.model.vehicle import Goal, Vehicle
-    from radmpc.planners.planner import Planner
+    from radmpc.planners import Planner
     from radmpc.planning import plan
     from radmpc.plotting import (
         animate_plan,

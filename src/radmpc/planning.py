@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
@@ -19,25 +19,17 @@ from radmpc.model.dynamics import rollout
 from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
-from radmpc.planners.centralized import plan_centralized
-from radmpc.planners.certified import Verdict, plan_certified
-from radmpc.planners.distance import plan_by_distance
+from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
-from radmpc.planners.paper.algorithm_1_multi_vehicle import plan_multi_vehicle, plan_receding
-from radmpc.planners.planner import Certified, Couplings, Distance, Planner, Receding
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
+from radmpc.planners.verdict import Verdict
 from radmpc.planners.wording import limit_clause
 from radmpc.referee import Certificate, certify
 from radmpc.result import Result
-from radmpc.solvers.rrt.rrt import Rrt
 from radmpc.solvers.solution import Limits, never
 from radmpc.version import __version__
 
 __all__ = ["plan"]
-
-
-CERTIFIED_SECONDS = 60.0
-"""Time that the certified planner takes at most where no limit is given."""
 
 
 def plan(
@@ -94,14 +86,13 @@ def plan(
     _check_options(rng, time_limit, executor, progress, stop)
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
-    if isinstance(record.solver, Rrt):
-        drawn = int(generator.integers(2**31))
-        record = replace(record, solver=replace(record.solver, seed=drawn))
-    if time_limit is None and isinstance(record.decomposition, Certified):
-        time_limit = CERTIFIED_SECONDS
+    if time_limit is None:
+        time_limit = record.decomposition.default_seconds
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
-    draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
+    judge = partial(_verdict, scenario, record)
+    run = Run(generator, limits, executor, progress or _silent, judge)
+    draft = record.decomposition.plan(scenario, record, run)
     if draft.status is Status.LIMIT and not draft.explanation:
         why = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
         draft = replace(draft, explanation=why)
@@ -142,33 +133,13 @@ def _silent(stage: str, done: int, total: int | None) -> None:
     del stage, done, total
 
 
-def _draft(
-    scenario: Scenario,
-    planner: Planner,
-    rng: np.random.Generator,
-    limits: Limits,
-    executor: Executor | None,
-    progress: Callable[[str, int, int | None], None],
-) -> Draft:
-    """Run the planner's decomposition."""
-    decomposition = planner.decomposition
-    if isinstance(decomposition, Receding):
-        return plan_receding(scenario, planner, decomposition, rng, limits, progress)
-    if isinstance(decomposition, Certified):
-
-        def judge(controls: tuple[Matrix, ...]) -> Verdict:
-            trajectories = _trajectories(scenario, controls)
-            everyone = (tuple(range(scenario.num_vehicles)),)
-            draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-            found = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
-            return Verdict(found.certified, found.ledger)
-
-        return plan_certified(scenario, planner, limits, executor, progress, judge)
-    if isinstance(decomposition, Couplings):
-        return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
-    if isinstance(decomposition, Distance):
-        return plan_by_distance(scenario, planner, decomposition, limits, executor, progress)
-    return plan_centralized(scenario, planner, limits, progress)
+def _verdict(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
+    """Return what the referee says of controls, as planners ask on the way."""
+    trajectories = _trajectories(scenario, controls)
+    everyone = (tuple(range(scenario.num_vehicles)),)
+    draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
+    found = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
+    return Verdict(found.certified, found.ledger)
 
 
 def _trajectories(

@@ -25,8 +25,8 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
+from radmpc.program.allocation import uniform_allocation
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import uniform_allocation
 from radmpc.solvers.branch.branch import Branch
 
 ASKED = Request("paper", 2, 0, cap=20.0, gap=1e-3)

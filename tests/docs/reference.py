@@ -47,12 +47,15 @@ def shown() -> dict[str, object]:
 def functions() -> dict[str, object]:
     """Functions on the pages, and public methods of the classes there.
 
-    Solvers stand there without their methods, which only planners call.
+    A method that a base class defines is documented there, once.
     """
     found = {path: value for path, value in shown().items() if inspect.isfunction(value)}
     for path, value in shown().items():
-        if inspect.isclass(value) and ".solvers." not in path:
+        if inspect.isclass(value):
+            inherited = {name for base in value.__mro__[1:] for name in vars(base)}
             for name, member in vars(value).items():
+                if name in inherited:
+                    continue
                 method = getattr(member, "__func__", member)
                 if inspect.isfunction(method) and not name.startswith("_"):
                     found[f"{path}.{name}"] = method

@@ -28,10 +28,9 @@ from radmpc.experiments.study import (
 from radmpc.experiments.study.pictures import curves
 from radmpc.experiments.study.report import report_text, write_report
 from radmpc.experiments.study.summary import speedup, summarize
-from radmpc.planners.planner import Couplings, Planner
+from radmpc.planners import Couplings, Ira, Planner, Uniform
 from radmpc.planners.presets import PRESETS
 from radmpc.plotting import plot_chart
-from radmpc.program.policy import Ira, Uniform
 from radmpc.solvers.branch.branch import Branch
 
 

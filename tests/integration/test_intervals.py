@@ -12,10 +12,9 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.planner import Centralized, Planner
+from radmpc.planners import Centralized, Ira, Planner
 from radmpc.planners.presets import PRESETS
 from radmpc.planning import plan
-from radmpc.program.policy import Ira
 from radmpc.referee import certify, simulate
 from radmpc.solvers.branch.branch import Branch
 

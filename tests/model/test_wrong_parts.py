@@ -27,9 +27,8 @@ from radmpc.experiments.comparing import compare
 from radmpc.experiments.families import circle
 from radmpc.io.export.exporting import Origin
 from radmpc.model.dynamics import rollout
-from radmpc.planners.planner import Centralized, Couplings, Distance, Receding
+from radmpc.planners import Centralized, Couplings, Distance, Ira, Pool, Receding, Sigmas, Uniform
 from radmpc.planners.presets import parse_planner
-from radmpc.program.policy import Ira, Pool, Sigmas, Uniform
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.rrt.rrt import Rrt
@@ -221,15 +220,15 @@ SCENARIOS: dict[str, tuple[Call, str]] = {
     "an unknown planner to compare": (lambda: compare(SCENE, ["best"]), r"planner must be one of"),
     "a name for a policy": (
         lambda: Planner("uniform", Branch(), Centralized()),
-        r"policy must be one of NoRisk, .*'unif",
+        r"policy must be a record such as Uniform\(\), got 'unif",
     ),
     "a class for a solver": (
         lambda: Planner(Uniform(), Branch, Centralized()),
-        r"solver must be one of .* class Branch",
+        r"solver must be a record such as Branch\(\), got .*class Branch",
     ),
     "nothing for a decomposition": (
         lambda: Planner(Uniform(), Branch(), None),
-        r"decomposition must be one of Centralized, .*None",
+        r"decomposition must be a record such as Centralized\(\), got None",
     ),
     "a gap as text": (
         lambda: Planner(Uniform(), Branch(), Centralized(), "1"),

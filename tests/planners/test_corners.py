@@ -17,12 +17,13 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners import Centralized, Couplings, Ira, Planner, Pool, Receding, Sigmas
+from radmpc.planners.executing import _until
 from radmpc.planners.explain import explain_infeasible
-from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
-from radmpc.planners.sets import SetTask, _plan_set_until, run_sets
+from radmpc.planners.sets import SetTask, plan_set, run_sets
 from radmpc.planning import plan
+from radmpc.program.allocation import uniform_allocation
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import Ira, Pool, Sigmas, uniform_allocation
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits, Outcome
 
@@ -87,7 +88,9 @@ def test_a_node_limit_is_a_limit_and_never_called_infeasible():
 
 
 def test_an_explanation_that_ran_out_of_time_says_so():
-    text = explain_infeasible(paper(2, 1), Ira(), 1e-3, Limits(deadline=0.0))
+    text = explain_infeasible(
+        paper(2, 1), Planner(Ira(), Branch(), Centralized()), Limits(deadline=0.0)
+    )
     assert "a limit ended the search for the reason" in text
 
 
@@ -185,14 +188,18 @@ def test_an_obstacle_in_the_way_is_not_mistaken_for_one_on_the_goal():
 
 
 def test_a_set_that_waited_for_a_worker_does_not_restart_the_clock(tmp_path):
-    task = SetTask(paper(2, 0), Ira(), Branch(), 1e-3, "sets")
+    task = SetTask(paper(2, 0), Planner(Ira(), Branch(), Centralized()), "sets")
     flag = tmp_path / "stop"
-    assert _plan_set_until(task, time.time() - 1.0, str(flag)).outcome is Outcome.LIMIT
-    assert _plan_set_until(task, time.time() + 60.0, str(flag)).outcome is Outcome.OPTIMAL
+    assert _until(plan_set, task, time.time() - 1.0, str(flag)).outcome is Outcome.LIMIT
+    assert _until(plan_set, task, time.time() + 60.0, str(flag)).outcome is Outcome.OPTIMAL
 
 
 def test_a_stop_reaches_sets_that_are_planned_elsewhere():
-    task = SetTask(replace(circle(10), avoidance="intervals"), Ira(), Branch(), 1e-3, "sets")
+    task = SetTask(
+        replace(circle(10), avoidance="intervals"),
+        Planner(Ira(), Branch(), Centralized()),
+        "sets",
+    )
     begun = time.monotonic()
     limits = Limits(is_stopped=lambda: time.monotonic() > begun + 1.0)
     with ThreadPoolExecutor(1) as executor:

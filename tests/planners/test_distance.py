@@ -9,10 +9,9 @@ import pytest
 
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
+from radmpc.planners import Couplings, Distance, Ira, Planner, Pool, Receding
 from radmpc.planners.distance import close_pairs
-from radmpc.planners.planner import Couplings, Distance, Planner, Receding
 from radmpc.planning import plan
-from radmpc.program.policy import Ira, Pool
 from radmpc.referee import certify
 from radmpc.solvers.branch.branch import Branch
 

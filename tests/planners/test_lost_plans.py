@@ -14,11 +14,11 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import LedgerRow, Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified import fleet, last_resort
+from radmpc.planners.certified import fallbacks, fleet
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import cross_risks
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.certified.verdict import Verdict
+from radmpc.planners.verdict import Verdict
 from radmpc.planning import plan
 from radmpc.referee import certify
 from radmpc.solvers.priced.budget import OVER, BudgetTree
@@ -221,7 +221,7 @@ def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):
         return None if len(calls) == 1 else run(self)
 
     monkeypatch.setattr(PriceSearch, "run", late)
-    monkeypatch.setattr(last_resort, "turn_from_noiseless", lambda *_: None)
+    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda *_: None)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.OPTIMAL
     assert len(calls) == 2

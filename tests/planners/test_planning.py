@@ -17,11 +17,20 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners import (
+    Centralized,
+    Couplings,
+    Ira,
+    Planner,
+    Pool,
+    Receding,
+    Run,
+    Sigmas,
+    Uniform,
+)
 from radmpc.planners.paper.algorithm_2_radmpc import approximate
-from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
 from radmpc.planners.presets import PRESETS, parse_planner
 from radmpc.planning import plan
-from radmpc.program.policy import Ira, Pool, Sigmas, Uniform
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.solution import Limits
@@ -96,18 +105,16 @@ def test_branch_and_big_m_give_the_same_uniform_plan():
     assert ours.cost == pytest.approx(theirs.cost, rel=1e-4)
 
 
+def _run() -> Run:
+    def judge(controls):
+        raise AssertionError("the approximation asks no referee")
+
+    return Run(np.random.default_rng(0), Limits(), None, lambda stage, done, total: None, judge)
+
+
 @pytest.mark.parametrize("charge", ["allocated", "used"])
 def test_the_risk_pool_never_goes_negative_and_never_grows(charge):
-    run = approximate(
-        paper(5, 2),
-        Pool(charge),
-        Branch(),
-        Receding(),
-        gap=1e-3,
-        rng=np.random.default_rng(0),
-        limits=Limits(),
-        progress=lambda done, total: None,
-    )
+    run = approximate(paper(5, 2), Planner(Pool(charge), Branch(), Receding()), _run())
     assert len(run.pool) == 50
     assert min(run.pool) >= 0.0
     assert all(b <= a for a, b in pairwise(run.pool))
@@ -116,16 +123,9 @@ def test_the_risk_pool_never_goes_negative_and_never_grows(charge):
 
 def test_a_pool_that_is_charged_what_was_used_keeps_more():
     pools = {
-        charge: approximate(
-            paper(3, 2),
-            Pool(charge),
-            Branch(),
-            Receding(),
-            gap=1e-3,
-            rng=np.random.default_rng(0),
-            limits=Limits(),
-            progress=lambda done, total: None,
-        ).pool[-1]
+        charge: approximate(paper(3, 2), Planner(Pool(charge), Branch(), Receding()), _run()).pool[
+            -1
+        ]
         for charge in ("allocated", "used")
     }
     assert pools["used"] > pools["allocated"]
@@ -283,7 +283,7 @@ def test_bad_planner_names_are_refused_with_what_is_allowed(text, message):
 
 
 def test_choices_that_do_not_go_together_are_refused():
-    with pytest.raises(ScenarioError, match="'pool' needs"):
+    with pytest.raises(ScenarioError, match=r"'pool' \(pooled\) does not go with 'centralized'"):
         Planner(Pool(), Branch(), Centralized())
     with pytest.raises(ScenarioError, match="does not go with 'receding'"):
         Planner(Ira(), Branch(), Receding())

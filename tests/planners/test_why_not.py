@@ -14,12 +14,11 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified import last_resort
+from radmpc.planners import Centralized, Ira, Planner
+from radmpc.planners.certified import fallbacks
 from radmpc.planners.certified.infeasible.least_risk import least_risk
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.planner import Centralized, Planner
 from radmpc.planning import plan
-from radmpc.program.policy import Ira
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
 
@@ -183,7 +182,7 @@ def test_a_start_within_an_obstacle_does_not_hide_the_rest():
 def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_it(monkeypatch):
     # As where simple bounds see no plan at all: the search for the reason finds the safest one.
     monkeypatch.setattr(PriceSearch, "run", lambda self: None)
-    monkeypatch.setattr(last_resort, "turn_from_noiseless", lambda *_: None)
+    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda *_: None)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.FEASIBLE
     assert result.is_certified

@@ -7,8 +7,8 @@ import pytest
 from oracle import least_cost
 from problems import random_problem
 
+from radmpc.program.allocation import margins_of
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import margins_of
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM, encode
 from radmpc.solvers.milp.scip import ScipBackend

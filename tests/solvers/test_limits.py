@@ -10,8 +10,8 @@ import pytest
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.planners.coarse_search import propose_sides
+from radmpc.program.allocation import margins_of, uniform_allocation
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import margins_of, uniform_allocation
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp

@@ -10,7 +10,7 @@ from radmpc.arguments import check_integer, check_time_limit, told
 from radmpc.errors import ArgumentTypeError, SolverError
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
-from radmpc.planners.planner import Planner
+from radmpc.planners import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.referee import Simulation, simulate

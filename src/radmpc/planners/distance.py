@@ -8,8 +8,7 @@ take alone, at the same time, so that the graph follows them over the whole hori
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from concurrent.futures import Executor
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,84 +16,71 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from radmpc.arguments import is_number, told
 from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
-from radmpc.planners.planner import Distance, Planner
-from radmpc.planners.sets import SetPlan, SetTask, plan_sets, verdict_of_sets
-from radmpc.solvers.solution import Limits, Outcome
+from radmpc.planners.planner import Decomposition, Planner, Run
+from radmpc.planners.sets import SetPlan, in_order, plan_sets, verdict_of_sets
+from radmpc.solvers.solution import Outcome
 
-__all__ = ["close_pairs", "plan_by_distance"]
+__all__ = ["Distance", "close_pairs"]
 
 Sets = tuple[tuple[int, ...], ...]
 
 
-def plan_by_distance(
-    scenario: Scenario,
-    planner: Planner,
-    distance: Distance,
-    limits: Limits,
-    executor: Executor | None,
-    progress: Callable[[str, int, int | None], None],
-) -> Draft:
-    """Plan every vehicle alone, then together those whose ways come close.
+@dataclass(frozen=True, slots=True)
+class Distance(Decomposition):
+    """Sets of vehicles whose ways alone come close (Keviczky et al.).
 
-    Parameters
+    Attributes
     ----------
-    scenario : Scenario
-        The question.
-    planner : Planner
-        Policy, solver and gap.
-    distance : Distance
-        How close is close.
-    limits : Limits
-        When to stop early.
-    executor : Executor or None
-        Where the sets are planned.
-    progress : callable
-        Told stage, parts done, and of how many.
-
-    Returns
-    -------
-    Draft
-        Its sets are the connected components of the graph. Nothing keeps the sets apart but the
-        distance: the certificate says whether that was enough.
+    meters : float
+        Vehicles are coupled if they come within this distance, center to center [m].
     """
-    begun = time.perf_counter()
-    singles: Sets = tuple((i,) for i in range(scenario.num_vehicles))
 
-    def plan_all(sets: Sets, stage: str) -> list[SetPlan]:
-        return plan_sets(
-            scenario,
-            sets,
-            lambda part: SetTask(part, planner.policy, planner.solver, planner.gap, stage),
-            limits,
-            executor,
-            lambda done, total: progress(stage, done, total),
-        )
+    meters: float = 5.0
 
-    alone = plan_all(singles, "alone")
-    steps = tuple(step for plan in alone for step in plan.steps)
-    seconds = {"alone": time.perf_counter() - begun}
-    if not all(plan.controls for plan in alone):
-        status, why = verdict_of_sets(scenario, singles, alone)
-        return Draft(status, (), singles, steps, (), seconds, why)
-    sets, couplings = _sets(scenario, alone, distance.meters)
-    together = tuple(members for members in sets if len(members) > 1)
-    known = dict(zip(singles, alone, strict=True))
-    known |= dict(zip(together, plan_all(together, "sets"), strict=True))
-    plans = [known[members] for members in sets]
-    steps += tuple(step for members in together for step in known[members].steps)
-    seconds["sets"] = time.perf_counter() - begun - seconds["alone"]
-    status, why = verdict_of_sets(scenario, sets, plans)
-    controls = {
-        i: c for s, p in zip(sets, plans, strict=True) for i, c in zip(s, p.controls, strict=False)
-    }
-    is_whole = all(p.outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE} for p in plans)
-    ordered = tuple(controls[i] for i in sorted(controls)) if is_whole else ()
-    return Draft(status, ordered, sets, steps, (), seconds, why, couplings=couplings)
+    def __post_init__(self) -> None:
+        """Refuse what is no distance."""
+        if not (is_number(self.meters) and 0.0 <= self.meters < float("inf")):
+            raise ScenarioError(
+                f"distance must be a number of meters >= 0, got {told(self.meters)}"
+            )
+
+    def __str__(self) -> str:
+        return f"distance({self.meters:g})"
+
+    def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
+        """Plan every vehicle alone, then together those whose paths come close.
+
+        The sets are the connected components of the graph. Nothing keeps them apart but the
+        distance: the certificate says whether that was enough. See `Decomposition.plan`.
+        """
+        begun = time.perf_counter()
+        singles: Sets = tuple((i,) for i in range(scenario.num_vehicles))
+
+        alone = plan_sets(scenario, singles, planner, run, "alone")
+        steps = tuple(step for plan in alone for step in plan.steps)
+        seconds = {"alone": time.perf_counter() - begun}
+        if not all(plan.controls for plan in alone):
+            status, why = verdict_of_sets(scenario, singles, alone)
+            return Draft(status, (), singles, steps, (), seconds, why)
+        sets, couplings = _sets(scenario, alone, self.meters)
+        together = tuple(members for members in sets if len(members) > 1)
+        known = dict(zip(singles, alone, strict=True))
+        found = plan_sets(scenario, together, planner, run, "sets")
+        known |= dict(zip(together, found, strict=True))
+        plans = [known[members] for members in sets]
+        steps += tuple(step for members in together for step in known[members].steps)
+        seconds["sets"] = time.perf_counter() - begun - seconds["alone"]
+        status, why = verdict_of_sets(scenario, sets, plans)
+        is_whole = all(p.outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE} for p in plans)
+        ordered = in_order(sets, plans) if is_whole else ()
+        return Draft(status, ordered, sets, steps, (), seconds, why, couplings=couplings)
 
 
 def _sets(

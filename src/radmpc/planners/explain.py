@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoint_risk import floors
+from radmpc.planners.planner import Planner
+from radmpc.planners.policies.policy import SolveRequest
 from radmpc.planners.presolve import (
     Reason,
     grouped,
@@ -16,10 +19,8 @@ from radmpc.planners.presolve import (
     place_reasons,
     too_far_texts,
 )
-from radmpc.planners.under_policy import solve_under_policy
 from radmpc.planners.wording import is_contact, limit_clause, places_text
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import NoRisk, Policy, Sigmas
 from radmpc.program.program import DisjunctiveProgram, Exposure
 from radmpc.program.subject import Subject
 from radmpc.solvers.branch.branch import Branch
@@ -27,12 +28,12 @@ from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from radmpc.solvers.solution import Limits, Outcome
 
-__all__ = ["danger", "explain_infeasible", "impossible_places", "unable_alone"]
+__all__ = ["danger", "explain_infeasible", "explain_stuck", "impossible_places", "unable_alone"]
 
 _MAX_NODES = 2_000
 
 
-def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: Limits) -> str:
+def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> str:
     """Find the plainest reason why vehicles cannot be planned.
 
     Tried in this order: feedback that needs more control than there is, goals out of reach,
@@ -43,10 +44,8 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
     ----------
     scenario : Scenario
         Vehicles that could not be planned, with their Δ.
-    policy : Policy
-        The risk policy they were planned under.
-    gap : float
-        Relative gap of the solves.
+    planner : Planner
+        Risk policy and gap that they were planned with.
     limits : Limits
         When to stop looking.
 
@@ -63,19 +62,29 @@ def explain_infeasible(scenario: Scenario, policy: Policy, gap: float, limits: L
     ]
     if unable:
         return " ".join([*(text for _, text in grouped(scenario, unable)), _SLOW])
-    reason = impossible_places(scenario, deterministic=isinstance(policy, NoRisk | Sigmas))
+    reason = impossible_places(scenario, deterministic=planner.policy.family == "deterministic")
     if reason:
         return reason
     is_open = False
     for size in (1, 2):
         for members in combinations(range(len(subjects)), size):
-            outcome = _solved_alone(scenario, members, policy, gap, limits)
+            outcome = _solved_alone(scenario, members, planner, limits)
             if outcome is Outcome.INFEASIBLE:
                 return _cannot_be_planned(scenario, members)
             is_open |= outcome is Outcome.LIMIT
     if is_open:
         return f"{_OPEN}: {limit_clause(limits)}"
     return _GENERAL
+
+
+def explain_stuck(
+    scenario: Scenario, stuck: Sequence[int], planner: Planner, limits: Limits
+) -> str | None:
+    """Say why some vehicles have no plan on their share of the risk; None where all have one."""
+    if not stuck:
+        return None
+    share = scenario.risk_bound * len(stuck) / scenario.num_vehicles
+    return explain_infeasible(scenario.subset(stuck, share), planner, limits)
 
 
 def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str | None:
@@ -209,17 +218,15 @@ def danger(exposure: Exposure) -> str:
 
 
 def _solved_alone(
-    scenario: Scenario, members: tuple[int, ...], policy: Policy, gap: float, limits: Limits
+    scenario: Scenario, members: tuple[int, ...], planner: Planner, limits: Limits
 ) -> Outcome:
     """Return how planning some of the vehicles alone with the whole Δ ends."""
     if limits.reached:
         return Outcome.LIMIT
     alone = scenario.subset(members, scenario.risk_bound)
     program = build_program(alone, whole_subjects(alone), risk_bound=scenario.risk_bound)
-    solved = solve_under_policy(
-        program, policy, Branch(_MAX_NODES), gap=gap, limits=limits, stage="explain", vehicles=()
-    )
-    return solved.solution.outcome
+    request = SolveRequest(program, Branch(_MAX_NODES), planner.gap, limits, "explain", ())
+    return planner.policy.solve(request).solution.outcome
 
 
 def _cannot_be_planned(scenario: Scenario, members: tuple[int, ...]) -> str:

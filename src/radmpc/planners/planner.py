@@ -1,139 +1,89 @@
-"""A planner is a record of three choices about one program."""
+"""A planner is a record of three choices about one program: policy, solver, decomposition."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import get_args
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import ClassVar
 
-from radmpc.arguments import check_word, is_number, told
+import numpy as np
+
+from radmpc.arguments import is_number, told
 from radmpc.errors import ScenarioError
-from radmpc.program.policy import Ira, NoRisk, Optimal, Policy, Pool, Sigmas, Uniform
-from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.milp.big_m import BigM
-from radmpc.solvers.rrt.rrt import Rrt
+from radmpc.model.scenario import Scenario
+from radmpc.planners.draft import Draft
+from radmpc.planners.policies.policy import Family, Policy
+from radmpc.planners.verdict import Judge
+from radmpc.solvers.solution import Limits, Solver
 
-__all__ = [
-    "Centralized",
-    "Certified",
-    "Couplings",
-    "Decomposition",
-    "Distance",
-    "Planner",
-    "Receding",
-    "SolverChoice",
-]
+__all__ = ["Decomposition", "Planner", "Progress", "Run"]
 
-SolverChoice = BigM | Branch | Rrt
+Progress = Callable[[str, int, int | None], None]
+"""Told the stage, its parts done, and how many there are, if that is known."""
 
 
-@dataclass(frozen=True, slots=True)
-class Centralized:
-    """All vehicles in one program."""
-
-    def __str__(self) -> str:
-        return "centralized"
-
-
-@dataclass(frozen=True, slots=True)
-class Receding:
-    """One vehicle at a time, the others as temporal obstacles (paper, Algorithm 2).
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What one run of a planner is given beside scenario and planner.
 
     Attributes
     ----------
-    covariances : {'schedule', 'reset'}
-        Noise seen at absolute step k: that of the final plan, or as a controller that measures
-        its state at every step sees it.
-    arrivals : {'once', 'every_step'}
-        When a vehicle in its goal lowers N*: when it first enters, or, as the pseudo-code has it,
-        at every step that it is there.
-    sigmas : float
-        Half-side of temporal obstacles, beside the radius, in standard deviations. 3 bounds each
-        axis; 3.44 the ellipse that holds as much in the plane (99.73 %).
+    rng : Generator
+        Source of every random choice.
+    limits : Limits
+        When to stop early; to be asked often.
+    executor : Executor or None
+        Where independent sets are planned; None plans them here. The plan is the same.
+    progress : callable
+        Told what planning is at.
+    judge : callable
+        What the referee says of every vehicle's controls, in the scenario's order.
     """
 
-    covariances: str = "schedule"
-    arrivals: str = "once"
-    sigmas: float = 3.0
-
-    def __post_init__(self) -> None:
-        """Refuse unknown words."""
-        check_word(self.covariances, ("schedule", "reset"), "covariances")
-        check_word(self.arrivals, ("once", "every_step"), "arrivals")
-        if not (is_number(self.sigmas) and 0.0 <= self.sigmas <= 10.0):
-            raise ScenarioError(f"sigmas must lie between 0 and 10, got {told(self.sigmas)}")
-
-    def __str__(self) -> str:
-        options = [o for o in (self.covariances, self.arrivals) if o not in {"schedule", "once"}]
-        options += [f"{self.sigmas:g} sigmas"] if self.sigmas != 3.0 else []
-        return f"receding({', '.join(options)})" if options else "receding"
+    rng: np.random.Generator
+    limits: Limits
+    executor: Executor | None
+    progress: Progress
+    judge: Judge
 
 
-@dataclass(frozen=True, slots=True)
-class Couplings:
-    """Sets that a receding approximation found to interact (paper, Algorithm 1).
+class Decomposition(ABC):
+    """Which vehicles are planned together. A frozen record; ``str`` is the name users type."""
 
-    Attributes
-    ----------
-    threshold : float
-        Ψ: vehicles are coupled if their collision probability in the approximation exceeds it.
-    approximation : Receding
-        How the approximation is made.
-    approximation_policy : Pool
-        Its risk policy.
-    """
+    __slots__ = ()
 
-    threshold: float = 1e-6
-    approximation: Receding = field(default_factory=Receding)
-    approximation_policy: Pool = field(default_factory=Pool)
+    families: ClassVar[frozenset[Family]] = frozenset({"deterministic", "fixed", "iterated"})
+    """Risk policies that it can plan with, by how they use Δ."""
 
-    def __post_init__(self) -> None:
-        """Refuse thresholds that are no probability."""
-        if not (is_number(self.threshold) and 0.0 <= self.threshold <= 1.0):
-            raise ScenarioError(
-                f"couplings threshold must be in [0, 1], got {told(self.threshold)}"
-            )
-        for name, kind in (("approximation", Receding), ("approximation_policy", Pool)):
-            part = getattr(self, name)
-            if not isinstance(part, kind):
-                raise ScenarioError(f"{name} must be a {kind.__name__}, got {told(part)}")
+    solvers: ClassVar[tuple[type[Solver], ...]] = (Solver,)
+    """Solvers that it can plan with."""
 
-    def __str__(self) -> str:
-        how = "" if self.approximation == Receding() else f", {self.approximation}"
-        return f"couplings({self.threshold:g}{how})"
+    needs_proof: ClassVar[bool] = False
+    """Whether it takes "none found" for "there is none", or costs for the least."""
 
+    default_seconds: ClassVar[float | None] = None
+    """Time limit where none is given [s]; None is no limit."""
 
-@dataclass(frozen=True, slots=True)
-class Distance:
-    """Sets of vehicles whose ways alone come close (Keviczky et al.).
+    @abstractmethod
+    def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
+        """Plan a fleet.
 
-    Attributes
-    ----------
-    meters : float
-        Vehicles are coupled if they come within this distance, center to center [m].
-    """
+        Parameters
+        ----------
+        scenario : Scenario
+            The question.
+        planner : Planner
+            Policy, solver and gap.
+        run : Run
+            Limits, randomness, executor, progress and the referee.
 
-    meters: float = 5.0
-
-    def __post_init__(self) -> None:
-        """Refuse what is no distance."""
-        if not (is_number(self.meters) and 0.0 <= self.meters < float("inf")):
-            raise ScenarioError(
-                f"distance must be a number of meters >= 0, got {told(self.meters)}"
-            )
-
-    def __str__(self) -> str:
-        return f"distance({self.meters:g})"
-
-
-@dataclass(frozen=True, slots=True)
-class Certified:
-    """Sets merged where they collide, all at one price of risk, every plan certified."""
-
-    def __str__(self) -> str:
-        return "certified"
-
-
-Decomposition = Centralized | Receding | Couplings | Distance | Certified
+        Returns
+        -------
+        Draft
+            Also without a plan: then it says why.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +94,7 @@ class Planner:
     ----------
     policy : Policy
         How Δ becomes risks of rows.
-    solver : BigM, Branch or Rrt
+    solver : Solver
         How the disjunctions are searched.
     decomposition : Decomposition
         Which vehicles are planned together.
@@ -153,46 +103,48 @@ class Planner:
 
     Examples
     --------
-    >>> from radmpc.program.policy import Uniform
+    >>> from radmpc.planners import Branch, Centralized, Uniform
     >>> print(Planner(Uniform(), Branch(), Centralized()))
     uniform, branch, centralized
     """
 
     policy: Policy
-    solver: SolverChoice
+    solver: Solver
     decomposition: Decomposition
     gap: float = 1e-3
 
     def __post_init__(self) -> None:
         """Refuse choices that do not go together."""
-        for name, kinds in (
-            ("policy", Policy),
-            ("solver", SolverChoice),
-            ("decomposition", Decomposition),
+        for name, kind, example in (
+            ("policy", Policy, "Uniform()"),
+            ("solver", Solver, "Branch()"),
+            ("decomposition", Decomposition, "Centralized()"),
         ):
             choice = getattr(self, name)
-            if not isinstance(choice, kinds):
-                known = ", ".join(kind.__name__ for kind in get_args(kinds))
-                raise ScenarioError(f"{name} must be one of {known}, got {told(choice)}")
+            if not isinstance(choice, kind):
+                raise ScenarioError(
+                    f"{name} must be a record such as {example}, got {told(choice)}"
+                )
         if not (is_number(self.gap) and 0.0 < self.gap < 1.0):
             raise ScenarioError(f"gap must lie between 0 and 1, got {told(self.gap)}")
-        if isinstance(self.policy, Optimal) != isinstance(self.decomposition, Certified):
-            raise ScenarioError("policy 'optimal' and decomposition 'certified' need each other")
-        if isinstance(self.policy, Optimal) and not isinstance(self.solver, Branch):
-            raise ScenarioError("policy 'optimal' needs the solver 'branch'")
-        pooled = isinstance(self.policy, Pool)
-        if pooled and not isinstance(self.decomposition, Receding):
-            raise ScenarioError("policy 'pool' needs the decomposition 'receding'")
-        if isinstance(self.policy, Ira) and isinstance(self.decomposition, Receding):
-            raise ScenarioError("policy 'ira' does not go with 'receding': use 'pool'")
-        if isinstance(self.solver, Rrt):
-            # The others take "none found" for "there is none", or costs for the least.
-            if not isinstance(self.policy, NoRisk | Sigmas | Uniform):
+        if self.policy.family not in self.decomposition.families:
+            known = ", ".join(sorted(self.decomposition.families))
+            raise ScenarioError(
+                f"policy '{self.policy}' ({self.policy.family}) does not go with "
+                f"'{self.decomposition}', which takes policies that are {known}"
+            )
+        if not isinstance(self.solver, self.decomposition.solvers):
+            known = ", ".join(kind.__name__ for kind in self.decomposition.solvers)
+            raise ScenarioError(
+                f"decomposition '{self.decomposition}' needs the solver {known}, "
+                f"got '{self.solver}'"
+            )
+        for name, part in (("policy", self.policy), ("decomposition", self.decomposition)):
+            if part.needs_proof and not self.solver.proves:
                 raise ScenarioError(
-                    f"solver 'rrt' needs a policy 'none', 'sigmas' or 'uniform', got {self.policy}"
+                    f"solver '{self.solver}' does not go with the {name} '{part}', which needs one "
+                    "that proves that there is no solution"
                 )
-            if isinstance(self.decomposition, Couplings):
-                raise ScenarioError("solver 'rrt' does not go with 'couplings': use 'receding'")
 
     def __str__(self) -> str:
         return f"{self.policy}, {self.solver}, {self.decomposition}"

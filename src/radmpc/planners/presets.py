@@ -9,15 +9,13 @@ from types import MappingProxyType
 
 from radmpc.arguments import told
 from radmpc.errors import ScenarioError
-from radmpc.planners.planner import (
-    Centralized,
-    Certified,
-    Couplings,
-    Distance,
-    Planner,
-    Receding,
-)
-from radmpc.program.policy import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform
+from radmpc.planners.centralized import Centralized
+from radmpc.planners.certified.planning import Certified
+from radmpc.planners.distance import Distance
+from radmpc.planners.paper.algorithm_1_multi_vehicle import Couplings
+from radmpc.planners.paper.algorithm_2_radmpc import Receding
+from radmpc.planners.planner import Planner
+from radmpc.planners.policies import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.rrt.rrt import Rrt

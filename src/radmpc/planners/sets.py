@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import tempfile
-import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass, replace
-from pathlib import Path
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.coarse_search import propose_sides
 from radmpc.planners.draft import Step
+from radmpc.planners.executing import run_elsewhere
 from radmpc.planners.explain import explain_infeasible
-from radmpc.planners.planner import SolverChoice
-from radmpc.planners.under_policy import solve_under_policy
+from radmpc.planners.planner import Planner, Run
+from radmpc.planners.policies.policy import SolveRequest
+from radmpc.planners.randomness import children
 from radmpc.program.build import build_program, controls_of, whole_subjects
-from radmpc.program.policy import Policy
 from radmpc.solvers.solution import Limits, Outcome
 
-__all__ = ["SetPlan", "SetTask", "plan_sets", "run_sets", "verdict_of_sets"]
-
-_POLL_SECONDS = 0.1
+__all__ = ["SetPlan", "SetTask", "in_order", "plan_set", "plan_sets", "run_sets", "verdict_of_sets"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,21 +33,18 @@ class SetTask:
     ----------
     scenario : Scenario
         These vehicles alone, with their share of Δ.
-    policy : Policy
-        Risk policy.
-    solver : BigM or Branch
-        Solver.
-    gap : float
-        Relative gap of each solve.
+    planner : Planner
+        Policy, solver and gap.
     stage : str
         For the steps' record.
+    rng : Generator or None
+        For solvers that draw samples.
     """
 
     scenario: Scenario
-    policy: Policy
-    solver: SolverChoice
-    gap: float
+    planner: Planner
     stage: str
+    rng: np.random.Generator | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,33 +87,33 @@ def plan_set(task: SetTask, limits: Limits) -> SetPlan:
     scenario = task.scenario
     subjects = whole_subjects(scenario)
     program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
-    solved = solve_under_policy(
+    request = SolveRequest(
         program,
-        task.policy,
-        task.solver,
-        gap=task.gap,
-        limits=limits,
-        stage=task.stage,
-        vehicles=tuple(v.name for v in scenario.vehicles),
+        task.planner.solver,
+        task.planner.gap,
+        limits,
+        task.stage,
+        tuple(v.name for v in scenario.vehicles),
         propose=lambda margins: propose_sides(program, subjects, margins, limits),
+        rng=task.rng,
     )
+    solved = task.planner.policy.solve(request)
     solution = solved.solution
     if solution.z is not None:
         controls = tuple(controls_of(subjects, solution.z))
         return SetPlan(solution.outcome, controls, solved.steps)
     explanation = None
     if solution.outcome is Outcome.INFEASIBLE:
-        explanation = explain_infeasible(scenario, task.policy, task.gap, limits)
+        explanation = explain_infeasible(scenario, task.planner, limits)
     return SetPlan(solution.outcome, (), solved.steps, explanation)
 
 
 def plan_sets(
     scenario: Scenario,
     sets: Sequence[tuple[int, ...]],
-    task: Callable[[Scenario], SetTask],
-    limits: Limits,
-    executor: Executor | None,
-    progress: Callable[[int, int], None],
+    planner: Planner,
+    run: Run,
+    stage: str,
 ) -> list[SetPlan]:
     """Plan every set with its share of Δ by head count (paper, Algorithm 1, line 5).
 
@@ -127,8 +123,39 @@ def plan_sets(
         The whole fleet.
     sets : sequence of tuple of int
         A partition of its vehicles.
-    task : callable
-        Makes the task of a set from its scenario.
+    planner : Planner
+        Policy, solver and gap.
+    run : Run
+        Limits, executor, progress.
+    stage : str
+        What progress and the steps' record call it.
+
+    Returns
+    -------
+    list of SetPlan
+        In the order of the sets, whatever the executor.
+    """
+    share = scenario.risk_bound / scenario.num_vehicles
+    tasks = [
+        SetTask(scenario.subset(members, share * len(members)), planner, stage, rng)
+        for members, rng in zip(sets, children(run.rng, len(sets)), strict=True)
+    ]
+    progress = partial(run.progress, stage)
+    return run_sets(tasks, run.limits, run.executor, progress)
+
+
+def run_sets(
+    tasks: Sequence[SetTask],
+    limits: Limits,
+    executor: Executor | None,
+    progress: Callable[[int, int], None],
+) -> list[SetPlan]:
+    """Run tasks, here or on an executor; what a worker that died took with it is planned here.
+
+    Parameters
+    ----------
+    tasks : sequence of SetTask
+        The sets.
     limits : Limits
         When to stop early.
     executor : Executor or None
@@ -139,59 +166,30 @@ def plan_sets(
     Returns
     -------
     list of SetPlan
-        In the order of the sets, whatever the executor.
+        In the order of the tasks.
     """
-    share = scenario.risk_bound / scenario.num_vehicles
-    tasks = [task(scenario.subset(members, share * len(members))) for members in sets]
-    return run_sets(tasks, limits, executor, progress)
+    if executor is not None:
+        found = run_elsewhere(plan_set, tasks, limits, executor, progress)
+        return [
+            plan_set(task, limits) if plan is None else plan
+            for task, plan in zip(tasks, found, strict=True)
+        ]
+    plans = []
+    for done, task in enumerate(tasks):
+        # An equal part of the time left for each, so that one hard set starves no other.
+        plans.append(plan_set(task, limits.within(limits.seconds_left / (len(tasks) - done))))
+        progress(done + 1, len(tasks))
+    return plans
 
 
-def run_sets(
-    tasks: Sequence[SetTask],
-    limits: Limits,
-    executor: Executor | None,
-    progress: Callable[[int, int], None],
-) -> list[SetPlan]:
-    """Run tasks; see `plan_sets`."""
-    if executor is None:
-        plans = []
-        for done, one in enumerate(tasks):
-            # An equal part of the time left for each, so that one hard set starves no other.
-            part = limits.seconds_left / (len(tasks) - done)
-            plans.append(plan_set(one, replace(limits, deadline=time.monotonic() + part)))
-            progress(done + 1, len(tasks))
-        return plans
-    return _run_elsewhere(tasks, limits, executor, progress)
-
-
-def _run_elsewhere(
-    tasks: Sequence[SetTask],
-    limits: Limits,
-    executor: Executor,
-    progress: Callable[[int, int], None],
-) -> list[SetPlan]:
-    """Run tasks on an executor.
-
-    Only the wall clock means the same in another process, and a queued task must not restart it.
-    A stop reaches the workers of this machine as a file that appears.
-    """
-    deadline = time.time() + limits.seconds_left
-    with tempfile.TemporaryDirectory(prefix="radmpc-") as folder:
-        flag = Path(folder) / "stop"
-        futures = [executor.submit(_plan_set_until, task, deadline, str(flag)) for task in tasks]
-        waiting: set[Future[SetPlan]] = set(futures)
-        while waiting:
-            _, waiting = wait(waiting, timeout=_POLL_SECONDS, return_when=FIRST_COMPLETED)
-            progress(len(tasks) - len(waiting), len(tasks))
-            if waiting and limits.is_stopped():
-                flag.touch()
-        return [future.result() for future in futures]
-
-
-def _plan_set_until(task: SetTask, deadline: float, flag: str) -> SetPlan:
-    """Plan a set until a time of the wall clock, or until a file appears."""
-    left = max(0.0, deadline - time.time())
-    return plan_set(task, Limits(time.monotonic() + left, lambda: Path(flag).exists()))
+def in_order(sets: Sequence[tuple[int, ...]], plans: Sequence[SetPlan]) -> tuple[Matrix, ...]:
+    """Return the controls of all vehicles that have any, in the scenario's order."""
+    controls = {
+        i: control
+        for members, plan in zip(sets, plans, strict=True)
+        for i, control in zip(members, plan.controls, strict=False)
+    }
+    return tuple(controls[i] for i in sorted(controls))
 
 
 def verdict_of_sets(

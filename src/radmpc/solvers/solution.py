@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Protocol
+from typing import ClassVar
+
+import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
@@ -123,9 +126,15 @@ def relative_gap(cost: float, bound: float) -> float:
     return (cost - bound) / max(abs(cost), 1e-9)
 
 
-class Solver(Protocol):
-    """Searches the disjunctions of a program whose rows have fixed margins."""
+class Solver(ABC):
+    """Searches the disjunctions of a program whose rows have fixed margins. A frozen record."""
 
+    __slots__ = ()
+
+    proves: ClassVar[bool] = True
+    """Whether "none found" means that there is none, and costs come with a lower bound."""
+
+    @abstractmethod
     def solve(
         self,
         program: DisjunctiveProgram,
@@ -135,6 +144,7 @@ class Solver(Protocol):
         limits: Limits,
         start: Indices | None = None,
         guide: Guide | None = None,
+        rng: np.random.Generator | None = None,
     ) -> Solution:
         """Minimize the cost with every chosen row held back by its margin.
 
@@ -152,10 +162,11 @@ class Solver(Protocol):
             A selection to try first.
         guide : callable or None
             Proposes a selection; asked at most once, where the search is slow to find any.
+        rng : Generator or None
+            For solvers that draw samples; None is seed 0.
 
         Returns
         -------
         Solution
             Infeasible is an answer.
         """
-        ...

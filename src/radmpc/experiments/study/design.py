@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 
 from radmpc.experiments.study.trial import Task
-from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
+from radmpc.planners import Centralized, Couplings, Ira, Planner, Receding
 from radmpc.planners.presets import PRESETS
-from radmpc.program.policy import Ira
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Plan, Status
-from radmpc.planners.planner import Couplings, Planner
+from radmpc.planners import Couplings, Planner
 from radmpc.planning import plan
 from radmpc.referee import simulate
 from radmpc.result import Result

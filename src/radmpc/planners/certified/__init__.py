@@ -1,6 +1,9 @@
-"""The certified planner: sets planned exactly at one price of risk, joined, and judged."""
+"""The certified planner: sets planned exactly at one price of risk, joined, and judged.
 
-from radmpc.planners.certified.planning import plan_certified
-from radmpc.planners.certified.verdict import Verdict
+All files share the Lagrangian of the chance-constrained program over the whole fleet,
 
-__all__ = ["Verdict", "plan_certified"]
+    minimize  Σ over sets of  (effort + λ · risk / Δ),
+
+which falls apart into one problem per set at a multiplier λ common to all; the referee says which
+sets may stay apart, and λ is chosen so that the joint risk is just within Δ.
+"""

@@ -12,12 +12,12 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import NoPlanError
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.executing import Job, search_sets
 from radmpc.planners.certified.inter_set_risk import by_sets, meeting_risks
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import Order, SetProblem, SetState
-from radmpc.planners.certified.verdict import Verdict
+from radmpc.planners.certified.set_searches import Job, search_sets
 from radmpc.planners.endpoint_risk import start_dangers
+from radmpc.planners.verdict import Verdict
 from radmpc.program.build import controls_of, whole_subjects
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome

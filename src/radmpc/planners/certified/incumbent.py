@@ -11,8 +11,8 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.rescaling import fitted
 from radmpc.planners.certified.rounds import Round
-from radmpc.planners.certified.verdict import Judge, Verdict
 from radmpc.planners.draft import Step
+from radmpc.planners.verdict import Judge, Verdict
 from radmpc.solvers.solution import relative_gap
 
 __all__ = ["Best", "take"]

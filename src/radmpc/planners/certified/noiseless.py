@@ -12,8 +12,8 @@ import numpy as np
 from radmpc.planners.certified.fleet import Fleet, Members
 from radmpc.planners.certified.incumbent import Best
 from radmpc.planners.certified.turning import plan_by_turning
-from radmpc.planners.certified.verdict import Judge
 from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.verdict import Judge
 from radmpc.program.build import controls_of
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,12 +18,13 @@ from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_no
 from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.turning import turn_half_spaces
-from radmpc.planners.certified.verdict import Judge
 from radmpc.planners.draft import Draft
-from radmpc.planners.planner import Planner
-from radmpc.solvers.solution import Limits, relative_gap
+from radmpc.planners.planner import Decomposition, Planner, Run
+from radmpc.planners.policies.policy import Family
+from radmpc.solvers.branch.branch import Branch
+from radmpc.solvers.solution import Solver, relative_gap
 
-__all__ = ["plan_certified"]
+__all__ = ["Certified"]
 
 _TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
 """Time kept back for turning half-spaces to a plan: a share of the limit, or seconds up to a larger
@@ -35,76 +37,77 @@ _UNSPENT = 0.5
 """Share of Δ below which the referee leaves so much that other sides are tried."""
 
 
-def plan_certified(
-    scenario: Scenario,
-    planner: Planner,
-    limits: Limits,
-    executor: Executor | None,
-    progress: Callable[[str, int, int | None], None],
-    judge: Judge,
-) -> Draft:
-    """Plan a fleet to a proven gap; every plan returned is certified.
+@dataclass(frozen=True, slots=True)
+class Certified(Decomposition):
+    """Sets merged where they collide, all at one price of risk, every plan certified."""
 
-    Parameters
-    ----------
-    scenario : Scenario
-        The question.
-    planner : Planner
-        Its gap.
-    limits : Limits
-        When to stop early.
-    executor : Executor or None
-        Where sets are searched; the plan is the same.
-    progress : callable
-        Told the stage, sets done, and of how many.
-    judge : callable
-        What the referee says of controls, in the scenario's order.
+    families: ClassVar[frozenset[Family]] = frozenset({"priced"})
+    solvers: ClassVar[tuple[type[Solver], ...]] = (Branch,)
+    needs_proof: ClassVar[bool] = True
+    default_seconds: ClassVar[float | None] = 60.0
+
+    def __str__(self) -> str:
+        return "certified"
+
+    def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
+        """Plan a fleet to a proven gap; every plan is certified. See `Decomposition.plan`."""
+        begun = time.perf_counter()
+        ruled_out = sure_why_not(scenario, run.limits)
+        if ruled_out is not None:
+            return _empty(scenario, ruled_out, begun)
+        search, answer = _found(scenario, planner, run)
+        fleet, best = search.fleet, search.best
+        if answer is not None and not best.controls:
+            return _empty(scenario, answer, begun)
+        search.close()
+        # Large fleets gain little by the second: not longer than the search took.
+        fleet.limits = run.limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
+        turn_half_spaces(fleet, best, run.judge)
+        if best.certified < _UNSPENT * scenario.risk_bound:
+            # Not risk but the faces, or their sides, made the plan what it is. (Tried for all
+            # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
+            turn_from_noiseless(fleet, best, run.judge)
+        return _draft(search, planner.gap, answer, time.perf_counter() - begun)
+
+
+def _found(scenario: Scenario, planner: Planner, run: Run) -> tuple[PriceSearch, WhyNot | None]:
+    """Search for the best plan; where the search finds none, try what else leads to one.
 
     Returns
     -------
-    Draft
-        With the best certified plan and a lower bound on the cost of any.
+    search : PriceSearch
+        With a plan, or without.
+    answer : WhyNot or None
+        What the last resort says, if it was asked.
     """
-    begun = time.perf_counter()
-    ruled_out = sure_why_not(scenario, limits)
-    if ruled_out is not None:
-        return _empty(scenario, ruled_out, begun)
+    limits = run.limits
     granted = limits.seconds_left
     kept = max(_TURNING_SHARE * granted, min(_TURNING_SECONDS, _MOST_SHARE * granted))
     begin = limits if granted == float("inf") else limits.within(granted - kept)
-    fleet = Fleet(scenario, planner.gap, begin, lambda done, n: progress("sets", done, n), executor)
-    best = Best()
-    search = PriceSearch(fleet, best, planner.gap, judge)
+    fleet = Fleet(scenario, planner.gap, begin, partial(run.progress, "sets"), run.executor)
+    search = PriceSearch(fleet, Best(), planner.gap, run.judge)
     if fleet.budget > 0.0:
         search.run()
-    explanation = ""
-    if not best.controls:
-        fleet.limits = limits
-        search, answer = last_resort(search)
-        fleet, best = search.fleet, search.best
-        if not best.controls:
-            return _empty(scenario, answer, begun)
-        explanation = answer.explanation
-    search.close()
-    # Large fleets gain little by the second: not longer than the search took.
-    fleet.limits = limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
-    turn_half_spaces(fleet, best, judge)
-    if best.certified < _UNSPENT * scenario.risk_bound:
-        # Not risk but the faces, or their sides, made the plan what it is. (Tried for all fleets of
-        # up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
-        turn_from_noiseless(fleet, best, judge)
-    seconds = {"sets": time.perf_counter() - begun}
-    gap = planner.gap * (1.0 + 1e-6)
-    bound = best.reported(fleet, gap)
-    closed = relative_gap(best.cost, bound) <= gap
+    if search.best.controls:
+        return search, None
+    fleet.limits = limits
+    return last_resort(search)
+
+
+def _draft(search: PriceSearch, gap: float, answer: WhyNot | None, seconds: float) -> Draft:
+    """Return the best plan and what is proven of it."""
+    fleet, best = search.fleet, search.best
+    closed = gap * (1.0 + 1e-6)
+    bound = best.reported(fleet, closed)
+    is_closed = relative_gap(best.cost, bound) <= closed
     return Draft(
-        Status.OPTIMAL if closed else Status.FEASIBLE,
+        Status.OPTIMAL if is_closed else Status.FEASIBLE,
         best.controls,
         best.sets,
         tuple(best.steps),
         (),
-        seconds,
-        explanation or None,
+        {"sets": seconds},
+        (answer.explanation if answer is not None else "") or None,
         lower_bound=_finite(bound),
         price=best.price(fleet),
         couplings=fleet.couplings(best.sets),

@@ -12,9 +12,8 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import Walk
 from radmpc.planners.coarse_search import propose_sides
-from radmpc.planners.under_policy import solve_under_policy
+from radmpc.planners.policies import Ira, SolveRequest
 from radmpc.program.build import build_program
-from radmpc.program.policy import Ira
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.subject import Subject
 from radmpc.solvers.branch.branch import Branch
@@ -228,15 +227,15 @@ def _rescue(
     problem: SetProblem, scenario: Scenario, tree: RiskTree, order: Order, limits: Limits
 ) -> None:
     """Look for any plan by iterative risk allocation, which has heuristics for tangled sets."""
-    solved = solve_under_policy(
+    request = SolveRequest(
         problem.program,
-        Ira(),
         Branch(_RESCUE_NODES * len(problem.members)),
-        gap=1e-2,
-        limits=limits,
-        stage="rescue",
-        vehicles=tuple(v.name for v in scenario.vehicles),
+        1e-2,
+        limits,
+        "rescue",
+        tuple(v.name for v in scenario.vehicles),
         propose=lambda margins: propose_sides(problem.program, problem.subjects, margins, limits),
     )
+    solved = Ira().solve(request)
     if solved.solution.z is not None:
         tree.consider(solved.solution.z)

@@ -10,9 +10,9 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import Best, take
 from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
-from radmpc.planners.certified.verdict import Judge
 from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.planners.draft import Step
+from radmpc.planners.verdict import Judge
 from radmpc.solvers.priced.budget import OVER
 from radmpc.solvers.solution import relative_gap
 

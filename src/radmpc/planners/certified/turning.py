@@ -11,7 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fleet import Fleet, Members
 from radmpc.planners.certified.incumbent import Best
-from radmpc.planners.certified.verdict import Judge
+from radmpc.planners.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
 from radmpc.solvers.priced.nodes import Incumbent

@@ -13,7 +13,7 @@ from radmpc.planners.certified.incumbent import Best, take
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.rounds import Round
-from radmpc.planners.certified.verdict import Judge
+from radmpc.planners.verdict import Judge
 from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater

@@ -2,124 +2,150 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arguments import check_word, is_number, told
+from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.draft import Event, Step
+from radmpc.planners.draft import Draft, Event, Step
+from radmpc.planners.explain import explain_stuck
 from radmpc.planners.paper.approximation import Approximation
-from radmpc.planners.paper.coupling import face_risk
+from radmpc.planners.paper.fleet_model import FleetModel
 from radmpc.planners.paper.risk_pool import booked_risks
 from radmpc.planners.paper.temporal import (
     TemporalObstacle,
     make_temporal_obstacle,
     standing_obstacle,
 )
-from radmpc.planners.planner import Receding
-from radmpc.planners.under_policy import Solved, solve_under_policy
-from radmpc.program.build import build_program, controls_of, responses
-from radmpc.program.policy import Ira, Policy, Pool
+from radmpc.planners.planner import Decomposition, Planner, Run
+from radmpc.planners.policies import Family, Ira, Policy, Pool, Solved, SolveRequest
+from radmpc.planners.randomness import children
+from radmpc.program.build import build_program, controls_of
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.start import start_pair_risk
-from radmpc.program.subject import Subject, bent_covariances, make_subject
-from radmpc.solvers.solution import Limits, Outcome, Solver
+from radmpc.program.subject import Subject
+from radmpc.solvers.solution import Outcome
 
-__all__ = ["approximate"]
+__all__ = ["Receding", "approximate"]
 
 _NO_ENCOUNTER = 1e-9
 """Collision probability below which a vehicle does not stand in another's way."""
 
 
-def approximate(
-    scenario: Scenario,
-    policy: Policy,
-    solver: Solver,
-    receding: Receding,
-    *,
-    gap: float,
-    rng: np.random.Generator,
-    limits: Limits,
-    progress: Callable[[int, int], None],
-) -> Approximation:
+@dataclass(frozen=True, slots=True)
+class Receding(Decomposition):
+    """One vehicle at a time, the others as temporal obstacles (paper, Algorithm 2).
+
+    Attributes
+    ----------
+    covariances : {'schedule', 'reset'}
+        Noise seen at absolute step k: that of the final plan, or as a controller that measures
+        its state at every step sees it.
+    arrivals : {'once', 'every_step'}
+        When a vehicle in its goal lowers N*: when it first enters, or, as the pseudo-code has it,
+        at every step that it is there.
+    sigmas : float
+        Half-side of temporal obstacles, beside the radius, in standard deviations. 3 bounds each
+        axis; 3.44 the ellipse that holds as much in the plane (99.73 %).
+    """
+
+    families: ClassVar[frozenset[Family]] = frozenset({"deterministic", "fixed", "pooled"})
+
+    covariances: str = "schedule"
+    arrivals: str = "once"
+    sigmas: float = 3.0
+
+    def __post_init__(self) -> None:
+        """Refuse unknown words."""
+        check_word(self.covariances, ("schedule", "reset"), "covariances")
+        check_word(self.arrivals, ("once", "every_step"), "arrivals")
+        if not (is_number(self.sigmas) and 0.0 <= self.sigmas <= 10.0):
+            raise ScenarioError(f"sigmas must lie between 0 and 10, got {told(self.sigmas)}")
+
+    def __str__(self) -> str:
+        options = [o for o in (self.covariances, self.arrivals) if o not in {"schedule", "once"}]
+        options += [f"{self.sigmas:g} sigmas"] if self.sigmas != 3.0 else []
+        return f"receding({', '.join(options)})" if options else "receding"
+
+    def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
+        """Run Algorithm 2 alone: its executed controls are the plan. See `Decomposition.plan`."""
+        begun = time.perf_counter()
+        found = approximate(scenario, planner, run)
+        status = Status.LIMIT if found.is_limited else Status.INFEASIBLE
+        return Draft(
+            status=status if found.controls is None else Status.FEASIBLE,
+            controls=found.controls or (),
+            sets=tuple((i,) for i in range(scenario.num_vehicles)),
+            steps=found.steps,
+            events=found.events,
+            seconds={"radmpc": time.perf_counter() - begun},
+            explanation=explain_stuck(scenario, found.stuck, planner, run.limits),
+        )
+
+
+def approximate(scenario: Scenario, planner: Planner, run: Run) -> Approximation:
     """Run Algorithm 2.
 
     Parameters
     ----------
     scenario : Scenario
         The question; its Δ fills the pool.
-    policy : Policy
-        Pool, or one that needs no risk.
-    solver : Solver
-        For the subproblems.
-    receding : Receding
-        Options.
-    gap : float
-        Relative gap of the subproblems.
-    rng : Generator
-        For the order of the vehicles at every step.
-    limits : Limits
-        When to stop early.
-    progress : callable
-        Told how many subproblems are done, of how many at most.
+    planner : Planner
+        Policy (a pool, or one that needs no risk), solver and gap of the subproblems; its
+        decomposition is a `Receding`.
+    run : Run
+        Limits, progress, and the order of the vehicles at every step.
 
     Returns
     -------
     Approximation
         Executed controls, couplings, pool.
     """
-    run = _Radmpc(scenario, policy, solver, receding, gap, limits)
+    state = _Radmpc(scenario, planner, run)
     total = scenario.horizon * scenario.num_vehicles
-    if run.risk_pool <= 0.0 and isinstance(policy, Pool):
-        run.stuck = list(range(scenario.num_vehicles))
-        return run.finish()
+    if state.risk_pool <= 0.0 and isinstance(planner.policy, Pool):
+        state.stuck = list(range(scenario.num_vehicles))
+        return state.finish()
     for k in range(scenario.horizon):
-        run.num_waiting = scenario.num_vehicles
-        for done, i in enumerate(rng.permutation(scenario.num_vehicles)):
-            if limits.reached:
-                run.is_limited = True
+        state.num_waiting = scenario.num_vehicles
+        for done, i in enumerate(run.rng.permutation(scenario.num_vehicles)):
+            if run.limits.reached:
+                state.is_limited = True
             else:
-                run.advance(k, int(i))
-            progress(k * scenario.num_vehicles + done + 1, total)
-            if run.stuck or run.is_limited or run.num_traveling == 0:
-                return run.finish()
-    return run.finish()
+                state.advance(k, int(i))
+            run.progress("radmpc", k * scenario.num_vehicles + done + 1, total)
+            if state.stuck or state.is_limited or state.num_traveling == 0:
+                return state.finish()
+    return state.finish()
 
 
 class _Radmpc:
     """The running state of Algorithm 2, named as there."""
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        policy: Policy,
-        solver: Solver,
-        receding: Receding,
-        gap: float,
-        limits: Limits,
-    ) -> None:
+    def __init__(self, scenario: Scenario, planner: Planner, run: Run) -> None:
+        if not isinstance(planner.decomposition, Receding):
+            raise ArgumentError(f"decomposition must be a Receding, got {planner.decomposition}")
         self.scenario = scenario
-        self.policy = policy
-        self.solver = solver
-        self.gap = gap
-        self.limits = limits
-        self.receding = receding
-        self.resets = receding.covariances == "reset"
+        self.planner = planner
+        self.limits = run.limits
+        self.receding = planner.decomposition
+        [self.sampler] = children(run.rng, 1)
         self.intervals = scenario.avoidance == "intervals"
+        self.fleet = FleetModel.of(scenario, resets=self.receding.covariances == "reset")
         T, N = scenario.horizon, scenario.num_vehicles
-        self.responses = responses(scenario)
-        self.covariances = [v.covariances(T) for v in scenario.vehicles]
-        self.bounds = [
-            v.control_bounds(c) for v, c in zip(scenario.vehicles, self.covariances, strict=True)
-        ]
         # O <- initTemporalObstacles(V): nobody has a plan yet.
         self.obstacles: list[TemporalObstacle] = [
-            standing_obstacle(v, c, intervals=self.intervals, sigmas=receding.sigmas)
-            for v, c in zip(scenario.vehicles, self.covariances, strict=True)
+            standing_obstacle(v, c, intervals=self.intervals, sigmas=self.receding.sigmas)
+            for v, c in zip(scenario.vehicles, self.fleet.covariances, strict=True)
         ]
         # Pairs at k = 0 are no part of any subproblem under steps.
-        at_start = 0.0 if self.intervals else start_pair_risk(scenario, self.covariances)
+        at_start = 0.0 if self.intervals else start_pair_risk(scenario, self.fleet.covariances)
         self.risk_pool = scenario.risk_bound - at_start
         self.booked = np.zeros((N, T + 1))
         self.is_limited = False
@@ -140,7 +166,7 @@ class _Radmpc:
     def advance(self, k: int, i: int) -> None:
         """Solve vehicle i's subproblem at step k and execute its first control."""
         vehicle = self.scenario.vehicles[i]
-        subject = self._subject(k, i)
+        subject = self.fleet.subject(k, i, self.means[i])
         # One that has arrived cannot take what those still waiting in this round need.
         waiting = self.num_waiting if self.receding.arrivals == "once" else 1
         share = self.risk_pool / max(self.divisor, waiting)
@@ -149,7 +175,7 @@ class _Radmpc:
         if solved.solution.z is not None:
             self.controls[i][k:] = controls_of([subject], solved.solution.z)[0]
             self.has_plan[i] = True
-            self.booked[i] = booked_risks(program, solved, self.policy, k, self.scenario.horizon)
+            self.booked[i] = self._booked(program, solved, k)
         else:
             self._fall_back(subject, k, i, share)
             if self.stuck or self.is_limited:
@@ -158,15 +184,15 @@ class _Radmpc:
         self.risk_pool = max(self.risk_pool - executed, 0.0)
         self.num_waiting -= 1
         self.pools.append(self.risk_pool)
-        plan = self._planned(k, i)
+        plan = self.fleet.planned(k, i, self.means[i], self.controls[i])
         self._record_risks(k, i, plan)
         self.means[i] = plan[1]
-        if vehicle.goal.contains(*self._place(i, plan[1])):
+        if vehicle.goal.contains(*self.fleet.place(i, plan[1])):
             self._arrive(i)
         self.obstacles[i] = make_temporal_obstacle(
             vehicle,
             plan,
-            self._noise(k, i),
+            self.fleet.noise(k, i),
             k,
             intervals=self.intervals,
             controls=self.controls[i][k:],
@@ -195,21 +221,6 @@ class _Radmpc:
             is_limited=self.is_limited,
         )
 
-    def _subject(self, k: int, i: int) -> Subject:
-        """Return vehicle i from its present mean on."""
-        return make_subject(
-            self.scenario.vehicles[i],
-            self.responses[i],
-            self.means[i],
-            self._noise(k, i),
-            self.bounds[i][k:],
-        )
-
-    def _noise(self, k: int, i: int) -> Tensor:
-        """Return the covariances from step k on: of the final plan, or as if just measured."""
-        whole = self.covariances[i]
-        return whole[: len(whole) - k] if self.resets else whole[k:]
-
     def _others(self, i: int) -> list[TemporalObstacle]:
         """Return the other vehicles' temporal obstacles."""
         return [o for j, o in enumerate(self.obstacles) if j != i]
@@ -228,18 +239,23 @@ class _Radmpc:
 
     def _solve(self, program: DisjunctiveProgram, i: int, policy: Policy | None = None) -> Solved:
         """Solve a subproblem: fastIRA is one pass at uniform risk."""
-        name = self.scenario.vehicles[i].name
-        solved = solve_under_policy(
+        planner = self.planner
+        request = SolveRequest(
             program,
-            policy or self.policy,
-            self.solver,
-            gap=self.gap,
-            limits=self.limits,
-            stage="radmpc",
-            vehicles=(name,),
+            planner.solver,
+            planner.gap,
+            self.limits,
+            "radmpc",
+            (self.scenario.vehicles[i].name,),
+            rng=self.sampler,
         )
+        solved = (policy or planner.policy).solve(request)
         self.steps += solved.steps
         return solved
+
+    def _booked(self, program: DisjunctiveProgram, solved: Solved, k: int) -> Vector:
+        """Return what a plan takes from the pool at every step."""
+        return booked_risks(program, solved, self.planner.policy, k, self.scenario.horizon)
 
     def _fall_back(self, subject: Subject, k: int, i: int, share: float) -> None:
         """Keep the tail of the last plan; at k = 0 plan without the other vehicles.
@@ -249,7 +265,8 @@ class _Radmpc:
         if not self.has_plan[i]:
             program = self._program(subject, k, share, [])
             alone = self._solve(program, i)
-            if alone.solution.outcome is Outcome.INFEASIBLE and isinstance(self.policy, Pool):
+            is_starved = isinstance(self.planner.policy, Pool)
+            if alone.solution.outcome is Outcome.INFEASIBLE and is_starved:
                 alone = self._solve(program, i, Ira(max_iterations=1))
             if alone.solution.z is None:
                 if alone.solution.outcome is Outcome.LIMIT:
@@ -259,7 +276,7 @@ class _Radmpc:
                 return
             self.controls[i][k:] = controls_of([subject], alone.solution.z)[0]
             self.has_plan[i] = True
-            self.booked[i] = booked_risks(program, alone, self.policy, k, self.scenario.horizon)
+            self.booked[i] = self._booked(program, alone, k)
         blocking = self._blocking(k, i, share)
         self.forced += [(i, j) for j in blocking]
         names = tuple(self.scenario.vehicles[j].name for j in blocking)
@@ -267,12 +284,12 @@ class _Radmpc:
 
     def _blocking(self, k: int, i: int, share: float) -> list[int]:
         """Return the vehicles whose temporal obstacles the kept plan comes too close to."""
-        plan = self._planned(k, i)
+        plan = self.fleet.planned(k, i, self.means[i], self.controls[i])
         risks = np.zeros(self.scenario.num_vehicles)
         for j in range(self.scenario.num_vehicles):
             if j != i:
                 windows = range(len(plan) - 1)
-                risks[j] = max(self._window_risk(i, j, k, plan, w) for w in windows)
+                risks[j] = max(self._risk(i, j, k, plan, w) for w in windows)
         # A uniform share is at least this much; whoever exceeds it stands in the way.
         least = share / max(len(plan) * self.scenario.num_vehicles, 1)
         found = np.flatnonzero(risks > max(least, _NO_ENCOUNTER))
@@ -282,39 +299,9 @@ class _Radmpc:
         """Note the collision probabilities at the subproblem's first step."""
         for j in range(self.scenario.num_vehicles):
             if j != i:
-                risk = self._window_risk(i, j, k, plan, 0)
+                risk = self._risk(i, j, k, plan, 0)
                 self.pair_risk[i, j] = max(self.pair_risk[i, j], risk)
 
-    def _window_risk(self, i: int, j: int, k: int, plan: Matrix, window: int) -> float:
+    def _risk(self, i: int, j: int, k: int, plan: Matrix, window: int) -> float:
         """Return the risk of i with j's temporal obstacle in one window after step k."""
-        vehicle = self.scenario.vehicles[i]
-        system, axes = vehicle.system, list(vehicle.system.position)
-        noise = self._noise(k, i)
-        places = [(plan[s][axes], noise[s][axes][:, axes]) for s in (window, window + 1)]
-        if not self.intervals:
-            return face_risk(self.obstacles[j].at(k + window + 1), vehicle.radius, places[1:])
-        near = places[:1]
-        bent = bent_covariances(vehicle, noise[window : window + 2])
-        if bent is not None:
-            near.append((places[0][0], bent[0]))
-        return face_risk(
-            self.obstacles[j].at(k + window),
-            vehicle.radius,
-            near,
-            places[1],
-            system.sagitta @ self.controls[i][k + window],
-        )
-
-    def _planned(self, k: int, i: int) -> Matrix:
-        """Return vehicle i's planned means from step k to the horizon."""
-        controls = self.controls[i][k:].ravel()
-        response = self.responses[i]
-        steps = self.scenario.horizon - k
-        states = response.powers[: steps + 1] @ self.means[i]
-        return np.asarray(states + response.states[: steps + 1, :, : controls.size] @ controls)
-
-    def _place(self, i: int, mean: Vector) -> tuple[Vector, Vector | None]:
-        """Return position and velocity of a state."""
-        system = self.scenario.vehicles[i].system
-        velocity = None if system.velocity is None else mean[list(system.velocity)]
-        return mean[list(system.position)], velocity
+        return self.fleet.window_risk(k, i, plan, self.controls[i], self.obstacles[j], window)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.planners.under_policy import Solved
-from radmpc.program.policy import Policy, Pool
+from radmpc.planners.policies import Policy, Pool, Solved
 from radmpc.program.program import DisjunctiveProgram
 
 __all__ = ["booked_risks"]

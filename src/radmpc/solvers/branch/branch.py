@@ -22,7 +22,7 @@ from radmpc.solvers.branch.neighborhood import improve, prioritize
 from radmpc.solvers.branch.tree import Tree
 from radmpc.solvers.lp.warm_lp import CostRow
 from radmpc.solvers.selection import least_violated, violations_of
-from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, relative_gap
+from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, relative_gap
 
 __all__ = ["Branch"]
 
@@ -34,7 +34,7 @@ _EASY_NODES = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class Branch(Solver):
     """Disjunctive branch and bound; anytime, repeatable for a node limit.
 
     Attributes
@@ -57,8 +57,10 @@ class Branch:
         limits: Limits,
         start: Indices | None = None,
         guide: Guide | None = None,
+        rng: np.random.Generator | None = None,
     ) -> Solution:
         """Minimize the cost at fixed margins; see `radmpc.solvers.solution.Solver`."""
+        del rng  # deterministic
         begun = time.perf_counter()
         if np.any(np.diff(program.avoidance_starts) == 0):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))

@@ -24,7 +24,7 @@ from radmpc.solvers.milp.highs import HighsBackend
 from radmpc.solvers.milp.model import Backend, MilpModel
 from radmpc.solvers.milp.scip import ScipBackend
 from radmpc.solvers.selection import least_violated, violations_of
-from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, relative_gap
+from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, relative_gap
 
 __all__ = ["BACKENDS", "BigM"]
 
@@ -40,7 +40,7 @@ _ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class BigM:
+class BigM(Solver):
     """The disjunctions as a mixed-integer program.
 
     Attributes
@@ -69,11 +69,13 @@ class BigM:
         limits: Limits,
         start: Indices | None = None,
         guide: Guide | None = None,
+        rng: np.random.Generator | None = None,
     ) -> Solution:
         """Minimize the cost at fixed margins; see `radmpc.solvers.solution.Solver`.
 
         ``start`` and ``guide`` are not used: the paper's method starts every solve afresh.
         """
+        del rng  # deterministic
         del start, guide
         begun = time.perf_counter()
         nothing = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -20,7 +21,7 @@ from radmpc.program.restrict import avoidance_blocks
 from radmpc.solvers.rrt.course import course_of
 from radmpc.solvers.rrt.tree import RandomTree
 from radmpc.solvers.selection import least_violated, possible_alternatives, violations_of
-from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, relative_gap
+from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, relative_gap
 
 __all__ = ["Rrt"]
 
@@ -32,19 +33,18 @@ _MAX_ROUNDS = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Rrt:
+class Rrt(Solver):
     """Rapidly-exploring random trees; repeatable.
 
     Attributes
     ----------
     max_nodes : int
         Nodes of each vehicle's tree.
-    seed : int
-        Seed of the samples.
     """
 
+    proves: ClassVar[bool] = False
+
     max_nodes: int = 300
-    seed: int = 0
 
     def __post_init__(self) -> None:
         """Refuse trees without a root."""
@@ -63,6 +63,7 @@ class Rrt:
         limits: Limits,
         start: Indices | None = None,
         guide: Guide | None = None,
+        rng: np.random.Generator | None = None,
     ) -> Solution:
         """Look for a cheap point at fixed margins; see `radmpc.solvers.solution.Solver`.
 
@@ -73,7 +74,7 @@ class Rrt:
         possible = possible_alternatives(program, margins)
         if _is_hopeless(program, possible):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
-        rng = np.random.default_rng(self.seed)
+        rng = np.random.default_rng(0) if rng is None else rng
         fleet = _Fleet(program, margins, possible, self.max_nodes, rng, limits)
         z = fleet.run()
         # No control costs less than nothing: all that is known about the least cost.

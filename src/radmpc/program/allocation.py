@@ -1,7 +1,7 @@
-"""How Δ becomes risks of rows, and risks margins. Arithmetic only; nothing is solved here.
+"""How a budget of risk becomes risks of rows, and risks margins. Arithmetic only.
 
-Fixed allocations give a risk to every exposure; all events of the exposure (the faces of one
-thing at one step) get it, and each distinct event that is chosen pays it.
+An allocation gives a risk to every risk item; all events of the item (the faces of one thing at
+one step) get it, and each distinct event that is chosen pays it.
 """
 
 from __future__ import annotations
@@ -11,21 +11,13 @@ from typing import Literal
 
 import numpy as np
 
-from radmpc.arguments import check_word, is_integer, is_number, told
 from radmpc.arrays import Indices, Vector
-from radmpc.errors import ScenarioError
 from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
 
 __all__ = [
-    "Ira",
-    "NoRisk",
-    "Optimal",
-    "Policy",
-    "Pool",
     "Reallocation",
-    "Sigmas",
-    "Uniform",
+    "Spread",
     "allocated",
     "allocation_from",
     "margins_of",
@@ -33,143 +25,8 @@ __all__ = [
     "uniform_allocation",
 ]
 
-
-@dataclass(frozen=True, slots=True)
-class NoRisk:
-    """Deterministic: noise is ignored."""
-
-    def __str__(self) -> str:
-        return "none"
-
-
-@dataclass(frozen=True, slots=True)
-class Sigmas:
-    """Bounded disturbance as robust MPC treats it: every row keeps a number of deviations.
-
-    Attributes
-    ----------
-    count : float
-        Standard deviations kept, 0 to 7: what always keeps 7 is left out of programs.
-    """
-
-    count: float = 3.0
-
-    def __post_init__(self) -> None:
-        """Refuse counts that programs cannot keep."""
-        if not (is_number(self.count) and 0.0 <= self.count <= 7.0):
-            raise ScenarioError(f"sigmas must lie between 0 and 7, got {told(self.count)}")
-
-    def __str__(self) -> str:
-        return f"sigmas({self.count:g})"
-
-
 Spread = Literal["reached", "all"]
 """Over which constraints Δ is spread evenly: those that reach leaves, or all there are."""
-
-
-@dataclass(frozen=True, slots=True)
-class Uniform:
-    """The same risk for every row, decided beforehand (Blackmore, Ono and Williams).
-
-    Attributes
-    ----------
-    spread : {'reached', 'all'}
-        Whether constraints that no admissible control can violate get a share, too. They need
-        none: leaving them out gives the others more. The paper's text gives every constraint one.
-    """
-
-    spread: Spread = "reached"
-
-    def __post_init__(self) -> None:
-        """Refuse unknown words."""
-        check_word(self.spread, ("reached", "all"), "spread")
-
-    def __str__(self) -> str:
-        return "uniform" + _spread_text(self.spread)
-
-
-@dataclass(frozen=True, slots=True)
-class Ira:
-    """Iterative risk allocation (paper, section Iterative Risk Allocation).
-
-    Attributes
-    ----------
-    active_tol : float
-        η: a row is active if its risk is within this share of its allocation.
-    keep : float
-        α: share of the unused risk that an inactive row keeps.
-    max_iterations : int
-        Solves at the most.
-    direction : {'to_active', 'to_inactive'}
-        Who receives risk. The paper states both; only the first lowers the cost.
-    spread : {'reached', 'all'}
-        Who has a share in the first pass, see `Uniform`.
-    """
-
-    active_tol: float = 0.01
-    keep: float = 0.7
-    max_iterations: int = 20
-    direction: str = "to_active"
-    spread: Spread = "reached"
-
-    def __post_init__(self) -> None:
-        """Refuse unknown words, and numbers out of range."""
-        check_word(self.direction, ("to_active", "to_inactive"), "direction")
-        check_word(self.spread, ("reached", "all"), "spread")
-        for name in ("active_tol", "keep"):
-            share = getattr(self, name)
-            if not (is_number(share) and 0.0 <= share <= 1.0):
-                raise ScenarioError(f"{name} must lie between 0 and 1, got {told(share)}")
-        if not (is_integer(self.max_iterations) and self.max_iterations >= 1):
-            raise ScenarioError(
-                f"max_iterations must be an integer >= 1, got {told(self.max_iterations)}"
-            )
-
-    def __str__(self) -> str:
-        name = "ira" if self.direction == "to_active" else f"ira({self.direction})"
-        return name + _spread_text(self.spread)
-
-
-@dataclass(frozen=True, slots=True)
-class Pool:
-    """RADMPC's: each subproblem spreads its share of a common pool uniformly.
-
-    Attributes
-    ----------
-    charge : {'allocated', 'used'}
-        What leaves the pool for an executed step: what its rows were allotted (the paper), or
-        only the risk they turned out to run.
-    spread : {'reached', 'all'}
-        Who has a share in a subproblem, see `Uniform`.
-    """
-
-    charge: str = "allocated"
-    spread: Spread = "reached"
-
-    def __post_init__(self) -> None:
-        """Refuse unknown words."""
-        check_word(self.charge, ("allocated", "used"), "charge")
-        check_word(self.spread, ("reached", "all"), "spread")
-
-    def __str__(self) -> str:
-        name = "pool" if self.charge == "allocated" else f"pool({self.charge})"
-        return name + _spread_text(self.spread)
-
-
-@dataclass(frozen=True, slots=True)
-class Optimal:
-    """Risk allocated together with the faces, at one price for the whole fleet."""
-
-    def __str__(self) -> str:
-        return "optimal"
-
-
-Policy = NoRisk | Sigmas | Uniform | Ira | Pool | Optimal
-
-
-def _spread_text(spread: Spread) -> str:
-    """Return what a policy's name says of its spread."""
-    return "" if spread == "reached" else "(all rows)"
 
 
 def uniform_allocation(
@@ -287,12 +144,15 @@ def reallocate(
     selection: Indices,
     z: Vector,
     budget: float,
-    policy: Ira,
+    *,
+    active_tol: float,
+    keep: float,
+    is_paid_to_active: bool = True,
 ) -> Reallocation:
     """Move risk from rows that do not use theirs to those that do.
 
     The paper states both directions; this one lowers the cost, because a row that uses all it
-    was given is one that holds the solution back. The policy may ask for the other.
+    was given is one that holds the solution back. The other may be asked for.
 
     Parameters
     ----------
@@ -306,8 +166,12 @@ def reallocate(
         Its point.
     budget : float
         What the next allocation may sum to over the selection.
-    policy : Ira
-        η and α.
+    active_tol : float
+        η: a row is active if its risk is within this share of its allocation.
+    keep : float
+        α: share of the unused risk that a row which gives keeps.
+    is_paid_to_active : bool
+        Whether active rows receive, or the others.
 
     Returns
     -------
@@ -316,12 +180,12 @@ def reallocate(
     """
     paid, needed = _needed(program, selection, z)
     chosen = paid > 0
-    active = chosen & (np.abs(allocation - needed) <= policy.active_tol * allocation)
+    active = chosen & (np.abs(allocation - needed) <= active_tol * allocation)
     result = allocation.copy()
     giving, taking = chosen & ~active, active
-    if policy.direction == "to_inactive":
+    if not is_paid_to_active:
         giving, taking = taking, giving
-    result[giving] = policy.keep * allocation[giving] + (1.0 - policy.keep) * needed[giving]
+    result[giving] = keep * allocation[giving] + (1.0 - keep) * needed[giving]
     residual = budget - float((paid * result).sum())
     if taking.any() and residual > 0.0:
         result[taking] += residual / float(paid[taking].sum())

@@ -14,14 +14,8 @@ from scipy.stats import norm
 from radmpc.errors import RiskError
 from radmpc.experiments.families import paper
 from radmpc.gaussian import clearance_for, tail_probability, tail_slope
+from radmpc.program.allocation import allocated, margins_of, reallocate, uniform_allocation
 from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.policy import (
-    Ira,
-    allocated,
-    margins_of,
-    reallocate,
-    uniform_allocation,
-)
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
 
@@ -58,10 +52,12 @@ def test_a_margin_is_the_deviation_times_the_clearance_of_the_risk():
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 def test_reallocation_keeps_the_sum_and_never_goes_below_what_is_used(avoidance):
     program = _program(0, 2, avoidance)
-    policy, budget = Ira(), program.budget
+    budget = program.budget
     allocation = uniform_allocation(program, budget)
     solution = Branch().solve(program, margins_of(program, allocation), gap=1e-3, limits=Limits())
-    upper = reallocate(program, allocation, solution.selection, solution.z, budget, policy)
+    upper = reallocate(
+        program, allocation, solution.selection, solution.z, budget, active_tol=0.01, keep=0.7
+    )
     assert allocated(program, upper.allocation, solution.selection) <= budget * (1 + 1e-12)
     risks = program.event_risks(solution.z, solution.selection)
     chosen = risks > 0.0
@@ -76,7 +72,13 @@ def test_an_active_exposure_receives_and_an_inactive_one_gives():
     allocation = uniform_allocation(program, program.budget)
     solution = Branch().solve(program, margins_of(program, allocation), gap=1e-3, limits=Limits())
     upper = reallocate(
-        program, allocation, solution.selection, solution.z, program.budget, Ira(keep=0.7)
+        program,
+        allocation,
+        solution.selection,
+        solution.z,
+        program.budget,
+        active_tol=0.01,
+        keep=0.7,
     )
     changed = upper.allocation / allocation
     assert (changed > 1.0).sum() == upper.num_active

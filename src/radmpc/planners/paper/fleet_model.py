@@ -1,0 +1,120 @@
+"""What RADMPC's subproblems are made from: every vehicle's dynamics, noise and control bounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.planners.paper.coupling import face_risk
+from radmpc.planners.paper.temporal import TemporalObstacle
+from radmpc.program.build import responses
+from radmpc.program.subject import Response, Subject, bent_covariances, make_subject
+
+__all__ = ["FleetModel"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FleetModel:
+    """The fleet over the whole horizon.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Its vehicles.
+    responses : tuple of Response
+        How each vehicle's states answer to its controls.
+    covariances : tuple of (T+1, n, n) array
+        Covariance of each vehicle's state.
+    bounds : tuple of (T, m) array
+        Largest nominal controls of each.
+    resets : bool
+        Whether a subproblem sees noise as if its vehicle had just been measured.
+    """
+
+    scenario: Scenario
+    responses: tuple[Response, ...]
+    covariances: tuple[Tensor, ...]
+    bounds: tuple[Matrix, ...]
+    resets: bool
+
+    @classmethod
+    def of(cls, scenario: Scenario, *, resets: bool) -> FleetModel:
+        """Return the model of a scenario's fleet."""
+        covariances = tuple(v.covariances(scenario.horizon) for v in scenario.vehicles)
+        bounds = tuple(
+            v.control_bounds(c) for v, c in zip(scenario.vehicles, covariances, strict=True)
+        )
+        return cls(scenario, responses(scenario), covariances, bounds, resets)
+
+    def noise(self, k: int, i: int) -> Tensor:
+        """Return the covariances from step k on: of the final plan, or as if just measured."""
+        whole = self.covariances[i]
+        return whole[: len(whole) - k] if self.resets else whole[k:]
+
+    def subject(self, k: int, i: int, mean: Vector) -> Subject:
+        """Return vehicle i from a mean state at step k on."""
+        vehicle = self.scenario.vehicles[i]
+        noise, bounds = self.noise(k, i), self.bounds[i][k:]
+        return make_subject(vehicle, self.responses[i], mean, noise, bounds)
+
+    def planned(self, k: int, i: int, mean: Vector, controls: Matrix) -> Matrix:
+        """Return vehicle i's mean states from step k to the horizon, (T+1−k, n).
+
+        Parameters
+        ----------
+        k, i : int
+            Step and vehicle.
+        mean : (n,) array
+            Its mean state at that step.
+        controls : (T, m) array
+            Its controls over the whole horizon.
+        """
+        rest = controls[k:].ravel()
+        response = self.responses[i]
+        steps = self.scenario.horizon - k
+        states = response.powers[: steps + 1] @ mean
+        return np.asarray(states + response.states[: steps + 1, :, : rest.size] @ rest)
+
+    def window_risk(
+        self,
+        k: int,
+        i: int,
+        means: Matrix,
+        controls: Matrix,
+        obstacle: TemporalObstacle,
+        window: int,
+    ) -> float:
+        """Return the risk of vehicle i with a temporal obstacle in one window after step k.
+
+        Parameters
+        ----------
+        k, i, window : int
+            Step, vehicle, and window from that step on.
+        means : (T+1−k, n) array
+            Its mean states from step k on.
+        controls : (T, m) array
+            Its controls over the whole horizon.
+        obstacle : TemporalObstacle
+            Of another vehicle.
+        """
+        vehicle = self.scenario.vehicles[i]
+        axes = list(vehicle.system.position)
+        noise = self.noise(k, i)
+        ends = [(means[s][axes], noise[s][axes][:, axes]) for s in (window, window + 1)]
+        if self.scenario.avoidance != "intervals":
+            return face_risk(obstacle.at(k + window + 1), vehicle.radius, ends[1:])
+        near = ends[:1]
+        bent = bent_covariances(vehicle, noise[window : window + 2])
+        if bent is not None:
+            near.append((ends[0][0], bent[0]))
+        sagitta = vehicle.system.sagitta @ controls[k + window]
+        return face_risk(obstacle.at(k + window), vehicle.radius, near, ends[1], sagitta)
+
+    def place(self, i: int, mean: Vector) -> tuple[Vector, Vector | None]:
+        """Return position and velocity of a state."""
+        system = self.scenario.vehicles[i].system
+        velocity = None if system.velocity is None else mean[list(system.velocity)]
+        return mean[list(system.position)], velocity

@@ -1,0 +1,45 @@
+"""RADMPC's policy: shares of a common pool of risk (paper, Algorithm 2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from radmpc.arguments import check_word
+from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
+from radmpc.planners.policies.uniform import solve_uniformly, spread_text
+from radmpc.program.allocation import Spread
+
+__all__ = ["Pool"]
+
+
+@dataclass(frozen=True, slots=True)
+class Pool(Policy):
+    """RADMPC's: each subproblem spreads its share of a common pool uniformly.
+
+    Attributes
+    ----------
+    charge : {'allocated', 'used'}
+        What leaves the pool for an executed step: what its rows were allotted (the paper), or
+        only the risk they turned out to run.
+    spread : {'reached', 'all'}
+        Who has a share in a subproblem, see `Uniform`.
+    """
+
+    family: ClassVar[Family] = "pooled"
+
+    charge: str = "allocated"
+    spread: Spread = "reached"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown words."""
+        check_word(self.charge, ("allocated", "used"), "charge")
+        check_word(self.spread, ("reached", "all"), "spread")
+
+    def __str__(self) -> str:
+        name = "pool" if self.charge == "allocated" else f"pool({self.charge})"
+        return name + spread_text(self.spread)
+
+    def solve(self, request: SolveRequest) -> Solved:
+        """Solve once, the subproblem's share spread evenly; see `Policy.solve`."""
+        return solve_uniformly(request, self.spread)
