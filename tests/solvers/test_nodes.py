@@ -29,7 +29,7 @@ def test_a_priced_search_that_is_stopped_again_and_again_queues_every_node_once(
     tree = RiskTree(program, 0.05, 0.2, gap=1e-4, scale=1e-3, limits=Limits())
     for _ in range(60):
         tree.run(step)
-        assert_each_once(tree._open)
+        assert_each_once(tree._open._heap)
         chosen = [sides for _, sides in tree.frontier]
         assert len(chosen) == len(set(chosen))
     assert tree.nodes >= 60 * step
@@ -44,5 +44,5 @@ def test_a_search_at_fixed_margins_that_is_stopped_as_it_backs_up_queues_every_n
     tree = Tree(program, margins, gap=1e-6, limits=Limits())
     for _ in range(30):
         tree.run(step)
-        assert_each_once(tree._open)
+        assert_each_once(tree._open._heap)
     assert tree.nodes >= 30 * step

@@ -49,7 +49,13 @@ class Solved:
 
     @classmethod
     def infeasible(cls) -> Solved:
-        """Return the answer where the risk at k = 0 alone is beyond Δ."""
+        """Return the answer where the risk at k = 0 alone is beyond Δ.
+
+        Returns
+        -------
+        Solved
+            Without a point.
+        """
         return cls(_NOTHING, None, ())
 
 
@@ -92,7 +98,20 @@ class SolveRequest:
         return self.program.budget * (1.0 - _RESERVE)
 
     def solve(self, margins: Vector, start: Indices | None = None) -> Solution:
-        """Return the solution at given margins, (r,) [m], from a selection if there is one."""
+        """Solve once.
+
+        Parameters
+        ----------
+        margins : (r,) array
+            Back-off of each row [m].
+        start : (v,) int array or None
+            A selection to begin with.
+
+        Returns
+        -------
+        Solution
+            Infeasible is an answer.
+        """
         return self.solver.solve(
             self.program,
             margins,
@@ -106,7 +125,22 @@ class SolveRequest:
     def step(
         self, iteration: int, solution: Solution, counts: tuple[int, int, float, float]
     ) -> Step:
-        """Return the record of a solve; the counts are `Step`'s, from ``num_active`` on."""
+        """Make the record of a solve.
+
+        Parameters
+        ----------
+        iteration : int
+            Counts from 0.
+        solution : Solution
+            The solve.
+        counts : tuple
+            `Step`'s ``num_active``, ``num_chosen``, ``allocated`` and ``used``.
+
+        Returns
+        -------
+        Step
+            The record.
+        """
         return Step(
             self.stage,
             self.vehicles,

@@ -8,7 +8,6 @@ a later child takes the opposite of its earlier siblings' rows, so that no solut
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -17,6 +16,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.diving import Dives, OpenNode
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import CostRow, WarmLp
 from radmpc.solvers.selection import possible_alternatives, side_table, violations_of
@@ -34,20 +34,10 @@ _PATIENCE = 100
 
 
 @dataclass(order=True, slots=True)
-class _Node:
-    """A node, ordered by its bound, then deeper first, then older first.
+class _Node(OpenNode):
+    """An open node; what its earlier siblings chose is excluded."""
 
-    A dive takes its nodes without looking for them in the heap: they stay there, no longer open,
-    until they come to the top. A node that is opened again is queued still, or pushed.
-    """
-
-    bound: float
-    depth: int
-    number: int
-    chosen: tuple[int, ...] = field(compare=False)
-    excluded: tuple[int, ...] = field(compare=False)
-    is_open: bool = field(compare=False, default=True)
-    is_queued: bool = field(compare=False, default=False)
+    excluded: tuple[int, ...] = field(compare=False, default=())
 
 
 class Tree:
@@ -97,8 +87,7 @@ class Tree:
         self.nodes = 0
         self.is_limited = False
         self._lp = WarmLp(program, margins, cost_rows)
-        self._open: list[_Node] = []
-        self._trail: list[_Node] = []
+        self._open: Dives[_Node] = Dives(_PATIENCE)
         self._weights = np.ones(program.num_avoidances)
         self._owner = np.repeat(
             np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
@@ -146,54 +135,17 @@ class Tree:
             self._push(-float("inf"), self._forced, ())
         last = self.nodes + max_nodes
         self.is_limited = False
-        while self._top() is not None and not self.is_limited:
-            if relative_gap(self.cost, self._open[0].bound) <= self.gap:
+        while not self.is_limited:
+            top = self._open.best()
+            if top is None or relative_gap(self.cost, top.bound) <= self.gap:
                 break
-            self._dive(self._popped(), last)
-        left = self._top()
+            self.is_limited = self._open.dive(
+                self._expand,
+                is_over=lambda: self.nodes >= last or self.limits.reached,
+                has_solution=lambda: self.z is not None,
+            )
+        left = self._open.best()
         self.bound = min(self._closed, float("inf") if left is None else left.bound, self.cost)
-
-    def _dive(self, node: _Node | None, last: int) -> None:
-        """Follow a node's best children down; without any solution yet, back up a while."""
-        self._trail.clear()
-        patience = _PATIENCE
-        while node is not None:
-            node.is_open = False
-            if self.nodes >= last or self.limits.reached:
-                self.is_limited = True
-                self._queue(node)
-                return
-            node = self._expand(node)
-            if node is None and self.z is None and patience > 0:
-                node = self._backtrack()
-            patience -= 1
-
-    def _backtrack(self) -> _Node | None:
-        """Return the latest open node of this dive."""
-        while self._trail:
-            node = self._trail.pop()
-            if node.is_open:
-                return node
-        return None
-
-    def _top(self) -> _Node | None:
-        """Return the open node of least bound; those taken by a dive are dropped on the way."""
-        while self._open and not self._open[0].is_open:
-            self._popped()
-        return self._open[0] if self._open else None
-
-    def _popped(self) -> _Node:
-        """Take the first node off the heap."""
-        node = heapq.heappop(self._open)
-        node.is_queued = False
-        return node
-
-    def _queue(self, node: _Node) -> None:
-        """Open a node, in the heap once."""
-        node.is_open = True
-        if not node.is_queued:
-            node.is_queued = True
-            heapq.heappush(self._open, node)
 
     def _expand(self, node: _Node) -> _Node | None:
         """Solve a node; return the child to dive into, if it has any."""
@@ -249,10 +201,10 @@ class Tree:
             if self.program.rows_of(before).size == 1:
                 excluded = (*excluded, before)
             later.append(self._push(bound, (*node.chosen, alternative), excluded))
-        self._trail += later[::-1]
+        self._open.leave(later[::-1])
         self._created += 1
         chosen = (*node.chosen, alternatives[0])
-        return _Node(bound, -len(chosen), self._created, chosen, node.excluded)
+        return _Node(bound, -len(chosen), self._created, chosen, excluded=node.excluded)
 
     def _rows(self, alternatives: tuple[int, ...]) -> list[int]:
         """Return the rows of alternatives."""
@@ -273,6 +225,6 @@ class Tree:
     def _push(self, bound: float, chosen: tuple[int, ...], excluded: tuple[int, ...]) -> _Node:
         """Open a node."""
         self._created += 1
-        node = _Node(bound, -len(chosen), self._created, chosen, excluded)
-        self._queue(node)
+        node = _Node(bound, -len(chosen), self._created, chosen, excluded=excluded)
+        self._open.open(node)
         return node

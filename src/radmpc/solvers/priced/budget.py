@@ -40,10 +40,10 @@ class BudgetTree(RiskTree):
         """Add tangents where a point within the budget by them is beyond it in truth."""
         if super()._refine(chosen, point, rating, tolerance):
             return True
-        rows = self._noisy_rows(chosen)
+        rows = self._tangents.noisy_rows(chosen)
         if rows.size == 0 or rating.risk <= (1.0 + OVER) * self.unit:
             return False
         missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0) / self.unit
         if missing.sum() <= _MISSING:
             return False
-        return self._add_tangents(rows[missing > _MISSING / (4.0 * rows.size)], rating)
+        return self._tangents.add(self.lp, rows[missing > _MISSING / (4.0 * rows.size)], rating)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from radmpc.arrays import Indices, Vector
+from radmpc.solvers.diving import OpenNode
 
 __all__ = ["Frontier", "Incumbent", "Node"]
 
@@ -33,18 +34,16 @@ class Incumbent:
 
 
 @dataclass(order=True, slots=True)
-class Node:
-    """A node, ordered by its bound, then deeper first, then older first.
+class Node(OpenNode):
+    """An open node, and what is known of it once its linear program has been solved.
 
-    A dive takes its nodes without looking for them in the heap: they stay there, no longer open,
-    until they come to the top. A node that is opened again is queued still, or pushed.
+    Attributes
+    ----------
+    is_solved : bool
+        Whether it has been.
+    sides : tuple of int
+        The alternatives to branch on; empty where there is nothing left to decide.
     """
 
-    bound: float
-    depth: int
-    number: int
-    chosen: tuple[int, ...] = field(compare=False)
-    is_open: bool = field(compare=False, default=True)
-    is_queued: bool = field(compare=False, default=False)
     is_solved: bool = field(compare=False, default=False)
     sides: tuple[int, ...] = field(compare=False, default=())

@@ -12,20 +12,17 @@ with their bounds: at another price, or for a smaller gap, the search goes on fr
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
-from itertools import pairwise
 
-import numpy as np
-
-from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance_for
+from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.diving import Dives
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.priced.branching import BranchingChoice
 from radmpc.solvers.priced.lp import RiskLp, SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node
 from radmpc.solvers.priced.rating import Rater, Rating
+from radmpc.solvers.priced.tangents import Tangents
 from radmpc.solvers.solution import Limits
 
 __all__ = ["RiskTree"]
@@ -33,9 +30,6 @@ __all__ = ["RiskTree"]
 _INF = float("inf")
 _EPSILON = 0.3
 """Share of the gap within which a node's bound and its point's true value count as equal."""
-
-_FLAT = 1e-7
-"""Share of the unit below which a tangent is no better than t >= 0."""
 
 _ROUNDING = 1e-6
 """How far a row held at its cap may exceed it by the linear solver's tolerance. Such a point
@@ -109,18 +103,14 @@ class RiskTree:
         self.nodes = 0
         self.is_limited = False
         self.rater = Rater(program, unit) if rater is None else rater
-        self._flat = float(clearance_for(_FLAT * unit))
+        self._tangents = Tangents(program, unit)
         self._bounds = tuple(bounds)
         self._lp: RiskLp | None = None
-        self._open: list[Node] = []
+        self._open: Dives[Node] = Dives(_PATIENCE)
         self._parked: list[Node] = []
-        self._trail: list[Node] = []
         self._unsolved: list[Node] = []
         self._created = 0
         self._choice = BranchingChoice(program, self.rater)
-        self._noisy = program.rows.deviations > 0.0
-        starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
-        self._rows_of = [members[a:b] for a, b in pairwise(starts)]
         if self.rater.is_hopeless:
             self.bound = _INF
         else:
@@ -141,7 +131,7 @@ class RiskTree:
     @property
     def frontier(self) -> Frontier:
         """What is left of the search: nodes that together hold every solution, with bounds."""
-        nodes = [n for n in self._open if n.is_open] + self._parked
+        nodes = [*self._open, *self._parked]
         return tuple((node.bound, node.chosen) for node in nodes)
 
     def resume(
@@ -164,7 +154,8 @@ class RiskTree:
             Least cost of any solution, at price 0; a cost is never negative.
         """
         share = 1.0 if self.price >= price else self.price / price
-        self._open, self._parked = [], []
+        self._open.clear()
+        self._parked = []
         if self.rater.is_hopeless:
             return
         for bound, chosen in frontier:
@@ -186,13 +177,17 @@ class RiskTree:
         last = self.nodes + max_nodes
         self.is_limited = False
         while not self.is_limited:
-            top = self._top()
+            top = self._open.best()
             if top is None or top.bound >= self._cutoff():
                 break
-            self._dive(self._popped(), last)
+            self.is_limited = self._open.dive(
+                self._expand,
+                is_over=lambda: self.nodes >= last or self.limits.reached,
+                has_solution=lambda: self.best is not None,
+            )
         if self.rater.is_hopeless:
             return
-        top = self._top()
+        top = self._open.best()
         bounds = [n.bound for n in self._parked]
         if top is not None:
             bounds.append(top.bound)
@@ -201,56 +196,14 @@ class RiskTree:
         # The incumbent is below no node's bound by more than rounding.
         self.bound = min([*bounds, self.value])
 
-    def _dive(self, node: Node | None, last: int) -> None:
-        """Follow the best children down; without any solution yet, back up a while."""
-        self._trail.clear()
-        patience = _PATIENCE
-        while node is not None:
-            node.is_open = False
-            if self.nodes >= last or self.limits.reached:
-                self.is_limited = True
-                self._queue(node)
-                return
-            if not node.is_solved:
-                self._solve(node)
-            node = self._expand(node)
-            if node is None and self.best is None and patience > 0:
-                node = self._backtrack()
-            patience -= 1
-
-    def _backtrack(self) -> Node | None:
-        """Return the latest open node of this dive."""
-        while self._trail:
-            node = self._trail.pop()
-            if node.is_open:
-                return node
-        return None
-
-    def _top(self) -> Node | None:
-        """Return the open node of least bound; those taken by a dive are dropped on the way."""
-        while self._open and not self._open[0].is_open:
-            self._popped()
-        return self._open[0] if self._open else None
-
-    def _popped(self) -> Node:
-        """Take the first node off the heap."""
-        node = heapq.heappop(self._open)
-        node.is_queued = False
-        return node
-
-    def _queue(self, node: Node) -> None:
-        """Open a node, in the heap once."""
-        node.is_open = True
-        if not node.is_queued:
-            node.is_queued = True
-            heapq.heappush(self._open, node)
-
     def _expand(self, node: Node) -> Node | None:
-        """Solve a node's children one after the other; return the best that is left open.
+        """Solve a node and its children one after the other; return the best that is left open.
 
         All at once: from one child to the next the linear program changes by a row, and with
         its own bound a child need not be visited again before it is its turn.
         """
+        if not node.is_solved:
+            self._solve(node)
         children = []
         for side in node.sides:
             child = self._node(node.bound, (*node.chosen, side))
@@ -259,8 +212,8 @@ class RiskTree:
                 children.append(child)
         children.sort()
         for child in children:
-            self._queue(child)
-        self._trail += children[:0:-1]
+            self._open.open(child)
+        self._open.leave(children[:0:-1])
         return children[0] if children else None
 
     def _solve(self, node: Node) -> None:
@@ -268,7 +221,7 @@ class RiskTree:
         self.nodes += 1
         node.is_solved = True
         if node.bound < self._cutoff():
-            self.lp.activate(self._rows(node.chosen))
+            self.lp.activate(self._tangents.rows(node.chosen))
             for attempt in range(self.rounds):
                 outcome = self._relax(node)
                 if outcome is LpOutcome.INFEASIBLE:
@@ -315,33 +268,7 @@ class RiskTree:
         self, chosen: Sequence[int], point: Vector, rating: Rating, tolerance: float
     ) -> bool:
         """Add tangents where the chosen rows' risk is underestimated; tell whether any was."""
-        rows = self._noisy_rows(chosen)
-        if rows.size == 0:
-            return False
-        # Rows of one event share a column: that one runs less than it grants hides no other.
-        missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0)
-        missing *= self.price / self.unit
-        if missing.sum() <= tolerance:
-            return False
-        return self._add_tangents(rows[missing > tolerance / (4.0 * rows.size)], rating)
-
-    def _add_tangents(self, rows: Indices, rating: Rating) -> bool:
-        """Add tangents of rows where a point is, unless they are far away; tell whether any was."""
-        added = False
-        for row in rows.tolist():
-            clearance = float(rating.clearances[row])
-            if clearance < self._flat:
-                added |= self.lp.add_tangent(row, max(clearance, self.lp.floor))
-        return added
-
-    def _noisy_rows(self, chosen: Sequence[int]) -> Indices:
-        """Return the distinct rows with noise of chosen alternatives."""
-        rows = np.unique(np.array(self._rows(chosen), dtype=np.int64))
-        return np.asarray(rows[self._noisy[rows]])
-
-    def _rows(self, sides: Sequence[int]) -> list[int]:
-        """Return the rows of alternatives."""
-        return [row for side in sides for row in self._rows_of[side]]
+        return self._tangents.refine(self.lp, chosen, point, rating, tolerance=tolerance)
 
     def _worth(self, z: Vector, rating: Rating) -> float:
         """Return a point's value; inf where a row, or all, risk more than they may by far."""
@@ -372,7 +299,7 @@ class RiskTree:
 
     def _push(self, bound: float, chosen: tuple[int, ...]) -> None:
         """Open a node that is yet to be solved."""
-        self._queue(self._node(bound, chosen))
+        self._open.open(self._node(bound, chosen))
 
     def _node(self, bound: float, chosen: tuple[int, ...]) -> Node:
         """Return a new node."""

@@ -1,0 +1,95 @@
+"""Tangents added where the chosen rows' risk is underestimated, and which rows those are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from radmpc.arrays import Indices, Vector
+from radmpc.gaussian import clearance_for
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.priced.lp import RiskLp
+from radmpc.solvers.priced.rating import Rating
+
+__all__ = ["Tangents"]
+
+_FLAT = 1e-7
+"""Share of the unit below which a tangent is no better than t >= 0 [-]."""
+
+
+class Tangents:
+    """The rows of alternatives, and tangents to their risks.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program.
+    unit : float
+        Budget of risk that a column's 1 stands for.
+    """
+
+    def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
+        self._unit = unit
+        self._flat = float(clearance_for(_FLAT * unit))
+        self._noisy = program.rows.deviations > 0.0
+        starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
+        self._rows_of = [members[a:b] for a, b in pairwise(starts)]
+
+    def rows(self, alternatives: Sequence[int]) -> list[int]:
+        """Return the rows of alternatives."""
+        return [row for alternative in alternatives for row in self._rows_of[alternative]]
+
+    def noisy_rows(self, alternatives: Sequence[int]) -> Indices:
+        """Return the distinct rows with noise of alternatives."""
+        rows = np.unique(np.array(self.rows(alternatives), dtype=np.int64))
+        return np.asarray(rows[self._noisy[rows]])
+
+    def refine(
+        self,
+        lp: RiskLp,
+        chosen: Sequence[int],
+        point: Vector,
+        rating: Rating,
+        *,
+        tolerance: float,
+    ) -> bool:
+        """Add tangents where the chosen rows' risk is underestimated.
+
+        Parameters
+        ----------
+        lp : RiskLp
+            Solved, the chosen rows active.
+        chosen : sequence of int
+            Alternatives.
+        point : (c,) array
+            All columns of its solution.
+        rating : Rating
+            Of its decision variables.
+        tolerance : float
+            Value by which risks may be underestimated in all.
+
+        Returns
+        -------
+        bool
+            Whether there was any to add.
+        """
+        rows = self.noisy_rows(chosen)
+        if rows.size == 0:
+            return False
+        # Rows of one event share a column: that one runs less than it grants hides no other.
+        missing = np.maximum(rating.risks[rows] - lp.taken(rows, point), 0.0)
+        missing *= lp.price / self._unit
+        if missing.sum() <= tolerance:
+            return False
+        return self.add(lp, rows[missing > tolerance / (4.0 * rows.size)], rating)
+
+    def add(self, lp: RiskLp, rows: Indices, rating: Rating) -> bool:
+        """Add tangents of rows where a point is, unless they are far away; tell whether any was."""
+        added = False
+        for row in rows.tolist():
+            clearance = float(rating.clearances[row])
+            if clearance < self._flat:
+                added |= lp.add_tangent(row, max(clearance, lp.floor))
+        return added
