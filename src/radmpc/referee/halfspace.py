@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 from scipy.special import ndtr
@@ -21,14 +22,14 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.reserve import held, in_deviations, reserves
 
 __all__ = [
+    "Chords",
     "Sites",
-    "chord_margins",
+    "chords",
     "clearances",
-    "deviations",
     "end_margins",
     "end_risks",
+    "over_ends",
     "refine",
-    "sags",
     "shared_risks",
     "unit",
 ]
@@ -124,14 +125,21 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
     Where a vehicle starts at contact, the one direction that holds does so at its own share only.
     Directions that fail for certain are told apart by how far they do: a search would take any.
     """
-    margins, spread = chord_margins(sites, directions), deviations(sites, directions)
-    sag = sags(sites, directions)
-    levels = in_deviations(margins - reserves(sites.is_near, sag, 0.5), spread)
-    bowed = (sag > 0.0) & (ndtr(-levels).sum(axis=2) > _NEGLIGIBLE)
-    if bowed.any():
-        levels[bowed], _ = held(sites.is_near, margins[bowed], spread[bowed], sag[bowed])
+    seen = chords(sites, directions)
+    levels = in_deviations(seen.margins - seen.sags[:, :, None], seen.deviations)
     risks: Tensor = ndtr(-levels)
-    return risks + _EXCESS * (-levels).clip(0.0, _MOST_EXCESS)
+    bowed = (seen.sags > 0.0) & (over_ends(risks) > _NEGLIGIBLE)
+    if bowed.any():
+        ends = seen.margins[bowed], seen.deviations[bowed], seen.sags[bowed]
+        levels[bowed], _ = held(sites.is_near, *ends)
+        risks[bowed] = ndtr(-levels[bowed])
+    risks += _EXCESS * np.minimum(np.maximum(-levels, 0.0), _MOST_EXCESS)
+    return risks
+
+
+def over_ends(risks: Tensor) -> Tensor:
+    """Return sums over the last axis, (…); by columns, which is faster where there are few."""
+    return np.asarray(reduce(np.add, np.moveaxis(risks, -1, 0)))
 
 
 def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
@@ -139,14 +147,8 @@ def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -
 
     Without noise ±inf: touching, up to rounding, is no collision.
     """
-    return in_deviations(end_margins(sites, directions, shares), deviations(sites, directions))
-
-
-def deviations(sites: Sites, directions: Tensor) -> Tensor:
-    """Return the standard deviation along each direction at each end, (S, C, E) [m]."""
-    spread = directions[:, None] @ sites.covariances
-    variance = (spread * directions[:, None]).sum(axis=3).transpose(0, 2, 1)
-    return np.asarray(np.sqrt(variance.clip(min=0.0)))
+    seen = chords(sites, directions)
+    return in_deviations(_less_reserves(sites, seen, shares), seen.deviations)
 
 
 def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
@@ -171,30 +173,68 @@ def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) 
         ``n·x̄ − max n·P − r − reserve``; a collision needs a deviation along −n that exceeds it at
         some end [m].
     """
-    margins = chord_margins(sites, directions)
-    sag = sags(sites, directions)
-    if sag.any():
-        margins -= reserves(sites.is_near, sag, shares)
-    return margins
+    return _less_reserves(sites, chords(sites, directions), shares)
 
 
-def chord_margins(sites: Sites, directions: Tensor) -> Tensor:
-    """Return the margins of `end_margins` without any reserve, (S, C, E) [m]."""
-    along = directions @ sites.means.transpose(0, 2, 1)
-    count, num_sets, corners, d = sites.vertices.shape
-    flat = sites.vertices.reshape(count, -1, d).transpose(0, 2, 1)
-    support = (directions @ flat).reshape(count, -1, num_sets, corners).max(axis=3)
+def _less_reserves(sites: Sites, seen: Chords, shares: Tensor | float) -> Tensor:
+    """Return the margins of chords less the reserve for the bow, (S, C, E)."""
+    if not seen.sags.any():
+        return seen.margins
+    return np.asarray(seen.margins - reserves(sites.is_near, seen.sags, shares))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chords:
+    """Sites as seen along directions; in memory ends come first, so that rows are long.
+
+    Attributes
+    ----------
+    margins : (S, C, E) array
+        Those of `end_margins` without any reserve [m].
+    deviations : (S, C, E) array
+        Standard deviations [m].
+    sags : (S, C) array
+        How far the mean curves hang towards the sets in mid-interval [m].
+    """
+
+    margins: Tensor
+    deviations: Tensor
+    sags: Matrix
+
+
+def chords(sites: Sites, directions: Tensor) -> Chords:
+    """Return what `end_margins` and `clearances` are made of.
+
+    One product with everything there is, and sums over the first axis of it: arrays are small,
+    and most of the time goes into calls and short inner loops.
+
+    Parameters
+    ----------
+    sites : Sites
+        S places with E ends.
+    directions : (S, C, d) array
+        Unit normals [-].
+    """
+    count, ends, d = sites.means.shape
+    num_sets, corners = sites.vertices.shape[1:3]
+    parts = [sites.means, sites.vertices, sites.bows, sites.covariances]
+    columns = np.concatenate([part.reshape(count, -1, d) for part in parts], axis=1)
+    turned = directions.transpose(2, 0, 1)
+    products = np.empty((columns.shape[1], *turned.shape[1:]))
+    np.matmul(columns, turned.transpose(1, 0, 2), out=products.transpose(1, 0, 2))
+    along, products = products[:ends], products[ends:]
+    supports = [products[k * corners : (k + 1) * corners].max(axis=0) for k in range(num_sets)]
+    support = supports[0][None]
     if num_sets == 2:
-        blend = sites.blends[:, None]
+        blend = sites.blends.T[:, :, None]
         # The support of a Minkowski interpolation is that of the supports.
-        support = (1.0 - blend) * support[:, :, :1] + blend * support[:, :, 1:]
-    margins: Tensor = along - support - sites.radii[:, None, None]
-    return margins
-
-
-def sags(sites: Sites, directions: Tensor) -> Matrix:
-    """Return how far the mean curves hang towards the sets in mid-interval, (S, C) [m]."""
-    return np.asarray(np.maximum((directions @ sites.bows[:, :, None])[:, :, 0], 0.0))
+        support = (1.0 - blend) * supports[0] + blend * supports[1]
+    margins = along - support - sites.radii[:, None]
+    sags = np.maximum(products[num_sets * corners], 0.0)
+    spread = products[num_sets * corners + 1 :].reshape(ends, d, *sags.shape)
+    variance = reduce(np.add, (spread[:, axis] * turned[axis] for axis in range(d)))
+    deviations = np.sqrt(np.maximum(variance, 0.0))
+    return Chords(np.moveaxis(margins, 0, -1), np.moveaxis(deviations, 0, -1), sags)
 
 
 def unit(vectors: Tensor) -> Tensor:
