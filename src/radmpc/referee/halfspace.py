@@ -139,7 +139,7 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
 
 def over_ends(risks: Tensor) -> Tensor:
     """Return sums over the last axis, (…); by columns, which is faster where there are few."""
-    return np.asarray(reduce(np.add, np.moveaxis(risks, -1, 0)))
+    return np.asarray(reduce(np.add, [risks[..., end] for end in range(risks.shape[-1])]))
 
 
 def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
@@ -232,17 +232,19 @@ def chords(sites: Sites, directions: Tensor) -> Chords:
     margins = along - support - sites.radii[:, None]
     sags = np.maximum(products[num_sets * corners], 0.0)
     spread = products[num_sets * corners + 1 :].reshape(ends, d, *sags.shape)
-    variance = reduce(np.add, (spread[:, axis] * turned[axis] for axis in range(d)))
+    variance = reduce(np.add, [spread[:, axis] * turned[axis] for axis in range(d)])
     deviations = np.sqrt(np.maximum(variance, 0.0))
-    return Chords(np.moveaxis(margins, 0, -1), np.moveaxis(deviations, 0, -1), sags)
+    return Chords(margins.transpose(1, 2, 0), deviations.transpose(1, 2, 0), sags)
 
 
 def unit(vectors: Tensor) -> Tensor:
     """Return vectors scaled to length one; zero becomes the first axis."""
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    lengths = np.sqrt(over_ends(np.square(vectors)))[..., None]
+    good = np.isfinite(lengths) & (lengths > 1e-150)
+    if good.all():
+        return np.asarray(vectors / lengths)
     axis = np.zeros(vectors.shape[-1])
     axis[0] = 1.0
-    good = np.isfinite(lengths) & (lengths > 1e-150)
     return np.where(good, vectors / np.where(good, lengths, 1.0), axis)
 
 

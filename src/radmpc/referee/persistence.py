@@ -81,7 +81,7 @@ def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int)
     count, width, num, d = directions.shape
     seen = chords(sites, directions.reshape(-1, num, d))
     levels, spread = (
-        np.moveaxis(each, -1, 0).reshape(-1, count, width, num)
+        each.transpose(2, 0, 1).reshape(-1, count, width, num)
         for each in (_held(sites, seen)[0], seen.deviations)
     )
     charged: Tensor = ndtr(-levels)

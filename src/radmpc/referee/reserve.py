@@ -32,7 +32,7 @@ def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
 def reserves(is_near: tuple[bool, ...], sag: Matrix, shares: Tensor | float) -> Tensor:
     """Return what each end keeps in reserve for a sag, (S, C, E), ends first in memory [m]."""
     near, far = 4.0 * sag * np.square(shares), 4.0 * sag * np.square(1.0 - np.asarray(shares))
-    return np.moveaxis(np.stack([near if one else far for one in is_near]), 0, -1)
+    return np.array([near if one else far for one in is_near]).transpose(1, 2, 0)
 
 
 def held(
@@ -60,7 +60,7 @@ def held(
     shares = np.empty((len(_SHARES) + 1, len(sag)))
     shares[:-1] = np.array(_SHARES)[:, None]
     shares[-1] = _balanced(is_near, margins, spread, sag)
-    kept = np.moveaxis(reserves(is_near, sag, shares), -1, 0)
+    kept = reserves(is_near, sag, shares).transpose(2, 0, 1)
     found = in_deviations(margins[:, None] - kept, spread[:, None])
     best = reduce(np.add, ndtr(-found)).argmin(axis=0)
     rows = np.arange(len(sag))
