@@ -14,7 +14,8 @@ import numpy as np
 from radmpc.arrays import Indices
 from radmpc.model.plan import Plan
 from radmpc.referee.collisions import Flags
-from radmpc.referee.flight import Chunk, Flight, prepare
+from radmpc.referee.flight import Chunk, Flight
+from radmpc.referee.preparation import prepare
 from radmpc.referee.watch import Watch
 
 __all__ = ["Overlap", "measure_overlap"]
