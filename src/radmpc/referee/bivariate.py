@@ -87,7 +87,7 @@ def _alike(a: Vector, b: Vector, correlation: Vector) -> Vector:
     # the piece before has added, and no digits of the sum are lost.
     total = scale[0] * first + scale[1] * np.maximum(second - before, 0.0)
     total *= np.exp(-0.25 * (np.square(a) + np.square(b))) / np.pi
-    return (_between(b, a) + total) * (1.0 + _ROUNDING)
+    return np.asarray((_between(b, a) + total) * (1.0 + _ROUNDING))
 
 
 def _against(a: Vector, b: Vector, correlation: Vector) -> Vector:
@@ -102,7 +102,7 @@ def _against(a: Vector, b: Vector, correlation: Vector) -> Vector:
     pieces = _from(p, q, np.sqrt(since)) - _from(p, q, np.sqrt(until))
     total = (scale * np.maximum(pieces, 0.0)).sum(axis=0)
     total *= np.exp(-0.25 * (np.square(a) + np.square(b))) / np.pi
-    return total * (1.0 + _ROUNDING) + _ROUNDING * ndtr(-a) * ndtr(-b)
+    return np.asarray(total * (1.0 + _ROUNDING) + _ROUNDING * ndtr(-a) * ndtr(-b))
 
 
 def _chord(begin: Matrix, end: Matrix) -> tuple[Matrix, Matrix]:

@@ -11,12 +11,13 @@ import numpy.typing as npt
 from radmpc.arrays import Tensor, Vector
 from radmpc.referee.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
-from radmpc.referee.halfspace import Sites, end_margins, end_risks, refine, shared_risks
+from radmpc.referee.halfspace import end_margins, end_risks, refine, shared_risks
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.parts import MANY_PARTS, NUM_PARTS, part_charges
 from radmpc.referee.persistence import best_shares
 from radmpc.referee.planar import grown_polygon_risks
 from radmpc.referee.search import NEGLIGIBLE, best_directions
+from radmpc.referee.sites import Sites
 
 __all__ = ["WindowHalfspaces", "instant_risks", "step_risks", "window_halfspaces"]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.model.plan import Cause
-from radmpc.referee.halfspace import Sites
+from radmpc.referee.sites import Sites
 
 __all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites"]
 

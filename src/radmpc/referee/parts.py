@@ -8,11 +8,12 @@ import numpy as np
 
 from radmpc.arrays import Tensor
 from radmpc.referee.encounters import Encounters, around
-from radmpc.referee.halfspace import Sites, unit
+from radmpc.referee.halfspace import unit
 from radmpc.referee.moments import Moments, moments_of
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.persistence import Crossed, path_charges
 from radmpc.referee.search import closest_directions
+from radmpc.referee.sites import Sites
 
 __all__ = ["MANY_PARTS", "NUM_PARTS", "part_charges", "part_sites"]
 

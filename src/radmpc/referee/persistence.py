@@ -18,8 +18,8 @@ from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.bivariate import exceeds_alone
-from radmpc.referee.halfspace import Chords, Sites, chords
 from radmpc.referee.reserve import held, in_deviations
+from radmpc.referee.sites import Chords, Sites, chords
 
 __all__ = ["Crossed", "best_shares", "path_charges"]
 
@@ -121,7 +121,7 @@ def _along(before: Tensor, covariances: Tensor, after: Tensor) -> Tensor:
 
 
 def _by_step(charged: Tensor, parts: int) -> Tensor:
-    """Sum charges of near and far ends, (E, B, K M, C), to the step that is closest, (B, C, K+1)."""
+    """Sum charges of ends, (E, B, K M, C), to the step that is closest, (B, C, K + 1)."""
     width = charged.shape[2]
     near = (np.arange(width) + parts // 2) // parts
     far = (np.arange(1, width + 1) + (parts - 1) // 2) // parts

@@ -67,9 +67,7 @@ def held(
     return found[:, best, rows].T, shares[best, rows]
 
 
-def _balanced(
-    is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sag: Vector
-) -> Vector:
+def _balanced(is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sag: Vector) -> Vector:
     """Return the shares at which near and far ends are as many deviations clear, (N,); by ends.
 
     With margins m and deviations σ, ``(m₀ − 4bθ²) / σ₀ = (m₁ − 4b(1 − θ)²) / σ₁`` is quadratic in

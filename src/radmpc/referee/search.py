@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.referee.halfspace import Sites, over_ends, refine, shared_risks, unit
+from radmpc.referee.halfspace import refine, shared_risks, unit
+from radmpc.referee.sites import Sites, over_ends
 from radmpc.referee.tangent import tangent_directions
 
 __all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
