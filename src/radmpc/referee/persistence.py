@@ -27,6 +27,10 @@ _TELLING = 1e-4
 """Share of an encounter's sum, spread over its parts, below which an event is charged whole."""
 
 
+_Link = tuple[tuple[int, slice], tuple[int, slice], Tensor]
+"""An end and its parts, the end that follows it and its parts, and their covariances."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Crossed:
     """Covariances between the ends of each part, (S, d, d) each [m²].
@@ -86,19 +90,8 @@ def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int)
     )
     charged: Tensor = ndtr(-levels)
     least = _TELLING * charged.sum(axis=(0, 2))[:, None] / width
-    bent = len(levels) - 2
-    everywhere, early, late = slice(None), slice(None, -1), slice(1, None)
-    own = sites.covariances[:, 0].reshape(count, width, d, d)[:, 1:]
-    links = [
-        ((bent, everywhere), (-1, everywhere), crossed.bent_with_far),
-        # The far end's deviation of one part and the near end's of the next are those of one
-        # moment.
-        ((-1, early), (0, late), own),
-    ]
-    if bent:
-        links.append(((0, everywhere), (1, everywhere), crossed.near_with_bent))
     found, limits = [], []
-    for (end, since), (other, until), covariances in links:
+    for (end, since), (other, until), covariances in _links(sites, crossed, charged.shape):
         before, after = charged[end][:, since], charged[other][:, until]
         telling = (after > least) & (before > 1e-3 * after)
         scale = (spread[end][:, since] * spread[other][:, until])[telling]
@@ -106,10 +99,28 @@ def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int)
         rho = np.clip(shared / np.where(scale > 0.0, scale, 1.0), -1.0, 1.0)
         found.append((after, telling))
         limits.append((levels[end][:, since][telling], levels[other][:, until][telling], rho))
+    # All in one call, and charged only when all risks have been compared.
     alone = exceeds_alone(*(np.concatenate(each) for each in zip(*limits, strict=True)))
     for after, telling in found:
         after[telling], alone = np.split(alone, [np.count_nonzero(telling)])
     return _by_step(charged, parts)
+
+
+def _links(sites: Sites, crossed: Crossed, shape: tuple[int, ...]) -> list[_Link]:
+    """Return which event follows which at which parts, and the covariances between them."""
+    ends, count, width, _ = shape
+    d = sites.means.shape[2]
+    bent = ends - 2
+    everywhere, early, late = slice(None), slice(None, -1), slice(1, None)
+    # The far end's deviation of one part and the near end's of the next are those of one moment.
+    own = sites.covariances[:, 0].reshape(count, width, d, d)[:, 1:]
+    links: list[_Link] = [
+        ((bent, everywhere), (-1, everywhere), crossed.bent_with_far),
+        ((-1, early), (0, late), own),
+    ]
+    if bent:
+        links.append(((0, everywhere), (1, everywhere), crossed.near_with_bent))
+    return links
 
 
 def _along(before: Tensor, covariances: Tensor, after: Tensor) -> Tensor:
