@@ -21,7 +21,7 @@ from radmpc.referee.bivariate import exceeds_alone
 from radmpc.referee.reserve import held, in_deviations
 from radmpc.referee.sites import Chords, Sites, chords
 
-__all__ = ["Crossed", "best_shares", "path_charges"]
+__all__ = ["Crossed", "best_shares", "least_risks", "path_charges"]
 
 _TELLING = 1e-4
 """Share of an encounter's sum, spread over its parts, below which an event is charged whole."""
@@ -50,6 +50,12 @@ class Crossed:
 def best_shares(sites: Sites, directions: Matrix) -> Vector:
     """Return the near ends' share of the reserve for the bow that costs least, (S,)."""
     return _held(sites, chords(sites, directions[:, None]))[1][:, 0]
+
+
+def least_risks(sites: Sites, directions: Matrix) -> Matrix:
+    """Return the probability that each end fails at the shares that cost least, (S, E)."""
+    levels, _ = _held(sites, chords(sites, directions[:, None]))
+    return np.asarray(ndtr(-levels[:, 0]))
 
 
 def _held(sites: Sites, seen: Chords) -> tuple[Tensor, Matrix]:
