@@ -14,7 +14,8 @@ import numpy as np
 from radmpc.arrays import Indices
 from radmpc.model.plan import Plan
 from radmpc.referee.simulation.collisions import Flags
-from radmpc.referee.simulation.flight import Chunk, Flight, prepare
+from radmpc.referee.simulation.flight import Chunk, Flight
+from radmpc.referee.simulation.preparation import prepare
 from radmpc.referee.simulation.watch import Watch
 
 __all__ = ["Overlap", "measure_overlap"]

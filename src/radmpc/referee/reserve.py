@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
-import numpy.typing as npt
 from scipy.special import ndtr
 
 from radmpc.arrays import Matrix, Tensor, Vector
@@ -20,16 +21,18 @@ _SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
 def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
     """Return margins in standard deviations; ±inf without noise."""
     noisy = spread > 0.0
-    certain = np.where(margins < -CONTACT_TOL, -np.inf, np.inf)
     with np.errstate(over="ignore"):  # a margin of meters over a deviation of 1e-160
+        if noisy.all():
+            return np.asarray(margins / spread)
+        certain = np.where(margins < -CONTACT_TOL, -np.inf, np.inf)
         scaled: Tensor = np.where(noisy, margins / np.where(noisy, spread, 1.0), certain)
     return scaled
 
 
 def reserves(is_near: tuple[bool, ...], sag: Matrix, shares: Tensor | float) -> Tensor:
-    """Return what each end keeps in reserve for a sag, (S, C, E) [m]."""
+    """Return what each end keeps in reserve for a sag, (S, C, E), ends first in memory [m]."""
     near, far = 4.0 * sag * np.square(shares), 4.0 * sag * np.square(1.0 - np.asarray(shares))
-    return np.stack([near if one else far for one in is_near], axis=2)
+    return np.array([near if one else far for one in is_near]).transpose(1, 2, 0)
 
 
 def held(
@@ -53,27 +56,27 @@ def held(
     shares : (N,) array
         The near ends' shares θ.
     """
-    balanced = _balanced(np.array(is_near), margins, spread, sag)
-    shares = np.column_stack([np.tile(_SHARES, (len(sag), 1)), balanced])
-    found = in_deviations(
-        margins[:, None] - reserves(is_near, sag[:, None], shares), spread[:, None]
-    )
-    best = ndtr(-found).sum(axis=2).argmin(axis=1)
+    margins, spread = margins.T, spread.T
+    shares = np.empty((len(_SHARES) + 1, len(sag)))
+    shares[:-1] = np.array(_SHARES)[:, None]
+    shares[-1] = _balanced(is_near, margins, spread, sag)
+    kept = reserves(is_near, sag, shares).transpose(2, 0, 1)
+    found = in_deviations(margins[:, None] - kept, spread[:, None])
+    best = reduce(np.add, ndtr(-found)).argmin(axis=0)
     rows = np.arange(len(sag))
-    return found[rows, best], shares[rows, best]
+    return found[:, best, rows].T, shares[best, rows]
 
 
-def _balanced(
-    is_near: npt.NDArray[np.bool_], margins: Matrix, spread: Matrix, sag: Vector
-) -> Vector:
-    """Return the shares at which near and far ends are as many deviations clear, (N,).
+def _balanced(is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sag: Vector) -> Vector:
+    """Return the shares at which near and far ends are as many deviations clear, (N,); by ends.
 
     With margins m and deviations σ, ``(m₀ − 4bθ²) / σ₀ = (m₁ − 4b(1 − θ)²) / σ₁`` is quadratic in
     θ. Without noise at one end this leaves there exactly what is not needed: where vehicles start
     at contact, no fixed share does.
     """
-    near, far = margins[:, is_near].min(axis=1), margins[:, ~is_near].min(axis=1)
-    near_spread, far_spread = spread[:, is_near].max(axis=1), spread[:, ~is_near].max(axis=1)
+    first, last = [e for e, one in enumerate(is_near) if one], is_near.index(False)
+    near, near_spread = margins[first].min(axis=0), spread[first].max(axis=0)
+    far, far_spread = margins[last], spread[last]
     scale = np.maximum(near_spread, far_spread)
     is_certain = scale <= 0.0
     scale = np.where(is_certain, 1.0, scale)

@@ -1,12 +1,15 @@
-"""Where and when a half-space must hold: what every bound of the referee is made over."""
+"""Where half-spaces must hold, and what is seen of it along their normals."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 
-__all__ = ["Sites"]
+__all__ = ["Chords", "Sites", "chords", "over_ends"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,3 +57,62 @@ class Sites:
             self.blends[chosen],
             self.edges[chosen],
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chords:
+    """Sites as seen along directions; in memory ends come first, so that rows are long.
+
+    Attributes
+    ----------
+    margins : (S, C, E) array
+        Those of `end_margins` without any reserve [m].
+    deviations : (S, C, E) array
+        Standard deviations [m].
+    sags : (S, C) array
+        How far the mean curves hang towards the sets in mid-interval [m].
+    """
+
+    margins: Tensor
+    deviations: Tensor
+    sags: Matrix
+
+
+def chords(sites: Sites, directions: Tensor) -> Chords:
+    """Return what `end_margins` and `clearances` are made of.
+
+    One product with everything there is, and sums over the first axis of it: arrays are small,
+    and most of the time goes into calls and short inner loops.
+
+    Parameters
+    ----------
+    sites : Sites
+        S places with E ends.
+    directions : (S, C, d) array
+        Unit normals [-].
+    """
+    count, ends, d = sites.means.shape
+    num_sets, corners = sites.vertices.shape[1:3]
+    parts = [sites.means, sites.vertices, sites.bows, sites.covariances]
+    columns = np.concatenate([part.reshape(count, -1, d) for part in parts], axis=1)
+    turned = directions.transpose(2, 0, 1)
+    products = np.empty((columns.shape[1], *turned.shape[1:]))
+    np.matmul(columns, turned.transpose(1, 0, 2), out=products.transpose(1, 0, 2))
+    along, products = products[:ends], products[ends:]
+    supports = [products[k * corners : (k + 1) * corners].max(axis=0) for k in range(num_sets)]
+    support = supports[0][None]
+    if num_sets == 2:
+        blend = sites.blends.T[:, :, None]
+        # The support of a Minkowski interpolation is that of the supports.
+        support = (1.0 - blend) * supports[0] + blend * supports[1]
+    margins = along - support - sites.radii[:, None]
+    sags = np.maximum(products[num_sets * corners], 0.0)
+    spread = products[num_sets * corners + 1 :].reshape(ends, d, *sags.shape)
+    variance = reduce(np.add, [spread[:, axis] * turned[axis] for axis in range(d)])
+    deviations = np.sqrt(np.maximum(variance, 0.0))
+    return Chords(margins.transpose(1, 2, 0), deviations.transpose(1, 2, 0), sags)
+
+
+def over_ends(risks: Tensor) -> Tensor:
+    """Return sums over the last axis, (…); by columns, which is faster where there are few."""
+    return np.asarray(reduce(np.add, [risks[..., end] for end in range(risks.shape[-1])]))

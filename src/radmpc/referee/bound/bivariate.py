@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erfc, erfcx, ndtr
 
-from radmpc.arrays import Tensor, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 
 __all__ = ["exceeds_alone"]
 
@@ -63,14 +63,16 @@ def exceeds_alone(a: ArrayLike, b: ArrayLike, correlation: ArrayLike) -> Tensor:
     )
     shape, a, b, correlation = a.shape, a.ravel(), b.ravel(), correlation.ravel()
     # Whatever the correlation; and (Slepian 1962) the product, where it is not negative.
-    result = np.minimum(ndtr(a), ndtr(-b))
-    product = ndtr(a) * ndtr(-b)
-    alike = correlation > 0.0
-    result[alike] = np.minimum(product[alike], _alike(a[alike], b[alike], correlation[alike]))
+    below, beyond = ndtr(a), ndtr(-b)
+    result, product = np.minimum(below, beyond), below * beyond
+    alike, against = correlation > 0.0, correlation < 0.0
+    if alike.any():
+        integral = _alike(a[alike], b[alike], correlation[alike])
+        result[alike] = np.minimum(product[alike], integral)
     result[correlation == 0.0] = product[correlation == 0.0]
-    against = correlation < 0.0
-    integral = _against(-a[against], b[against], -correlation[against])
-    result[against] = np.minimum(result[against], product[against] + integral)
+    if against.any():
+        integral = _against(-a[against], b[against], -correlation[against])
+        result[against] = np.minimum(result[against], product[against] + integral)
     return result.reshape(shape)
 
 
@@ -78,16 +80,14 @@ def _alike(a: Vector, b: Vector, correlation: Vector) -> Vector:
     """Return the bound for correlations above zero: the integral from t = 0."""
     end = (1.0 - correlation) / (1.0 + correlation)
     middle = np.expm1(0.5 * np.log1p(end))
-    total = np.zeros_like(a)
-    for begin, until in ((np.zeros_like(end), middle), (middle, end)):
-        steepness, scale = _chord(begin, until)
-        p, q = np.sqrt(np.square(a + b) / 8.0 + steepness), np.abs(a - b) / np.sqrt(8.0)
-        # The chord is below the weight outside of its piece: what is taken off here is less than
-        # what the pieces before have added, and no digits of the sum are lost.
-        piece = _up_to(p, q, np.sqrt(until)) - _up_to(p, q, np.sqrt(begin))
-        total += scale * np.maximum(piece, 0.0)
+    steepness, scale = _chord(np.array([np.zeros_like(end), middle]), np.array([middle, end]))
+    p, q = np.sqrt(np.square(a + b) / 8.0 + steepness), np.abs(a - b) / np.sqrt(8.0)
+    first, second, before = _up_to(p[[0, 1, 1]], q, np.sqrt(np.array([middle, end, middle])))
+    # The chord is below the weight outside of its piece: what is taken off here is less than what
+    # the piece before has added, and no digits of the sum are lost.
+    total = scale[0] * first + scale[1] * np.maximum(second - before, 0.0)
     total *= np.exp(-0.25 * (np.square(a) + np.square(b))) / np.pi
-    return (_between(b, a) + total) * (1.0 + _ROUNDING)
+    return np.asarray((_between(b, a) + total) * (1.0 + _ROUNDING))
 
 
 def _against(a: Vector, b: Vector, correlation: Vector) -> Vector:
@@ -95,18 +95,17 @@ def _against(a: Vector, b: Vector, correlation: Vector) -> Vector:
     begin = (1.0 - correlation) / (1.0 + correlation)
     one = np.ones_like(begin)
     middle = np.expm1(0.5 * (np.log1p(begin) + np.log1p(one)))
-    total = np.zeros_like(a)
-    for since, until in ((begin, middle), (middle, one)):
-        steepness, scale = _chord(since, until)
-        p, q = np.sqrt(np.square(a + b) / 8.0 + steepness), np.abs(a - b) / np.sqrt(8.0)
-        # From infinity: what lies beyond t = 1 is at most the product added in the end.
-        piece = _from(p, q, np.sqrt(since)) - _from(p, q, np.sqrt(until))
-        total += scale * np.maximum(piece, 0.0)
+    since, until = np.array([begin, middle]), np.array([middle, one])
+    steepness, scale = _chord(since, until)
+    p, q = np.sqrt(np.square(a + b) / 8.0 + steepness), np.abs(a - b) / np.sqrt(8.0)
+    # From infinity: what lies beyond t = 1 is at most the product added in the end.
+    pieces = _from(p, q, np.sqrt(since)) - _from(p, q, np.sqrt(until))
+    total = (scale * np.maximum(pieces, 0.0)).sum(axis=0)
     total *= np.exp(-0.25 * (np.square(a) + np.square(b))) / np.pi
-    return total * (1.0 + _ROUNDING) + _ROUNDING * ndtr(-a) * ndtr(-b)
+    return np.asarray(total * (1.0 + _ROUNDING) + _ROUNDING * ndtr(-a) * ndtr(-b))
 
 
-def _chord(begin: Vector, end: Vector) -> tuple[Vector, Vector]:
+def _chord(begin: Matrix, end: Matrix) -> tuple[Matrix, Matrix]:
     """Return m and c with ``1 / (1 + u) <= c exp(-m u)`` between two u in [0, 1]."""
     width = end - begin
     rise = np.log1p(end) - np.log1p(begin)
@@ -115,27 +114,26 @@ def _chord(begin: Vector, end: Vector) -> tuple[Vector, Vector]:
     return steepness, np.exp(steepness * begin - np.log1p(begin))
 
 
-def _up_to(p: Vector, q: Vector, t: Vector) -> Vector:
+def _up_to(p: Matrix, q: Vector, t: Matrix) -> Matrix:
     """Return the integral of ``exp(-(p x)^2 - (q / x)^2)`` over x from 0 to t."""
     # At t = 0 any small t is as good: the factor t of the result is what vanishes.
     near, far = p * t, q / np.maximum(t, 1e-12)
     outside = np.exp(-np.square(far) - np.square(near))
-    narrow = near < _NARROW
-    wide = ~narrow
-    result = np.zeros_like(p)
-    result[narrow] = outside[narrow] * _narrow_fall(far[narrow], near[narrow])
-    ahead, behind = far[wide] - near[wide], far[wide] + near[wide]
+    ahead = far - near
     # erfcx overflows far left of zero, where erfc does very well.
     large = np.where(
         ahead > 0.0,
-        outside[wide] * erfcx(np.maximum(ahead, 0.0)),
-        np.exp(-2.0 * p[wide] * q[wide]) * erfc(ahead),
+        outside * erfcx(np.maximum(ahead, 0.0)),
+        np.exp(-2.0 * p * q) * erfc(ahead),
     )
-    result[wide] = large - outside[wide] * erfcx(behind)
+    result = large - outside * erfcx(far + near)
+    narrow = near < _NARROW
+    if narrow.any():
+        result[narrow] = outside[narrow] * _narrow_fall(far[narrow], near[narrow])
     return np.asarray(0.25 * np.sqrt(np.pi) * result / p)
 
 
-def _from(p: Vector, q: Vector, t: Vector) -> Vector:
+def _from(p: Matrix, q: Vector, t: Matrix) -> Matrix:
     """Return the integral of ``exp(-(p x)^2 - (q / x)^2)`` over x from t to infinity."""
     near, far = p * t, q / np.maximum(t, 1e-12)
     outside = np.exp(-np.square(far) - np.square(near))
@@ -155,6 +153,8 @@ def _between(low: Vector, high: Vector) -> Vector:
     result = np.maximum(ndtr(-low) - ndtr(-high), 0.0)
     half = (high - low) / np.sqrt(8.0)
     narrow = (half > 0.0) & (half < _NARROW)
+    if not narrow.any():
+        return result
     low, high, half = low[narrow], high[narrow], half[narrow]
     fall = _narrow_fall((low + high) / np.sqrt(8.0), half)
     slope = -np.expm1(-0.5 * (high - low) * (high + low))

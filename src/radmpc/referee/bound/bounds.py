@@ -12,7 +12,7 @@ from radmpc.arrays import Tensor, Vector
 from radmpc.referee.bound.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.bound.halfspace import end_margins, end_risks, refine, shared_risks
 from radmpc.referee.bound.parts import MANY_PARTS, NUM_PARTS, part_charges
-from radmpc.referee.bound.persistence import best_shares
+from radmpc.referee.bound.persistence import best_shares, least_risks
 from radmpc.referee.bound.planar import grown_polygon_risks
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
@@ -164,8 +164,7 @@ def _is_curved(encounters: Encounters) -> Flags:
 
 def _ends(sites: Sites, directions: Tensor) -> tuple[Tensor, Vector]:
     """Return the risks at the near ends, (S, 1 or 2), and at the far ones, (S,)."""
-    shares = best_shares(sites, directions)[:, None]
-    found = end_risks(sites, directions[:, None], shares)[:, 0]
+    found = least_risks(sites, directions)
     return found[:, :-1], found[:, -1]
 
 

@@ -18,16 +18,13 @@ from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.reserve import held, in_deviations, reserves
-from radmpc.referee.sites import Sites
+from radmpc.referee.sites import Chords, Sites, chords, over_ends
 
 __all__ = [
-    "chord_margins",
     "clearances",
-    "deviations",
     "end_margins",
     "end_risks",
     "refine",
-    "sags",
     "shared_risks",
     "unit",
 ]
@@ -76,14 +73,16 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
     Where a vehicle starts at contact, the one direction that holds does so at its own share only.
     Directions that fail for certain are told apart by how far they do: a search would take any.
     """
-    margins, spread = chord_margins(sites, directions), deviations(sites, directions)
-    sag = sags(sites, directions)
-    levels = in_deviations(margins - reserves(sites.is_near, sag, 0.5), spread)
-    bowed = (sag > 0.0) & (ndtr(-levels).sum(axis=2) > _NEGLIGIBLE)
-    if bowed.any():
-        levels[bowed], _ = held(sites.is_near, margins[bowed], spread[bowed], sag[bowed])
+    seen = chords(sites, directions)
+    levels = in_deviations(seen.margins - seen.sags[:, :, None], seen.deviations)
     risks: Tensor = ndtr(-levels)
-    return risks + _EXCESS * (-levels).clip(0.0, _MOST_EXCESS)
+    bowed = (seen.sags > 0.0) & (over_ends(risks) > _NEGLIGIBLE)
+    if bowed.any():
+        ends = seen.margins[bowed], seen.deviations[bowed], seen.sags[bowed]
+        levels[bowed], _ = held(sites.is_near, *ends)
+        risks[bowed] = ndtr(-levels[bowed])
+    risks += _EXCESS * np.minimum(np.maximum(-levels, 0.0), _MOST_EXCESS)
+    return risks
 
 
 def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
@@ -91,14 +90,8 @@ def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -
 
     Without noise ±inf: touching, up to rounding, is no collision.
     """
-    return in_deviations(end_margins(sites, directions, shares), deviations(sites, directions))
-
-
-def deviations(sites: Sites, directions: Tensor) -> Tensor:
-    """Return the standard deviation along each direction at each end, (S, C, E) [m]."""
-    spread = directions[:, None] @ sites.covariances
-    variance = (spread * directions[:, None]).sum(axis=3).transpose(0, 2, 1)
-    return np.asarray(np.sqrt(variance.clip(min=0.0)))
+    seen = chords(sites, directions)
+    return in_deviations(_less_reserves(sites, seen, shares), seen.deviations)
 
 
 def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
@@ -123,38 +116,24 @@ def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) 
         ``n·x̄ − max n·P − r − reserve``; a collision needs a deviation along −n that exceeds it at
         some end [m].
     """
-    margins = chord_margins(sites, directions)
-    sag = sags(sites, directions)
-    if sag.any():
-        margins -= reserves(sites.is_near, sag, shares)
-    return margins
+    return _less_reserves(sites, chords(sites, directions), shares)
 
 
-def chord_margins(sites: Sites, directions: Tensor) -> Tensor:
-    """Return the margins of `end_margins` without any reserve, (S, C, E) [m]."""
-    along = directions @ sites.means.transpose(0, 2, 1)
-    count, num_sets, corners, d = sites.vertices.shape
-    flat = sites.vertices.reshape(count, -1, d).transpose(0, 2, 1)
-    support = (directions @ flat).reshape(count, -1, num_sets, corners).max(axis=3)
-    if num_sets == 2:
-        blend = sites.blends[:, None]
-        # The support of a Minkowski interpolation is that of the supports.
-        support = (1.0 - blend) * support[:, :, :1] + blend * support[:, :, 1:]
-    margins: Tensor = along - support - sites.radii[:, None, None]
-    return margins
-
-
-def sags(sites: Sites, directions: Tensor) -> Matrix:
-    """Return how far the mean curves hang toward the sets in mid-interval, (S, C) [m]."""
-    return np.asarray(np.maximum((directions @ sites.bows[:, :, None])[:, :, 0], 0.0))
+def _less_reserves(sites: Sites, seen: Chords, shares: Tensor | float) -> Tensor:
+    """Return the margins of chords less the reserve for the bow, (S, C, E)."""
+    if not seen.sags.any():
+        return seen.margins
+    return np.asarray(seen.margins - reserves(sites.is_near, seen.sags, shares))
 
 
 def unit(vectors: Tensor) -> Tensor:
     """Return vectors scaled to length one; zero becomes the first axis."""
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    lengths = np.sqrt(over_ends(np.square(vectors)))[..., None]
+    good = np.isfinite(lengths) & (lengths > 1e-150)
+    if good.all():
+        return np.asarray(vectors / lengths)
     axis = np.zeros(vectors.shape[-1])
     axis[0] = 1.0
-    good = np.isfinite(lengths) & (lengths > 1e-150)
     return np.where(good, vectors / np.where(good, lengths, 1.0), axis)
 
 

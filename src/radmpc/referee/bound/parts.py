@@ -79,9 +79,9 @@ def part_charges(
 
 def _cheapest(sites: Sites, crossed: Crossed, tried: Sequence[Tensor], parts: int) -> Tensor:
     """Return what the cheapest of some choices of directions costs each encounter, (B, K+1)."""
-    found = np.array([path_charges(sites, chosen, crossed, parts) for chosen in tried])
-    best = found.sum(axis=2).argmin(axis=0)
-    return np.asarray(found[best, np.arange(found.shape[1])])
+    found = path_charges(sites, np.stack(tried, axis=2), crossed, parts)
+    best = found.sum(axis=2).argmin(axis=1)
+    return np.asarray(found[np.arange(len(found)), best])
 
 
 def _averaged(directions: Tensor, reach: int) -> Tensor:

@@ -18,14 +18,17 @@ from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.bound.bivariate import exceeds_alone
-from radmpc.referee.bound.halfspace import chord_margins, deviations, sags
 from radmpc.referee.reserve import held, in_deviations
-from radmpc.referee.sites import Sites
+from radmpc.referee.sites import Chords, Sites, chords
 
-__all__ = ["Crossed", "best_shares", "path_charges"]
+__all__ = ["Crossed", "best_shares", "least_risks", "path_charges"]
 
 _TELLING = 1e-4
 """Share of an encounter's sum, spread over its parts, below which an event is charged whole."""
+
+
+_Link = tuple[tuple[int, slice], tuple[int, slice], Tensor]
+"""An end and its parts, the end that follows it and its parts, and their covariances."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,31 +49,35 @@ class Crossed:
 
 def best_shares(sites: Sites, directions: Matrix) -> Vector:
     """Return the near ends' share of the reserve for the bow that costs least, (S,)."""
-    along = directions[:, None]
-    margins, spread = chord_margins(sites, along), deviations(sites, along)
-    return _held(sites, margins, spread, sags(sites, along))[1]
+    return _held(sites, chords(sites, directions[:, None]))[1][:, 0]
 
 
-def _held(sites: Sites, margins: Tensor, spread: Tensor, sag: Matrix) -> tuple[Matrix, Vector]:
-    """Return the clearances of each site's ends, (S, E), with the cheapest shares, (S,)."""
-    levels = in_deviations(margins[:, 0], spread[:, 0])
-    shares = np.full(len(margins), 0.5)
-    bowed = np.flatnonzero(sag[:, 0] > 0.0)
-    if bowed.size:
-        ends = margins[bowed, 0], spread[bowed, 0], sag[bowed, 0]
+def least_risks(sites: Sites, directions: Matrix) -> Matrix:
+    """Return the probability that each end fails at the shares that cost least, (S, E)."""
+    levels, _ = _held(sites, chords(sites, directions[:, None]))
+    return np.asarray(ndtr(-levels[:, 0]))
+
+
+def _held(sites: Sites, seen: Chords) -> tuple[Tensor, Matrix]:
+    """Return the clearances of all ends, (S, C, E), with the cheapest shares, (S, C)."""
+    levels = in_deviations(seen.margins, seen.deviations)
+    shares = np.full(seen.sags.shape, 0.5)
+    bowed = seen.sags > 0.0
+    if bowed.any():
+        ends = seen.margins[bowed], seen.deviations[bowed], seen.sags[bowed]
         levels[bowed], shares[bowed] = held(sites.is_near, *ends)
     return levels, shares
 
 
-def path_charges(sites: Sites, directions: Matrix, crossed: Crossed, parts: int) -> Tensor:
-    """Return what one half-space per part costs at every step.
+def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int) -> Tensor:
+    """Return what one half-space per part costs at every step, for several choices of them.
 
     Parameters
     ----------
     sites : Sites
         The parts of B encounters in order, ``K M`` of each.
-    directions : (B, K M, d) array
-        The half-space of each part.
+    directions : (B, K M, C, d) array
+        The half-spaces of each part: C choices, each held with its like on the other parts.
     crossed : Crossed
         Covariances between the ends of each part.
     parts : int
@@ -78,59 +85,64 @@ def path_charges(sites: Sites, directions: Matrix, crossed: Crossed, parts: int)
 
     Returns
     -------
-    (B, K + 1) array
+    (B, C, K + 1) array
         Sums over the steps bound the probability that any of an encounter's half-spaces fails.
     """
-    count, width, d = directions.shape
-    flat = directions.reshape(-1, 1, d)
-    spread = deviations(sites, flat)
-    held, _ = _held(sites, chord_margins(sites, flat), spread, sags(sites, flat))
-    levels, spread = held.reshape(count, width, -1), spread.reshape(count, width, -1)
-    risks: Tensor = ndtr(-levels)
-    boole = risks.sum(axis=(1, 2))
-    least = _TELLING * boole[:, None] / width
-    charged = risks.copy()
-
-    def alone(before: Matrix, after: Matrix, covariance: Matrix, scale: Matrix) -> Matrix:
-        """Return what ``after`` is exceeded with while ``before`` is not."""
-        result: Matrix = ndtr(-after)
-        telling = (result > least) & (ndtr(-before) > 1e-3 * result)
-        rho = covariance[telling] / np.where(scale[telling] > 0.0, scale[telling], 1.0)
-        result[telling] = exceeds_alone(before[telling], after[telling], np.clip(rho, -1.0, 1.0))
-        return result
-
-    bent = levels.shape[2] - 2
-    if bent:
-        covariance = _along(directions, crossed.near_with_bent, directions)
-        charged[:, :, 1] = alone(
-            levels[:, :, 0], levels[:, :, 1], covariance, spread[:, :, 0] * spread[:, :, 1]
-        )
-    covariance = _along(directions, crossed.bent_with_far, directions)
-    charged[:, :, -1] = alone(
-        levels[:, :, bent], levels[:, :, -1], covariance, spread[:, :, bent] * spread[:, :, -1]
+    count, width, num, d = directions.shape
+    seen = chords(sites, directions.reshape(-1, num, d))
+    levels, spread = (
+        each.transpose(2, 0, 1).reshape(-1, count, width, num)
+        for each in (_held(sites, seen)[0], seen.deviations)
     )
-    own = sites.covariances[:, 0].reshape(count, width, d, d)[:, 1:]
-    covariance = _along(directions[:, :-1], own, directions[:, 1:])
-    # The far end's deviation of one part and the near end's of the next are those of one moment.
-    scale = spread[:, :-1, -1] * spread[:, 1:, 0]
-    least = least[:, :1]
-    charged[:, 1:, 0] = alone(levels[:, :-1, -1], levels[:, 1:, 0], covariance, scale)
+    charged: Tensor = ndtr(-levels)
+    least = _TELLING * charged.sum(axis=(0, 2))[:, None] / width
+    found, limits = [], []
+    for (end, since), (other, until), covariances in _links(sites, crossed, charged.shape):
+        before, after = charged[end][:, since], charged[other][:, until]
+        telling = (after > least) & (before > 1e-3 * after)
+        scale = (spread[end][:, since] * spread[other][:, until])[telling]
+        shared = _along(directions[:, since], covariances, directions[:, until])[telling]
+        rho = np.clip(shared / np.where(scale > 0.0, scale, 1.0), -1.0, 1.0)
+        found.append((after, telling))
+        limits.append((levels[end][:, since][telling], levels[other][:, until][telling], rho))
+    # All in one call, and charged only when all risks have been compared.
+    alone = exceeds_alone(*(np.concatenate(each) for each in zip(*limits, strict=True)))
+    for after, telling in found:
+        after[telling], alone = np.split(alone, [np.count_nonzero(telling)])
     return _by_step(charged, parts)
 
 
-def _along(before: Tensor, covariances: Tensor, after: Tensor) -> Matrix:
-    """Return covariances between components along two directions, (B, W)."""
-    shape = (*before.shape, before.shape[-1])
-    first = np.einsum("bwd,bwde->bwe", before, covariances.reshape(shape))
-    return np.asarray(np.einsum("bwe,bwe->bw", first, after))
+def _links(sites: Sites, crossed: Crossed, shape: tuple[int, ...]) -> list[_Link]:
+    """Return which event follows which at which parts, and the covariances between them."""
+    ends, count, width, _ = shape
+    d = sites.means.shape[2]
+    bent = ends - 2
+    everywhere, early, late = slice(None), slice(None, -1), slice(1, None)
+    # The far end's deviation of one part and the near end's of the next are those of one moment.
+    own = sites.covariances[:, 0].reshape(count, width, d, d)[:, 1:]
+    links: list[_Link] = [
+        ((bent, everywhere), (-1, everywhere), crossed.bent_with_far),
+        ((-1, early), (0, late), own),
+    ]
+    if bent:
+        links.append(((0, everywhere), (1, everywhere), crossed.near_with_bent))
+    return links
+
+
+def _along(before: Tensor, covariances: Tensor, after: Tensor) -> Tensor:
+    """Return covariances between components along two directions, (B, W, C)."""
+    d = before.shape[-1]
+    square = covariances.reshape(*before.shape[:2], d, d)
+    turned = np.einsum("bwcd,bwde->bwce", before, square)
+    return np.asarray(np.einsum("bwce,bwce->bwc", turned, after))
 
 
 def _by_step(charged: Tensor, parts: int) -> Tensor:
-    """Sum charges of near and far ends, (B, K M, E), to the step that is closest, (B, K + 1)."""
-    count, width, _ = charged.shape
+    """Sum charges of ends, (E, B, K M, C), to the step that is closest, (B, C, K + 1)."""
+    width = charged.shape[2]
     near = (np.arange(width) + parts // 2) // parts
     far = (np.arange(1, width + 1) + (parts - 1) // 2) // parts
-    steps = np.zeros((count, width // parts + 1))
-    np.add.at(steps.T, near, charged[:, :, :-1].sum(axis=2).T)
-    np.add.at(steps.T, far, charged[:, :, -1].T)
-    return steps
+    steps = np.arange(width // parts + 1)[:, None]
+    sums = (near == steps).astype(np.float64) @ charged[:-1].sum(axis=0)
+    sums += (far == steps).astype(np.float64) @ charged[-1]
+    return np.asarray(sums.transpose(0, 2, 1))

@@ -7,7 +7,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.referee.bound.halfspace import refine, shared_risks, unit
 from radmpc.referee.bound.tangent import tangent_directions
-from radmpc.referee.sites import Sites
+from radmpc.referee.sites import Sites, over_ends
 
 __all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
 
@@ -35,7 +35,7 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
     tangents, found = _cheapest(close, np.concatenate([best[worth, None], _tangents(close)], 1))
     if sites.means.shape[1] > 1:
         tangents, found = _or_across(close, tangents, found)
-        tangents, found = refine(close, tangents, _sum_over_ends)
+        tangents, found = refine(close, tangents, over_ends)
     best[worth], risks[worth] = tangents, found
     return best, risks
 
@@ -82,34 +82,26 @@ def _centers(vertices: Tensor) -> Tensor:
     return np.asarray(kept.sum(axis=2) / is_new.sum(axis=2)[..., None])
 
 
-def _sum_over_ends(risks: Tensor) -> Tensor:
-    """Return the score of a half-space on its own."""
-    return np.asarray(risks.sum(axis=2))
-
-
 def _cheapest(sites: Sites, tried: Tensor) -> tuple[Matrix, Vector]:
     """Return the best of some directions for each site, and its risk."""
     rows = np.arange(len(tried))
-    found = shared_risks(sites, tried).sum(axis=2)
+    found = over_ends(shared_risks(sites, tried))
     choice = found.argmin(axis=1)
     return tried[rows, choice], found[rows, choice]
 
 
 def _tangents(sites: Sites) -> Tensor:
     """Return the best directions at each end, (S, E (V + R), d)."""
-    per_end = []
-    for end in range(sites.means.shape[1]):
-        shape = 0 if sites.is_near[end] else sites.vertices.shape[1] - 1
-        per_end.append(
-            tangent_directions(
-                sites.means[:, end],
-                sites.covariances[:, end],
-                sites.radii,
-                sites.vertices[:, shape],
-                sites.edges[:, shape],
-            )
-        )
-    return np.concatenate(per_end, axis=1)
+    shapes = [0 if near else sites.vertices.shape[1] - 1 for near in sites.is_near]
+    count, ends, d = sites.means.shape
+    found = tangent_directions(
+        sites.means.reshape(-1, d),
+        sites.covariances.reshape(-1, d, d),
+        np.repeat(sites.radii, ends),
+        sites.vertices[:, shapes].reshape(count * ends, -1, d),
+        sites.edges[:, shapes].reshape(count * ends, -1, 2, d),
+    )
+    return found.reshape(count, -1, d)
 
 
 def _or_across(sites: Sites, best: Matrix, risks: Vector) -> tuple[Matrix, Vector]:

@@ -9,6 +9,8 @@ around v: with :math:`g = \bar x - v`, the point :math:`y = (I + \lambda\Sigma)^
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
@@ -20,6 +22,9 @@ _LEVEL = 1e-24
 """Slope, as a share of the steepest, up to which a Newton step changes nothing, or overflows."""
 
 _NEWTON_STEPS = 12
+
+_CONVERGED = 1e-12
+"""Share of the multiplier below which a Newton step, which squares the error, is the last."""
 
 
 def tangent_directions(
@@ -45,8 +50,7 @@ def tangent_directions(
     (S, V + R, d) array
         Unit normals away from the set [-].
     """
-    spread = np.broadcast_to(covariances[:, None], (*corners.shape[:2], *covariances.shape[1:]))
-    above_corners = _ball_normals(means[:, None] - corners, spread, radii)
+    above_corners = _ball_normals(means[:, None] - corners, covariances[:, None], radii)
     if not edges.shape[1]:
         return above_corners
     along = unit(edges[:, :, 1] - edges[:, :, 0])
@@ -64,28 +68,34 @@ def _ball_normals(gaps: Tensor, covariances: Tensor, radii: Vector) -> Tensor:
     ----------
     gaps : (S, V, d) array
         From the ball's center to the mean.
-    covariances : (S, V, d, d) array
+    covariances : (S, 1 or V, d, d) array
         Metric.
     radii : (S,) array
         Of the balls.
     """
     values, vectors = np.linalg.eigh(covariances)
     values = values.clip(min=0.0)
-    g = np.einsum("svde,svd->sve", vectors, gaps)
+    # Axes first: numpy then works on long rows.
+    g = np.einsum("svde,svd->esv", vectors, gaps)
+    values = np.moveaxis(values, -1, 0).copy()
     r = radii[:, None]
-    multiplier = np.zeros(g.shape[:2])
+    least = _LEVEL * values.max(axis=0)
+    multiplier = np.zeros(g.shape[1:])
     for _ in range(_NEWTON_STEPS):
-        shrink = 1.0 + multiplier[:, :, None] * values
+        shrink = 1.0 + multiplier * values
         y2 = np.square(g / shrink)
-        length = np.sqrt(y2.sum(axis=2))
-        slope = (y2 * values / shrink).sum(axis=2)
+        length2 = reduce(np.add, y2)
+        length = np.sqrt(length2)
+        slope = reduce(np.add, y2 * values / shrink)
         # Newton on 1/|y| - 1/r: concave in the multiplier, so it never jumps over the root.
         # Where the gap has next to nothing along the noise, no multiplier turns the normal.
-        moves = (length > r) & (slope > _LEVEL * np.square(length) * values.max(axis=2))
-        step = np.square(length) * (length / r - 1.0) / np.where(moves, slope, 1.0)
-        multiplier += np.where(moves, step, 0.0)
-    y = g / (1.0 + multiplier[:, :, None] * values)
-    return unit(np.einsum("svde,sve->svd", vectors, y))
+        moves = (length > r) & (slope > length2 * least)
+        step = np.where(moves, length2 * (length / r - 1.0) / np.where(moves, slope, 1.0), 0.0)
+        multiplier += step
+        if (step <= _CONVERGED * multiplier).all():
+            break
+    y = g / (1.0 + multiplier * values)
+    return unit(np.einsum("svde,esv->svd", vectors, y))
 
 
 def _across(along: Tensor) -> Tensor:

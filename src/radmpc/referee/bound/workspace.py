@@ -89,7 +89,7 @@ def workspace_risks(workspace: Workspace, motion: FleetMotion, *, intervals: boo
         found[:, 1:] += ends[:, :, -1]
         if near.size:
             parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
-            held = np.broadcast_to(normal, (near.size, NUM_PARTS * (steps - 1), normal.size))
-            found[near] = path_charges(parts, held, crossed, NUM_PARTS)
+            held = np.broadcast_to(normal, (near.size, NUM_PARTS * (steps - 1), 1, normal.size))
+            found[near] = path_charges(parts, held, crossed, NUM_PARTS)[:, 0]
         risks += found
     return risks

@@ -13,7 +13,7 @@ from scipy.special import betaincinv
 from radmpc.arguments import check_callable, check_integer, check_rng
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
-from radmpc.referee.simulation.flight import prepare
+from radmpc.referee.simulation.preparation import prepare
 
 __all__ = ["Simulation", "simulate"]
 

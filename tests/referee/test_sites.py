@@ -1,0 +1,68 @@
+"""What is computed for many directions at once is what each direction gives alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fleets import random_plan
+
+from radmpc.model.plan import Plan
+from radmpc.referee.bound.parts import NUM_PARTS, part_sites
+from radmpc.referee.bound.persistence import path_charges
+from radmpc.referee.encounters import Encounters, interval_sites
+from radmpc.referee.gather import gather_obstacles, gather_pairs
+from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.sites import chords
+
+
+def batches(plan: Plan) -> tuple[FleetMotion, tuple[Encounters, ...]]:
+    """Return all encounters of a plan."""
+    motion = propagate(plan.scenario, [t.controls for t in plan.trajectories])
+    found = (
+        gather(plan.scenario, motion, intervals=True) for gather in (gather_obstacles, gather_pairs)
+    )
+    return motion, tuple(batch for each in found for batch in each.batches)
+
+
+def unit_vectors(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    """Return random directions."""
+    vectors = rng.normal(size=shape)
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_along_directions_sites_look_as_defined(seed):
+    rng = np.random.default_rng(seed)
+    for batch in batches(random_plan(seed))[1]:
+        sites = interval_sites(batch)
+        count, ends, d = sites.means.shape
+        directions = unit_vectors(rng, count, 3, d)
+        seen = chords(sites, directions)
+        supports = np.einsum("scd,smvd->scmv", directions, sites.vertices).max(axis=3)
+        for end in range(ends):
+            share = sites.blends[:, None, end]
+            support = (1.0 - share) * supports[:, :, 0] + share * supports[:, :, -1]
+            along = np.einsum("scd,sd->sc", directions, sites.means[:, end])
+            margins = along - support - sites.radii[:, None]
+            assert seen.margins[:, :, end] == pytest.approx(margins, abs=1e-12)
+            variance = np.einsum(
+                "scd,sde,sce->sc", directions, sites.covariances[:, end], directions
+            )
+            assert seen.deviations[:, :, end] ** 2 == pytest.approx(variance, abs=1e-14)
+        sags = np.einsum("scd,sd->sc", directions, sites.bows).clip(min=0.0)
+        assert seen.sags == pytest.approx(sags, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_choices_of_half_spaces_cost_what_they_cost_alone(seed):
+    rng = np.random.default_rng(seed)
+    motion, found = batches(random_plan(seed))
+    for batch in found:
+        sites, crossed = part_sites(batch, motion, NUM_PARTS)
+        count, d = len(batch.means), sites.means.shape[2]
+        directions = unit_vectors(rng, count, len(sites.means) // count, 3, d)
+        together = path_charges(sites, directions, crossed, NUM_PARTS)
+        for choice in range(3):
+            chosen = directions[:, :, choice : choice + 1]
+            alone = path_charges(sites, chosen, crossed, NUM_PARTS)[:, 0]
+            assert together[:, choice] == pytest.approx(alone, rel=1e-6, abs=1e-300)
