@@ -70,7 +70,7 @@ class Chords:
     deviations : (S, C, E) array
         Standard deviations [m].
     sags : (S, C) array
-        How far the mean curves hang towards the sets in mid-interval [m].
+        How far the mean curves hang toward the sets in mid-interval [m].
     """
 
     margins: Tensor
