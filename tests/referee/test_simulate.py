@@ -22,7 +22,8 @@ from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
-from radmpc.referee import certify, simulate, simulation
+from radmpc.referee import certify, simulate
+from radmpc.referee.simulation import simulation
 
 
 def agrees(count, samples, probability):

@@ -16,7 +16,8 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.referee.bound import bounds, certify
+from radmpc.referee import certify
+from radmpc.referee.bound import bounds
 from radmpc.referee.encounters import interval_sites
 from radmpc.referee.gather import gather_obstacles
 from radmpc.referee.motion import propagate
