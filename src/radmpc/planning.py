@@ -102,9 +102,7 @@ def plan(
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
     draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
-    if draft.status is Status.LIMIT and not draft.explanation:
-        why = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
-        draft = replace(draft, explanation=why)
+    draft = _with_limits(draft, limits)
     judging = time.perf_counter()
     trajectories = _trajectories(scenario, draft.controls)
     unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
@@ -171,6 +169,17 @@ def _draft(
     return plan_centralized(scenario, planner, limits, progress)
 
 
+def _with_limits(draft: Draft, limits: Limits) -> Draft:
+    """Return a draft that says which limit ended its search, if one did."""
+    stopped_by = None
+    if draft.status in {Status.FEASIBLE, Status.LIMIT}:
+        stopped_by = draft.stopped_by or limits.reason or None
+    explanation = draft.explanation
+    if draft.status is Status.LIMIT and not explanation:
+        explanation = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
+    return replace(draft, stopped_by=stopped_by, explanation=explanation)
+
+
 def _trajectories(
     scenario: Scenario, controls_of_all: tuple[Matrix, ...]
 ) -> tuple[Trajectory, ...]:
@@ -227,6 +236,7 @@ def _plan(
         explanation=draft.explanation,
         trajectories=trajectories,
         couplings=draft.couplings,
+        stopped_by=draft.stopped_by,
     )
 
 

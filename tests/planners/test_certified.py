@@ -121,6 +121,9 @@ def test_plans_along_intervals_are_certified():
 def test_a_limit_returns_a_certified_plan_or_none_with_a_reason():
     result = plan(circle(8), "certified", time_limit=3.0)
     assert result.plan is None or result.is_certified
+    assert result.record.stopped_by == "the time limit of 3 s was reached"
+    assert "but the time limit of 3 s was reached" in result.record.status_sentence
+    assert "feasible (the time limit of 3 s was reached)" in repr(result)
     nothing = plan(paper(8, 0), "certified", time_limit=0.0)
     assert nothing.status is Status.LIMIT
     assert nothing.plan is None

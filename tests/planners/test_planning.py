@@ -199,7 +199,13 @@ def test_a_stop_returns_a_result_without_a_plan_and_says_so():
 
 
 def test_a_time_limit_of_nothing_is_a_limit_not_an_infeasible_problem():
-    assert plan(paper(3, 0), "ira", time_limit=0.0).status is Status.LIMIT
+    result = plan(paper(3, 0), "ira", time_limit=0.0)
+    assert result.status is Status.LIMIT
+    assert result.record.stopped_by == "the time limit of 0 s was reached"
+
+
+def test_a_search_that_ended_by_itself_was_stopped_by_no_limit():
+    assert plan(paper(2, 1), "certified", time_limit=30.0).record.stopped_by is None
 
 
 def _explained(scenario, planner="multi-vehicle"):

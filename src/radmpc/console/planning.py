@@ -43,7 +43,7 @@ class Request:
     seed : int
         Seed of every random choice.
     time_limit : float or None
-        Seconds; None is no limit.
+        Seconds; None leaves it to the planner: 60 for `certified`, no limit for others.
     jobs : int
         Number of processes.
     dask : str or None
@@ -131,7 +131,12 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     if request.as_json:
         show_json(encode_plan(result.record, with_vehicles=False))
     else:
-        report = plan_report(result.record, request.planner.strip(), len(result.events))
+        report = plan_report(
+            result.record,
+            request.planner.strip(),
+            len(result.events),
+            bounds_risk=parse_planner(request.planner).bounds_risk,
+        )
         show(*report, *_written(request))
     return _conclude(result, was_interrupted, not request.as_json)
 
@@ -153,7 +158,7 @@ def _written(request: Request) -> list[str]:
 def _no_plan(record: Plan, is_reported: bool) -> str:
     """Return that there is no plan, and why unless the report has just said so."""
     if not record.explanation:
-        return record.status.sentence
+        return record.status_sentence
     if is_reported:
         return f"no plan ({record.status.value}): the report says why"
     return f"no plan: {record.explanation}"

@@ -117,6 +117,7 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
         "seconds": {stage: float(seconds) for stage, seconds in plan.seconds.items()},
         "versions": dict(plan.versions),
         "explanation": plan.explanation,
+        "stopped_by": plan.stopped_by,
     }
     if with_vehicles:
         content["vehicles"] = [_vehicle(trajectory) for trajectory in plan.trajectories]
@@ -201,6 +202,7 @@ def decode_plan(data: object) -> Plan:
         seconds=dict(spec.seconds),
         versions=dict(spec.versions),
         explanation=spec.explanation,
+        stopped_by=spec.stopped_by,
         trajectories=tuple(_trajectory(i, entry) for i, entry in enumerate(spec.vehicles)),
         couplings=tuple(Coupling(c.vehicle, c.other, c.reason, c.value) for c in spec.couplings),
     )

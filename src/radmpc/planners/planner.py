@@ -194,5 +194,10 @@ class Planner:
             if isinstance(self.decomposition, Couplings):
                 raise ScenarioError("solver 'rrt' does not go with 'couplings': use 'receding'")
 
+    @property
+    def bounds_risk(self) -> bool:
+        """Whether its policy spends Δ; otherwise the certificate may be anything."""
+        return not isinstance(self.policy, NoRisk | Sigmas)
+
     def __str__(self) -> str:
         return f"{self.policy}, {self.solver}, {self.decomposition}"

@@ -77,6 +77,8 @@ def plan_certified(
     search = PriceSearch(fleet, best, planner.gap, judge)
     if fleet.budget > 0.0:
         search.run()
+    # Turning has time of its own, kept back from the search.
+    stopped_by = begin.reason or None
     explanation = ""
     if not best.controls:
         fleet.limits = limits
@@ -86,6 +88,7 @@ def plan_certified(
             return _empty(scenario, answer, begun)
         explanation = answer.explanation
     search.close()
+    stopped_by = stopped_by or begin.reason or None
     # Large fleets gain little by the second: not longer than the search took.
     fleet.limits = limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
     turn_half_spaces(fleet, best, judge)
@@ -108,6 +111,7 @@ def plan_certified(
         lower_bound=_finite(bound),
         price=best.price(fleet),
         couplings=fleet.couplings(best.sets),
+        stopped_by=stopped_by,
     )
 
 
