@@ -225,6 +225,21 @@ def test_of_many_reasons_the_strongest_are_told(capsys: pytest.CaptureFixture[st
     assert "and 3 more couplings" in text
 
 
+def test_pairs_that_would_surely_collide_share_a_sentence(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    sure = tuple(Coupling("v1", f"w{i}", "collision", 1.0 + i) for i in range(1, 7))
+    rest = (Coupling("v2", "v3", "collision", 0.03),)
+    text = shown(capsys, make_plan(couplings=(*rest, *sure[:2])))
+    apart = "would almost surely collide if planned apart"
+    assert f"because           v1 and w2, v1 and w1 {apart}; v2 and v3 would run" in text
+    assert f"v1 and w3, 2 more pairs {apart}\n" in shown(capsys, make_plan(couplings=sure))
+
+
+def test_a_bound_that_is_exceeded_limited_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "limited by" not in shown(capsys, make_plan(risk=Risk(0.05, 0.9)))
+
+
 def test_the_report_says_which_limits_are_used_up(capsys: pytest.CaptureFixture[str]) -> None:
     still = standing(circle(3))
     controls = still[0].controls.copy()

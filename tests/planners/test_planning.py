@@ -15,16 +15,17 @@ from radmpc.experiments.families import circle, paper
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
-from radmpc.model.scenario import Scenario
+from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.decentralized import approximate
 from radmpc.planners.planner import Centralized, Couplings, Planner, Receding
 from radmpc.planners.presets import PRESETS, parse_planner
+from radmpc.planners.sets import SetPlan, verdict_of_sets
 from radmpc.planning import plan
 from radmpc.program.policy import Ira, Pool, Sigmas, Uniform
 from radmpc.solvers.big_m import BigM
 from radmpc.solvers.branch import Branch
-from radmpc.solvers.solution import Limits
+from radmpc.solvers.solution import Limits, Outcome
 
 CENTRAL_IRA = Planner(Ira(), Branch(), Centralized())
 
@@ -244,6 +245,57 @@ def test_feedback_that_eats_the_control_limit_is_told_with_step_and_axis():
     gain = np.array([[-9.0, 0, -9.0, 0], [0, -9.0, 0, -9.0]])
     text = _explained(_scenario(_vehicle("a", (0, 0), (8, 0), gain=gain)))
     assert "at step 1 the feedback alone takes more than control axis 0 allows" in text
+
+
+@pytest.mark.parametrize("planner", ["certified", "ira"])
+def test_vehicles_whose_places_share_a_trouble_share_a_sentence(planner):
+    three = [_vehicle(name, (0, 3 * i), (8, 3 * i)) for i, name in enumerate("abc")]
+    all_three = "goals of vehicles 'a', 'b' and 'c'"
+    quay = Obstacle.box("quay", [7.5, -2], [8.5, 8])
+    text = plan(_scenario(*three, obstacles=(quay,)), planner).explanation
+    assert f"The {all_three} lie within obstacle 'quay' grown by the vehicles' radii" in text
+    assert text.count("vehicles 'a'") == text.count("obstacle 'quay'") == 1
+    posts = tuple(Obstacle.box(f"post{i}", [7.5, 3 * i + 0.55], [8.5, 3 * i + 1]) for i in range(3))
+    text = plan(_scenario(*three, obstacles=posts), planner).explanation
+    assert f"The {all_three} are too close to obstacles 'post0', 'post1' and 'post2'" in text
+    assert "even their best points are 0.65 m away or more" in text
+    text = plan(_scenario(*three, workspace=Workspace([-2, -2], [7.5, 8])), planner).explanation
+    assert f"The {all_three} lie outside the workspace. Move the goals." in text
+
+
+def test_places_too_close_to_each_other_are_told_together():
+    row = [_vehicle(name, (0, 0.5 * i), (8, 3 * i)) for i, name in enumerate("abc")]
+    text = _explained(_scenario(*row))
+    assert "The starts of vehicles 'a', 'b' and 'c' are too close to each other" in text
+    assert "are 0.5 m apart, contact is at 0.8 m (a risk of 1 each" in text
+
+
+def test_vehicles_without_a_way_are_told_together():
+    walls = tuple(
+        box
+        for i in range(3)
+        for box in (
+            Obstacle.box(f"north{i}", [3, 20 * i + 0.5], [4, 20 * i + 9]),
+            Obstacle.box(f"south{i}", [3, 20 * i - 11], [4, 20 * i - 0.5]),
+        )
+    )
+    noise = [0.05, 0.05, 0, 0]
+    fleet = [
+        _vehicle(name, (0, 20 * i), (8, 20 * i), disturbance_covariance=noise)
+        for i, name in enumerate("abc")
+    ]
+    scenario = _scenario(*fleet, obstacles=walls, risk_bound=1e-4, avoidance="intervals")
+    text = _explained(scenario)
+    assert "'b'" in text
+    assert "'c'" in text
+
+
+def test_sets_that_a_limit_stopped_are_told_together():
+    fleet = [_vehicle(name, (0, 20 * i), (8, 20 * i)) for i, name in enumerate("abc")]
+    plans = [SetPlan(Outcome.LIMIT, (), ())] * 3
+    status, why = verdict_of_sets(_scenario(*fleet), ((0,), (1,), (2,)), plans)
+    assert status is Status.LIMIT
+    assert why == "Sets of 'a'; 'b'; 'c': no plan within the limit."
 
 
 def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():

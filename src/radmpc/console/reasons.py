@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from radmpc.model.limits import TightLimit, tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
@@ -46,10 +46,27 @@ def reasons_text(plan: Plan) -> str:
         Four reasons at most, and how many others there are.
     """
     ordered = sorted(plan.couplings, key=_strength, reverse=True)
-    told = [_reason(coupling) for coupling in ordered[:_MOST_REASONS]]
-    hidden = len(ordered) - len(told)
+    sure = [c for c in ordered if _is_sure(c)]
+    told = [_sure_text(sure)] if len(sure) > 1 else []
+    rest = ordered[len(sure) :] if told else ordered
+    num_told = _MOST_REASONS - len(told)
+    told += [_reason(coupling) for coupling in rest[:num_told]]
+    hidden = len(rest[num_told:])
     noun = "coupling" if hidden == 1 else "couplings"
     return "; ".join(told) + (f"; and {hidden} more {noun}" if hidden else "")
+
+
+def _is_sure(coupling: Coupling) -> bool:
+    """Whether two vehicles planned apart would collide but for a miracle."""
+    return coupling.reason == "collision" and (coupling.value or 0.0) >= _SURE
+
+
+def _sure_text(sure: Sequence[Coupling]) -> str:
+    """Return one sentence about all who would surely collide."""
+    pairs = [f"{c.vehicle} and {c.other}" for c in sure[:_MOST_REASONS]]
+    hidden = len(sure) - len(pairs)
+    pairs += [f"{hidden} more pair{'s' if hidden > 1 else ''}"] if hidden else []
+    return f"{', '.join(pairs)} would almost surely collide if planned apart"
 
 
 def _strength(coupling: Coupling) -> float:
@@ -62,7 +79,7 @@ def _strength(coupling: Coupling) -> float:
 def _reason(coupling: Coupling) -> str:
     """Return one reason."""
     pair, value = f"{coupling.vehicle} and {coupling.other}", coupling.value or 0.0
-    if coupling.reason == "collision" and value >= _SURE:
+    if _is_sure(coupling):
         return f"{pair} would almost surely collide if planned apart"
     if coupling.reason == "collision":
         return f"{pair} would run a risk of {value:.2g} if planned apart"
@@ -90,7 +107,8 @@ def limits_text(plan: Plan) -> str:
     """
     texts = []
     certified, bound = plan.risk.certified, plan.risk.bound
-    if certified is not None and certified >= _SPENT * bound:
+    # A planner that exceeds the bound was not held up by it.
+    if certified is not None and _SPENT * bound <= certified <= bound:
         texts.append(f"the risk bound ({100.0 * certified / bound:.0f} % of it spent)")
     limits = tight_limits(plan)
     texts += [_limit(limit) for limit in limits[:_MOST_LIMITS]]

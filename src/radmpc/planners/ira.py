@@ -165,7 +165,8 @@ class _Ira:
             counts = (upper.num_active, upper.num_chosen, paid, upper.used)
             steps.append(_step(self.stage, self.vehicles, iteration, solution, counts))
             _LOG.info(
-                "%s of %d: iteration %d, cost %.6g, %d of %d active, risk %.3g of %.3g, %.2f s",
+                "%s, %d vehicles: iteration %d, cost %.6g; %d of %d constraints use up their risk; "
+                "simple bounds sum to %.3g, %.3g allotted; %.2f s",
                 self.stage,
                 len(self.vehicles),
                 iteration + 1,
