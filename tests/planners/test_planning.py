@@ -259,8 +259,9 @@ def test_vehicles_whose_places_share_a_trouble_share_a_sentence(planner):
     text = plan(_scenario(*three, obstacles=posts), planner).explanation
     assert f"The {all_three} are too close to obstacles 'post0', 'post1' and 'post2'" in text
     assert "even their best points are 0.65 m away or more" in text
-    text = plan(_scenario(*three, workspace=Workspace([-2, -2], [7.5, 8])), planner).explanation
-    assert f"The {all_three} lie outside the workspace. Move the goals." in text
+    text = plan(_scenario(*three, workspace=Workspace([-2, -2], [7.95, 8])), planner).explanation
+    assert f"The {all_three} are too close to the workspace border" in text
+    assert "even their best points are 0.05 m away or more and run a risk of" in text
 
 
 def test_places_too_close_to_each_other_are_told_together():

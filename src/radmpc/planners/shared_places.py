@@ -98,9 +98,10 @@ def _shared_text(scenario: Scenario, members: Sequence[int], group: Sequence[Dan
     nearest = min(danger.distance for danger in group)
     cure = ", or reduce the noise" if first.at_goal else " or reduce initial_covariance"
     where = "even their best points are" if first.at_goal else "they are"
+    aside = ", radii not counted," if what else ""
     return (
         f"{head} are too close to {what or 'the workspace border'}: {where} {nearest:.3g} m away "
-        f"or more, radii not counted, and run {risks}. Move the {place} away{cure}."
+        f"or more{aside} and run {risks}. Move the {place} away{cure}."
     )
 
 
