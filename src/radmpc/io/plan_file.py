@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Mapping
 
 from radmpc.arguments import check_path
 from radmpc.arrays import as_array, as_matrix
-from radmpc.errors import ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.atomic import write_text
 from radmpc.io.checking import check_format, validated
 from radmpc.io.decoding import decode_scenario
@@ -14,11 +16,19 @@ from radmpc.io.document import Document
 from radmpc.io.encoding import encode_scenario
 from radmpc.io.json_text import read_json, write_json
 from radmpc.io.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
-from radmpc.io.text import read_text
+from radmpc.io.schema import SCENARIO_FORMAT
+from radmpc.io.text import one_line, read_text
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
 
-__all__ = ["decode_plan", "encode_plan", "load_plan", "save_plan"]
+__all__ = ["NotPlannedError", "decode_plan", "encode_plan", "load_plan", "save_plan"]
+
+# Scenarios are YAML as a rule, which takes long to read for one line.
+_SCENARIO_LINE = re.compile(rf"^format: *[\"']?{SCENARIO_FORMAT}\b", re.MULTILINE)
+
+
+class NotPlannedError(FileFormatError):
+    """A scenario's file where a plan's is wanted."""
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:
@@ -44,11 +54,26 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     """
     check_path(path)
     name, text = os.fspath(path), read_text(path)
-    document = Document(name, text, read_json(text, name), None)
+    not_planned = NotPlannedError(one_line(f"{name}: is a scenario, not a plan: plan it first"))
+    try:
+        document = Document(name, text, read_json(text, name), None)
+    except FileFormatError as error:
+        if _SCENARIO_LINE.search(text):
+            raise not_planned from error
+        raise
+    if _is_scenario(document.value):
+        raise not_planned
     try:
         return decode_plan(document.value)
     except ScenarioError as error:
         raise document.failure(error) from error
+
+
+def _is_scenario(value: object) -> bool:
+    """Whether a file's content is a scenario, and no plan whose format was mistyped."""
+    if not isinstance(value, Mapping) or "scenario" in value:
+        return False
+    return value.get("format") == SCENARIO_FORMAT
 
 
 def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
