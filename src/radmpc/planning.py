@@ -33,7 +33,7 @@ from radmpc.solvers.rrt import Rrt
 from radmpc.solvers.solution import Limits, never
 from radmpc.version import __version__
 
-__all__ = ["plan"]
+__all__ = ["plan", "seconds_granted"]
 
 
 CERTIFIED_SECONDS = 60.0
@@ -49,6 +49,7 @@ def plan(
     executor: Executor | None = None,
     progress: Callable[[str, int, int | None], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    found: Callable[[float, float | None], None] | None = None,
 ) -> Result:
     """Plan a fleet, and have the plan judged by the referee.
 
@@ -69,6 +70,9 @@ def plan(
         Called with the stage, the parts done and their number.
     stop : callable or None
         Asked often; planning ends with what it has once it returns True.
+    found : callable or None
+        Called by `certified`, now and then, with the cost of the best plan so far and a lower
+        bound on the cost, None without one.
 
     Returns
     -------
@@ -92,16 +96,17 @@ def plan(
     check_scenario(scenario)
     record = _record(planner)
     _check_options(rng, time_limit, executor, progress, stop)
+    check_callable(found, "found")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
     if isinstance(record.solver, Rrt):
         drawn = int(generator.integers(2**31))
         record = replace(record, solver=replace(record.solver, seed=drawn))
-    if time_limit is None and isinstance(record.decomposition, Certified):
-        time_limit = CERTIFIED_SECONDS
+    time_limit = seconds_granted(record, time_limit)
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
-    draft = _draft(scenario, record, generator, limits, executor, progress or _silent)
+    told = (progress or _silent, found or _silent_best)
+    draft = _draft(scenario, record, generator, limits, executor, *told)
     draft = _with_limits(draft, limits)
     judging = time.perf_counter()
     trajectories = _trajectories(scenario, draft.controls)
@@ -111,6 +116,13 @@ def plan(
     seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
     judged = _plan(scenario, record, seed, draft, trajectories, certificate, seconds)
     return Result(judged, certificate, draft.steps, draft.events)
+
+
+def seconds_granted(planner: Planner, time_limit: float | None) -> float | None:
+    """Return the time limit of a planner: the one asked for, or its own; None is none."""
+    if time_limit is None and isinstance(planner.decomposition, Certified):
+        return CERTIFIED_SECONDS
+    return time_limit
 
 
 def _record(planner: str | Planner) -> Planner:
@@ -140,6 +152,11 @@ def _silent(stage: str, done: int, total: int | None) -> None:
     del stage, done, total
 
 
+def _silent_best(cost: float, bound: float | None) -> None:
+    """Take the best plan so far without showing it."""
+    del cost, bound
+
+
 def _draft(
     scenario: Scenario,
     planner: Planner,
@@ -147,6 +164,7 @@ def _draft(
     limits: Limits,
     executor: Executor | None,
     progress: Callable[[str, int, int | None], None],
+    found: Callable[[float, float | None], None],
 ) -> Draft:
     """Run the planner's decomposition."""
     decomposition = planner.decomposition
@@ -158,10 +176,10 @@ def _draft(
             trajectories = _trajectories(scenario, controls)
             everyone = (tuple(range(scenario.num_vehicles)),)
             draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-            found = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
-            return Verdict(found.certified, found.ledger)
+            said = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
+            return Verdict(said.certified, said.ledger)
 
-        return plan_certified(scenario, planner, limits, executor, progress, judge)
+        return plan_certified(scenario, planner, limits, executor, progress, judge, found)
     if isinstance(decomposition, Couplings):
         return plan_multi_vehicle(scenario, planner, decomposition, rng, limits, executor, progress)
     if isinstance(decomposition, Distance):

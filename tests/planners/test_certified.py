@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.experiments.families import circle, clutter, fleet, paper
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
@@ -115,6 +115,16 @@ def test_plans_along_intervals_are_certified():
     result = plan(clutter(1, 40, 4), "certified", time_limit=20.0)
     assert result.is_certified
     assert result.lower_bound <= result.cost
+
+
+def test_the_best_plan_so_far_is_told_while_planning():
+    told = []
+    result = plan(paper(3, 0), "certified", found=lambda cost, bound: told.append((cost, bound)))
+    assert told
+    assert min(cost for cost, _ in told) >= result.cost
+    assert all(bound is None or bound <= cost for cost, bound in told)
+    with pytest.raises(ArgumentTypeError, match="found must be a function or None, got 3"):
+        plan(paper(3, 0), "certified", found=3)
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
-from radmpc.planning import plan
+from radmpc.planning import plan, seconds_granted
 from radmpc.result import Result
 
 __all__ = ["Request", "check_request", "run_plan"]
@@ -107,7 +107,11 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         stop_on_interrupt() as is_stopped,
         workers(request.jobs, request.dask) as executor,
         told_stages(request.is_verbose),
-        progress_line(is_wanted=not request.is_verbose) as progress,
+        progress_line(
+            is_wanted=not request.is_verbose,
+            is_planning=True,
+            seconds=seconds_granted(parse_planner(request.planner), request.time_limit),
+        ) as progress,
     ):
         result = plan(
             scenario,
@@ -117,6 +121,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             executor=executor,
             progress=progress,
             stop=is_stopped,
+            found=progress.found,
         )
         was_interrupted = is_stopped()
     if request.output is not None:

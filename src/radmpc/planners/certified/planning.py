@@ -42,6 +42,7 @@ def plan_certified(
     executor: Executor | None,
     progress: Callable[[str, int, int | None], None],
     judge: Judge,
+    tell_best: Callable[[float, float | None], None],
 ) -> Draft:
     """Plan a fleet to a proven gap; every plan returned is certified.
 
@@ -59,6 +60,8 @@ def plan_certified(
         Told the stage, sets done, and of how many.
     judge : callable
         What the referee says of controls, in the scenario's order.
+    tell_best : callable
+        Told the cost of the best plan so far, and a lower bound or None.
 
     Returns
     -------
@@ -72,7 +75,13 @@ def plan_certified(
     granted = limits.seconds_left
     kept = max(_TURNING_SHARE * granted, min(_TURNING_SECONDS, _MOST_SHARE * granted))
     begin = limits if granted == float("inf") else limits.within(granted - kept)
-    fleet = Fleet(scenario, planner.gap, begin, lambda done, n: progress("sets", done, n), executor)
+
+    def tell(done: int, total: int) -> None:
+        progress("sets", done, total)
+        if best.controls:
+            tell_best(best.cost, _finite(best.reported(fleet, planner.gap)))
+
+    fleet = Fleet(scenario, planner.gap, begin, tell, executor)
     best = Best()
     search = PriceSearch(fleet, best, planner.gap, judge)
     if fleet.budget > 0.0:
@@ -89,6 +98,8 @@ def plan_certified(
         explanation = answer.explanation
     search.close()
     stopped_by = stopped_by or begin.reason or None
+    tell_best(best.cost, _finite(best.reported(fleet, planner.gap)))
+    progress("polishing", 0, 1)
     # Large fleets gain little by the second: not longer than the search took.
     fleet.limits = limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
     turn_half_spaces(fleet, best, judge)
