@@ -14,6 +14,9 @@ from radmpc.io.yaml_text import read_yaml
 
 __all__ = ["Document", "read_document"]
 
+_MOST_NOTES = 9
+"""Errors of one file that are told after the first."""
+
 _MOST_YAML = 4 * 2**20  # reading a megabyte takes seconds; of JSON, milliseconds
 
 
@@ -39,10 +42,30 @@ class Document:
     places: Place | None
 
     def failure(self, error: ScenarioError) -> FileFormatError:
-        """Return the error of a value as one of this file: with its name and line."""
-        places = json_places(self.text, self.name) if self.places is None else self.places
-        line = places.line_of(error.path)
-        return FileFormatError(one_line(f"{self.name}:{line}: {error}"))
+        """Return the error of a value as one of this file: with its name and line.
+
+        What else is wrong follows as notes, a line each, nine at most and how many there are.
+        """
+        places = self._places_for(error)
+        first, *rest = (
+            one_line(f"{self.name}:{places.line_of(one.path)}: {one}")
+            for one in (error, *error.more[:_MOST_NOTES])
+        )
+        failure = FileFormatError(first)
+        for line in rest:
+            failure.add_note(line)
+        hidden = len(error.more) - len(rest)
+        if hidden > 0:
+            failure.add_note(one_line(f"{self.name}: {hidden} more like these"))
+        return failure
+
+    def _places_for(self, error: ScenarioError) -> Place:
+        """Return the lines of what an error is about."""
+        if self.places is not None:
+            return self.places
+        is_far_up = len(error.path) == 1 and not error.more and isinstance(error.path[0], str)
+        key = str(error.path[0]) if is_far_up else None
+        return json_places(self.text, self.name, until=key)
 
 
 def read_document(path: str | os.PathLike[str]) -> Document:

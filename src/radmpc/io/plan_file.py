@@ -11,7 +11,7 @@ from radmpc.arrays import as_array, as_matrix
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.atomic import write_text
 from radmpc.io.checking import check_format, validated
-from radmpc.io.decoding import decode_scenario
+from radmpc.io.decoding import check_entries, decode_scenario
 from radmpc.io.document import Document
 from radmpc.io.encoding import encode_scenario
 from radmpc.io.json_text import read_json, write_json
@@ -210,7 +210,13 @@ def decode_plan(data: object) -> Plan:
     ScenarioError
         If anything is missing, unknown or not allowed; its path says where in the data.
     """
-    spec = validated(PlanSpec, check_format(data, PLAN_FORMAT))
+    content = check_format(data, PLAN_FORMAT)
+    scenario = content.get("scenario")
+    try:
+        check_entries(scenario if isinstance(scenario, Mapping) else {})
+    except ScenarioError as error:
+        raise error.under("scenario") from error
+    spec = validated(PlanSpec, content)
     try:
         scenario = decode_scenario(spec.scenario)
     except ScenarioError as error:

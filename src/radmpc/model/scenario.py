@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 import numpy as np
 
 from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, told
-from radmpc.errors import ScenarioError
+from radmpc.errors import ScenarioError, raise_together
 from radmpc.model.dynamics import growth
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.workspace import Workspace
 
-__all__ = ["Avoidance", "Scenario", "Workspace"]
+__all__ = ["Avoidance", "Scenario", "Workspace", "check_scenario_numbers"]
 
 _MOST_GROWTH = 1e12  # solvers refuse coefficients from 1e15 on
 
@@ -127,15 +127,7 @@ class Scenario:
 
     def _check_numbers(self) -> None:
         """Check the scalars."""
-        if not (np.isfinite(self.dt) and self.dt > 0.0):
-            raise ScenarioError(f"must be > 0 s, got {self.dt}", ("dt",))
-        if self.horizon < 1:
-            raise ScenarioError(f"must be at least 1 step, got {self.horizon}", ("horizon",))
-        if not 0.0 < self.risk_bound < 0.5:
-            raise ScenarioError(
-                f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",
-                ("risk_bound",),
-            )
+        check_scenario_numbers(self.dt, self.horizon, self.risk_bound)
         if not (isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}):
             raise ScenarioError(
                 f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
@@ -296,3 +288,22 @@ def _check_distinct(names: list[str], field: str) -> None:
         if name in seen:
             raise ScenarioError(f"must be unique, got {name!r} twice", (field, i, "name"))
         seen.add(name)
+
+
+def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
+    """Refuse numbers that no scenario has.
+
+    Raises
+    ------
+    ScenarioError
+        With all that are.
+    """
+    found = []
+    if not (np.isfinite(dt) and dt > 0.0):
+        found.append(ScenarioError(f"must be > 0 s, got {dt}", ("dt",)))
+    if horizon < 1:
+        found.append(ScenarioError(f"must be at least 1 step, got {horizon}", ("horizon",)))
+    if not 0.0 < risk_bound < 0.5:
+        text = f"must lie between 0 and 0.5, both excluded, got {risk_bound}"
+        found.append(ScenarioError(text, ("risk_bound",)))
+    raise_together(found)
