@@ -93,6 +93,28 @@ def test_plain_data_tell_all_errors_too() -> None:
     ]
 
 
+def test_a_long_list_in_brackets_is_not_read_to_its_end(tmp_path: Path) -> None:
+    entries = ",\n".join(["{name: a}"] * 10_001)
+    text = f"format: radmpc/scenario/1\nname: x\nvehicles: [{entries}, {{{{\n"
+    (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
+    assert lines_of(tmp_path / "large.yaml") == [
+        "large.yaml:3: must have at most 10,000 entries, got more"
+    ]
+
+
+def test_dashes_within_entries_are_not_counted(tmp_path: Path) -> None:
+    path = tmp_path / "fleet.yaml"
+    save_scenario(circle(2), path)
+    text = path.read_text(encoding="utf-8")
+    head, tail = text.split("vehicles:")
+    reef = "\nobstacles:\n# a reef\n- name: reef\n  vertices:\n" + "".join(
+        f"  - [{x}, {y}]\n" for x, y in ((50, 50), (51, 50), (50, 51))
+    )
+    note = "source:\n  log:\n" + "  - 1\n" * 10_001
+    path.write_text(head.rstrip() + reef + "vehicles:" + tail.rstrip() + "\n" + note)
+    assert len(load_scenario(path).vehicles) == 2
+
+
 @pytest.mark.parametrize("suffix", [".json", ".yaml"])
 def test_too_many_vehicles_are_counted_before_anything_else(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"large{suffix}"

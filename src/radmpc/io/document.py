@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.json_text import read_json
 from radmpc.io.lines import Place, json_places
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES
+from radmpc.io.schema import SCENARIO_FORMAT
 from radmpc.io.text import one_line, read_text
 from radmpc.io.yaml_text import read_yaml
 
-__all__ = ["Document", "read_document"]
+__all__ = ["SCENARIO_LINE", "Document", "read_document"]
 
 _MOST_NOTES = 9
 """Errors of one file that are told after the first."""
+
+SCENARIO_LINE = re.compile(rf"^format: *[\"']?{SCENARIO_FORMAT}\b", re.MULTILINE)
+"""The line by which a scenario in YAML is known before it is parsed."""
+
+_LIST = re.compile(
+    r"^(?P<key>vehicles|obstacles):[ \t]*(?:#.*)?\n(?:[ \t]*(?:#.*)?\n)*(?P<indent> *)-",
+    re.MULTILINE,
+)
 
 _MOST_YAML = 4 * 2**20  # reading a megabyte takes seconds; of JSON, milliseconds
 
@@ -68,6 +79,36 @@ class Document:
         return json_places(self.text, self.name, until=key)
 
 
+def _check_lists(text: str, name: str) -> None:
+    """Refuse a scenario's block list that is too long, by its lines: parsing takes long.
+
+    Raises
+    ------
+    FileFormatError
+        With how many entries there are and how many are allowed.
+    """
+    if not SCENARIO_LINE.search(text):
+        return
+    for head in _LIST.finditer(text):
+        # The indentation of the first item is that of all, and what is in them stands deeper.
+        item = re.compile(rf"{head['indent']}-(?:[ \t]|$)")
+        count = 0
+        for line in text[head.start("indent") :].splitlines():
+            if item.match(line):
+                count += 1
+            elif line[:1].strip(" \t-#"):
+                break
+        most = MOST_VEHICLES if head["key"] == "vehicles" else MOST_OBSTACLES
+        if count > most:
+            number = text.count("\n", 0, head.start()) + 1
+            raise FileFormatError(
+                one_line(
+                    f"{name}:{number}: {head['key']}: must have at most {most:,} entries, "
+                    f"got {count:,}"
+                )
+            )
+
+
 def read_document(path: str | os.PathLike[str]) -> Document:
     """Return what a YAML or JSON file holds.
 
@@ -91,5 +132,6 @@ def read_document(path: str | os.PathLike[str]) -> Document:
         text = read_text(path)
         return Document(name, text, read_json(text, name), None)
     text = read_text(path, _MOST_YAML)
+    _check_lists(text, name)
     value, places = read_yaml(text, name)
     return Document(name, text, value, places)

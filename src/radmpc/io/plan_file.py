@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 
 from radmpc.arguments import check_path
@@ -12,7 +11,7 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.atomic import write_text
 from radmpc.io.checking import check_format, validated
 from radmpc.io.decoding import check_entries, decode_scenario
-from radmpc.io.document import Document
+from radmpc.io.document import SCENARIO_LINE, Document
 from radmpc.io.encoding import encode_scenario
 from radmpc.io.json_text import read_json, write_json
 from radmpc.io.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
@@ -22,9 +21,6 @@ from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
 
 __all__ = ["NotPlannedError", "decode_plan", "encode_plan", "load_plan", "save_plan"]
-
-# Scenarios are YAML as a rule, which takes long to read for one line.
-_SCENARIO_LINE = re.compile(rf"^format: *[\"']?{SCENARIO_FORMAT}\b", re.MULTILINE)
 
 
 class NotPlannedError(FileFormatError):
@@ -58,7 +54,7 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     try:
         document = Document(name, text, read_json(text, name), None)
     except FileFormatError as error:
-        if _SCENARIO_LINE.search(text):
+        if SCENARIO_LINE.search(text):
             raise not_planned from error
         raise
     if _is_scenario(document.value):
