@@ -1,4 +1,4 @@
-"""Spoiled files of every format, read by the commands: an answer or a line per error, never a traceback."""
+"""Spoiled files of every format: an answer or a line per error, never a traceback."""
 
 from __future__ import annotations
 
