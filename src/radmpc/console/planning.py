@@ -124,15 +124,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             found=progress.found,
         )
         was_interrupted = is_stopped()
-    if request.output is not None:
-        with writing(request.output):
-            save_plan(result.record, request.output)
-    if request.figure is not None:
-        write_picture(result.record, request.figure)
-    if request.ledger is not None:
-        write_ledger(result.record, request.ledger)
-    if request.animation is not None:
-        write_film(result.record, request.animation)
+    _write(result.record, request)
     if request.as_json:
         show_json(encode_plan(result.record, with_vehicles=False))
     else:
@@ -144,6 +136,19 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         )
         show(*report, *_written(request))
     return _conclude(result, was_interrupted, not request.as_json)
+
+
+def _write(record: Plan, request: Request) -> None:
+    """Write the files that were asked for."""
+    if request.output is not None:
+        with writing(request.output):
+            save_plan(record, request.output)
+    if request.figure is not None:
+        write_picture(record, request.figure)
+    if request.ledger is not None:
+        write_ledger(record, request.ledger)
+    if request.animation is not None:
+        write_film(record, request.animation)
 
 
 def _written(request: Request) -> list[str]:

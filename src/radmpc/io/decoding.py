@@ -14,8 +14,9 @@ from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_range
 from radmpc.io.schema import SCENARIO_FORMAT, ObstacleSpec, ScenarioSpec
 from radmpc.io.text import shown
 from radmpc.io.vehicle_decoding import Shared, build_vehicle
+from radmpc.model.numbers import check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
-from radmpc.model.scenario import Scenario, Workspace, check_scenario_numbers
+from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Vehicle
 
 __all__ = ["check_entries", "decode_scenario"]

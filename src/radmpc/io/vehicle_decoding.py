@@ -8,7 +8,8 @@ from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.io.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
-from radmpc.model.vehicle import Goal, Vehicle, as_state, check_vehicle_numbers
+from radmpc.model.numbers import check_vehicle_numbers
+from radmpc.model.vehicle import Goal, Vehicle, as_state
 
 __all__ = ["Shared", "build_vehicle"]
 

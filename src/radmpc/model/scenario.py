@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 import numpy as np
 
 from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, told
-from radmpc.errors import ScenarioError, raise_together
+from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import growth
+from radmpc.model.numbers import check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.workspace import Workspace
 
-__all__ = ["Avoidance", "Scenario", "Workspace", "check_scenario_numbers"]
+__all__ = ["Avoidance", "Scenario", "Workspace"]
 
 _MOST_GROWTH = 1e12  # solvers refuse coefficients from 1e15 on
 
@@ -288,22 +289,3 @@ def _check_distinct(names: list[str], field: str) -> None:
         if name in seen:
             raise ScenarioError(f"must be unique, got {name!r} twice", (field, i, "name"))
         seen.add(name)
-
-
-def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
-    """Refuse numbers that no scenario has.
-
-    Raises
-    ------
-    ScenarioError
-        With all that are.
-    """
-    found = []
-    if not (np.isfinite(dt) and dt > 0.0):
-        found.append(ScenarioError(f"must be > 0 s, got {dt}", ("dt",)))
-    if horizon < 1:
-        found.append(ScenarioError(f"must be at least 1 step, got {horizon}", ("horizon",)))
-    if not 0.0 < risk_bound < 0.5:
-        text = f"must lie between 0 and 0.5, both excluded, got {risk_bound}"
-        found.append(ScenarioError(text, ("risk_bound",)))
-    raise_together(found)

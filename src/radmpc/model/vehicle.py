@@ -22,8 +22,9 @@ from radmpc.arrays import (
 )
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
+from radmpc.model.numbers import check_positive, check_vehicle_numbers
 
-__all__ = ["Goal", "Vehicle", "check_vehicle_numbers"]
+__all__ = ["Goal", "Vehicle"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -216,9 +217,9 @@ class Vehicle(Frozen):
         speed_limit = self.speed_limit
         all_checked(
             lambda: (
-                None if speed_limit is None else _check_positive(speed_limit, "speed_limit", "m/s")
+                None if speed_limit is None else check_positive(speed_limit, "speed_limit", "m/s")
             ),
-            lambda: _check_positive(self.control_limit, "control_limit", "per axis"),
+            lambda: check_positive(self.control_limit, "control_limit", "per axis"),
             lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
         )
         if self.goal.lower.size != d:
@@ -316,31 +317,3 @@ def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
     state = np.zeros(n)
     state[list(system.position)] = given
     return frozen(state)
-
-
-def check_vehicle_numbers(radius: float, control_sigmas: float, cost_weight: float) -> None:
-    """Refuse numbers that no vehicle has.
-
-    Raises
-    ------
-    ScenarioError
-        With all that are.
-    """
-    all_checked(
-        lambda: _check_positive(np.array([radius]), "radius", "m"),
-        lambda: _check_not_negative(control_sigmas, "control_sigmas"),
-        lambda: _check_not_negative(cost_weight, "cost_weight"),
-    )
-
-
-def _check_not_negative(value: float, name: str) -> None:
-    """Refuse a value below zero."""
-    if not (np.isfinite(value) and value >= 0.0):
-        raise ScenarioError(f"must be >= 0, got {value}", (name,))
-
-
-def _check_positive(values: Vector, name: str, unit: str) -> None:
-    """Refuse values that are not above zero."""
-    if not np.all(np.isfinite(values) & (values > 0.0)):
-        shown = values.tolist() if values.size > 1 else values.item()
-        raise ScenarioError(f"must be > 0 {unit}, got {shown}", (name,))
