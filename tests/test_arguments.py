@@ -30,7 +30,7 @@ from radmpc.arguments import told
 from radmpc.experiments.comparing import compare
 from radmpc.experiments.families import circle, clutter, fleet, paper
 from radmpc.model.dynamics import rollout
-from radmpc.plotting import plot_risk_map, plot_risk_shares, save_axes
+from radmpc.plotting import Panel, plot_risk_map, plot_risk_shares, save_axes, save_ledger
 
 Call = Callable[[], object]
 
@@ -98,6 +98,28 @@ ARGUMENTS: dict[str, tuple[Call, str]] = {
         lambda: radmpc.simulate(PLAN, 1e4),
         r"samples must be an integer >= 1, got 10000.0: write 10000$",
     ),
+    "an avoidance of nobody": (
+        lambda: radmpc.certify(PLAN, avoidance="always"),
+        r"avoidance must be 'intervals', 'steps' or None, got 'always'$",
+    ),
+    "an avoidance of numbers": (
+        lambda: radmpc.simulate(PLAN, 9, avoidance=1),
+        r"avoidance must be .*, got 1$",
+    ),
+    "a result drawn": (lambda: radmpc.plot_plan(RESULT), r"got a Result: its plan is .require"),
+    "a result's picture": (lambda: radmpc.save_figure(RESULT, "x.png"), r"got a Result: its plan"),
+    "a result's ledger": (lambda: save_ledger(RESULT, "x.png"), r"got a Result: its plan is"),
+    "a result filmed": (lambda: radmpc.animate_plan(RESULT), r"got a Result: its plan is"),
+    "a result's film": (
+        lambda: radmpc.save_animation(RESULT, "x.gif"),
+        r"got a Result: its plan is",
+    ),
+    "a result exported": (
+        lambda: radmpc.save_export(RESULT, "csv", "x"),
+        r"got a Result: its plan is .require",
+    ),
+    "a result as arrays": (lambda: radmpc.to_xarray(RESULT), r"got a Result: its plan is"),
+    "a result in a panel": (lambda: Panel("x", RESULT), r"got a Result: its plan is"),
     "half a flight": (lambda: radmpc.simulate(PLAN, 0.5), r"samples must be .* >= 1, got 0.5$"),
     "no flights": (lambda: radmpc.simulate(PLAN, 0), r"samples must be an integer >= 1, got 0$"),
     "flights as text": (lambda: radmpc.simulate(PLAN, "9"), r"samples must be .*, got '9'$"),

@@ -16,7 +16,19 @@ import pytest
 from PIL import Image
 
 import radmpc
-from radmpc import from_dict, load_scenario, plan, to_dict, to_pandas, to_xarray
+from radmpc import (
+    Goal,
+    LinearSystem,
+    Trajectory,
+    Vehicle,
+    from_dict,
+    load_scenario,
+    plan,
+    save_export,
+    to_dict,
+    to_pandas,
+    to_xarray,
+)
 from radmpc.experiments.families import paper
 
 HARBOR = "src/radmpc/data/harbor.yaml"
@@ -75,10 +87,29 @@ def test_a_table_holds_every_vehicle_and_step(result) -> None:
     first = made.trajectories[0]
     rows = table.loc[first.name]
     np.testing.assert_array_equal(rows[["x", "y"]], first.means[:, :2])
-    np.testing.assert_array_equal(rows[["u0", "u1"]].iloc[:-1], first.controls)
-    assert rows[["u0", "u1"]].iloc[-1].isna().all()
-    np.testing.assert_allclose(rows["sigma_x"] ** 2, first.covariances[:, 0, 0])
-    assert np.abs(table[["u0", "u1"]]).sum().sum() == pytest.approx(result.cost)
+    np.testing.assert_array_equal(rows[["vx", "vy"]], first.means[:, 2:])
+    np.testing.assert_array_equal(rows[["u1", "u2"]].iloc[:-1], first.controls)
+    assert rows[["u1", "u2"]].iloc[-1].isna().all()
+    np.testing.assert_allclose(rows["three_sigma_x"] ** 2, 9.0 * first.covariances[:, 0, 0])
+    assert np.abs(table[["u1", "u2"]]).sum().sum() == pytest.approx(result.cost)
+
+
+@pytest.mark.filterwarnings("ignore")  # of pandas' own reader
+def test_a_table_and_a_csv_file_have_the_same_columns_and_numbers(result, tmp_path) -> None:
+    save_export(result.plan, "csv", tmp_path / "plan.csv")
+    read = pd.read_csv(tmp_path / "plan.csv", float_precision="round_trip").set_index("name")
+    pd.testing.assert_frame_equal(read, to_pandas(result.plan).droplevel("step"), check_exact=True)
+
+
+def test_a_vehicle_without_velocities_has_none_in_the_table(result) -> None:
+    hover = LinearSystem(np.eye(2), np.eye(2), (0, 1), None)
+    vehicle = Vehicle("a", hover, [0, 0], Goal.at([0, 0], speed=None), 1.0, 1.0, 0.0, 0.0)
+    scenario = replace(result.plan.scenario, vehicles=(vehicle,))
+    steps = scenario.horizon + 1
+    still = Trajectory("a", np.zeros((steps - 1, 2)), np.zeros((steps, 2)), np.zeros((steps, 2, 2)))
+    table = to_pandas(replace(result.plan, scenario=scenario, trajectories=(still,)))
+    assert list(table)[:5] == ["t", "x", "y", "vx", "vy"]
+    assert table[["vx", "vy"]].isna().all().all()
 
 
 def test_the_ledger_as_a_table_sums_to_the_certificate(result) -> None:

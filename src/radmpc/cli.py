@@ -147,19 +147,13 @@ def verify(
     plan_file: given.PlanFile,
     samples: given.Samples = 100_000,
     seed: given.Seed = 0,
+    avoidance: given.JudgedAvoidance = None,
     as_json: given.AsJson = False,
 ) -> int:
     """Certify and simulate a plan, from its file alone."""
-    from radmpc.console.commands.verifying import verify_plan, verify_report
-    from radmpc.io.native.plan_file import load_plan
+    from radmpc.console.commands.verifying import run_verify
 
-    record = load_plan(plan_file)
-    verification = verify_plan(record, samples, seed)
-    if as_json:
-        show_json(verification.as_json())
-    else:
-        show(*verify_report(record, verification))
-    return Code.OK if verification.holds else Code.NO
+    return run_verify(plan_file, samples, seed, avoidance, as_json=as_json)
 
 
 @app.command()
@@ -184,32 +178,21 @@ def import_file(
     risk_bound: given.RiskBound = None,
     radius: Annotated[float | None, typer.Option("--radius", help="Of every vehicle [m].")] = None,
     avoidance: given.AvoidanceName = None,
+    agents: given.Agents = None,
 ) -> int:
     """Import another format; print what had to be chosen."""
-    from radmpc.console.files import check_output, check_separate, writing
-    from radmpc.console.reports.report import facts, scenario_line
-    from radmpc.importing import ImportOptions, import_scenario
-    from radmpc.io.native.scenario_file import save_scenario
+    from radmpc.console.commands.importing import run_import
 
-    check_output(output)
-    check_separate(source, output)
-    options = ImportOptions(
-        dt=dt,
-        horizon=horizon,
-        noise=noise,
-        risk_bound=risk_bound,
-        radius=radius,
-        avoidance=avoidance,
-    )
-    imported = import_scenario(source, options)
-    with writing(output):
-        save_scenario(imported.scenario, output)
-    show(scenario_line(imported.scenario))
-    show(facts({name: str(value) for name, value in imported.choices.items()}))
-    for warning in imported.warnings:
-        show(f"warning: {warning}")
-    show(f"scenario written to {output}")
-    return Code.OK
+    options = {
+        "dt": dt,
+        "horizon": horizon,
+        "noise": noise,
+        "risk_bound": risk_bound,
+        "radius": radius,
+        "avoidance": avoidance,
+        "agents": agents,
+    }
+    return run_import(source, output, options)
 
 
 @app.command()
@@ -230,10 +213,10 @@ def export(
 ) -> int:
     """Write a plan for the vehicles' own tools."""
     from radmpc.console.commands.exporting import ExportRequest, run_export
-    from radmpc.io.native.plan_file import load_plan
+    from radmpc.console.loading import read_plan
 
     request = ExportRequest(plan_file, to, output, origin, altitude)
-    return run_export(load_plan(plan_file), request)
+    return run_export(read_plan(plan_file), request)
 
 
 @app.command()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 __all__ = [
     "ArgumentError",
     "ArgumentTypeError",
@@ -11,6 +13,8 @@ __all__ = [
     "RiskError",
     "ScenarioError",
     "SolverError",
+    "all_checked",
+    "raise_together",
 ]
 
 
@@ -27,12 +31,20 @@ class ScenarioError(RadmpcError, ValueError):
         What is wrong, the value and what is allowed.
     path : tuple of str or int
         Where in the scenario, as keys and indices: ``("vehicles", 2, "radius")``.
+    more : tuple of ScenarioError
+        What else is wrong, found in one go; none of them has more.
     """
 
-    def __init__(self, message: str, path: tuple[str | int, ...] = ()) -> None:
+    def __init__(
+        self,
+        message: str,
+        path: tuple[str | int, ...] = (),
+        more: tuple[ScenarioError, ...] = (),
+    ) -> None:
         super().__init__(message)
         self.message = message
         self.path = path
+        self.more = more
 
     def __str__(self) -> str:
         """Return the place and the message in one line."""
@@ -52,7 +64,8 @@ class ScenarioError(RadmpcError, ValueError):
         ScenarioError
             With the longer path.
         """
-        return type(self)(self.message, (*prefix, *self.path))
+        more = tuple(error.under(*prefix) for error in self.more)
+        return type(self)(self.message, (*prefix, *self.path), more)
 
 
 class ArgumentError(RadmpcError, ValueError):
@@ -77,6 +90,43 @@ class SolverError(RadmpcError):
 
 class NoPlanError(RadmpcError):
     """A plan was required but planning ended without one."""
+
+
+def raise_together(errors: Iterable[ScenarioError]) -> None:
+    """Raise the first of some errors, the others with it; nothing where there is none.
+
+    Of several at one place the first is told: what is wrong with all vehicles' defaults shows with
+    each of them.
+
+    Raises
+    ------
+    ScenarioError
+        With ``more``.
+    """
+    found: dict[tuple[str | int, ...], ScenarioError] = {}
+    for error in errors:
+        for one in (ScenarioError(error.message, error.path), *error.more):
+            found.setdefault(one.path, one)
+    if found:
+        first, *rest = found.values()
+        raise ScenarioError(first.message, first.path, tuple(rest))
+
+
+def all_checked(*checks: Callable[[], object]) -> None:
+    """Run checks, all of them whatever the first ones find.
+
+    Raises
+    ------
+    ScenarioError
+        What they raised, together.
+    """
+    found = []
+    for check in checks:
+        try:
+            check()
+        except ScenarioError as error:
+            found.append(error)
+    raise_together(found)
 
 
 def format_path(path: tuple[str | int, ...]) -> str:

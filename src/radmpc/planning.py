@@ -29,7 +29,7 @@ from radmpc.result import Result
 from radmpc.solvers.solution import Limits, never
 from radmpc.version import __version__
 
-__all__ = ["plan"]
+__all__ = ["plan", "seconds_granted"]
 
 
 def plan(
@@ -41,6 +41,7 @@ def plan(
     executor: Executor | None = None,
     progress: Callable[[str, int, int | None], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    found: Callable[[float, float | None], None] | None = None,
 ) -> Result:
     """Plan a fleet, and have the plan judged by the referee.
 
@@ -61,6 +62,9 @@ def plan(
         Called with the stage, the parts done and their number.
     stop : callable or None
         Asked often; planning ends with what it has once it returns True.
+    found : callable or None
+        Called by `certified`, now and then, with the cost of the best plan so far and a lower
+        bound on the cost, None without one.
 
     Returns
     -------
@@ -84,18 +88,15 @@ def plan(
     check_scenario(scenario)
     record = _record(planner)
     _check_options(rng, time_limit, executor, progress, stop)
+    check_callable(found, "found")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
-    if time_limit is None:
-        time_limit = record.decomposition.default_seconds
+    time_limit = seconds_granted(record, time_limit)
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
     judge = partial(_verdict, scenario, record)
-    run = Run(generator, limits, executor, progress or _silent, judge)
-    draft = record.decomposition.plan(scenario, record, run)
-    if draft.status is Status.LIMIT and not draft.explanation:
-        why = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
-        draft = replace(draft, explanation=why)
+    run = Run(generator, limits, executor, progress or _silent, judge, found or _silent_best)
+    draft = _with_limits(record.decomposition.plan(scenario, record, run), limits)
     judging = time.perf_counter()
     trajectories = _trajectories(scenario, draft.controls)
     unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
@@ -104,6 +105,11 @@ def plan(
     seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
     judged = _plan(scenario, record, seed, draft, trajectories, certificate, seconds)
     return Result(judged, certificate, draft.steps, draft.events)
+
+
+def seconds_granted(planner: Planner, time_limit: float | None) -> float | None:
+    """Return the time limit of a planner: the one asked for, or its own; None is none."""
+    return planner.decomposition.default_seconds if time_limit is None else time_limit
 
 
 def _record(planner: str | Planner) -> Planner:
@@ -133,13 +139,29 @@ def _silent(stage: str, done: int, total: int | None) -> None:
     del stage, done, total
 
 
+def _silent_best(cost: float, bound: float | None) -> None:
+    """Take the best plan so far without showing it."""
+    del cost, bound
+
+
 def _verdict(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
     """Return what the referee says of controls, as planners ask on the way."""
     trajectories = _trajectories(scenario, controls)
     everyone = (tuple(range(scenario.num_vehicles)),)
     draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-    found = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
-    return Verdict(found.certified, found.ledger)
+    said = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
+    return Verdict(said.certified, said.ledger)
+
+
+def _with_limits(draft: Draft, limits: Limits) -> Draft:
+    """Return a draft that says which limit ended its search, if one did."""
+    stopped_by = None
+    if draft.status in {Status.FEASIBLE, Status.LIMIT}:
+        stopped_by = draft.stopped_by or limits.reason or None
+    explanation = draft.explanation
+    if draft.status is Status.LIMIT and not explanation:
+        explanation = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
+    return replace(draft, stopped_by=stopped_by, explanation=explanation)
 
 
 def _trajectories(
@@ -198,6 +220,7 @@ def _plan(
         explanation=draft.explanation,
         trajectories=trajectories,
         couplings=draft.couplings,
+        stopped_by=draft.stopped_by,
     )
 
 

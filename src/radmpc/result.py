@@ -100,7 +100,7 @@ class Result:
             If there is none; the message explains why.
         """
         if self.plan is None:
-            raise NoPlanError(self.explanation or self.status.sentence)
+            raise NoPlanError(self.explanation or self.record.status_sentence)
         return self.plan
 
     def __repr__(self) -> str:
@@ -120,9 +120,10 @@ class Result:
 def _facts(result: Result) -> list[tuple[str, str]]:
     """Return what one wants to know first, by name."""
     record = result.record
-    facts = [("scenario", record.scenario.name), ("status", record.status.value)]
+    ended = f" ({record.stopped_by})" if record.stopped_by and result.plan else ""
+    facts = [("scenario", record.scenario.name), ("status", record.status.value + ended)]
     if result.plan is None:
-        return [*facts, ("why", result.explanation or result.status.sentence)]
+        return [*facts, ("why", result.explanation or record.status_sentence)]
     bound = "no lower bound" if result.lower_bound is None else f"at least {result.lower_bound:.6g}"
     facts.append(("cost", f"{result.cost:.6g} ({bound})"))
     if result.certificate is not None:

@@ -117,6 +117,25 @@ def test_import_prints_what_it_chose_and_writes_a_valid_scenario(run: Run, tmp_p
     assert "risk bound 0.01" in checked.stdout
 
 
+def test_every_error_of_a_file_has_its_line_on_stderr(run: Run, crossing: Path) -> None:
+    text = crossing.read_text(encoding="utf-8")
+    crossing.write_text(text.replace("dt: 1.0", "dt: -1").replace("0.05\n", "0.7\n", 1))
+    result = run("check", crossing)
+    assert result.exit_code == 2
+    assert [line.split(": ", 2)[1:] for line in result.stderr.splitlines()] == [
+        [f"{crossing}:3", "dt: must be > 0 s, got -1.0"],
+        [f"{crossing}:5", "risk_bound: must lie between 0 and 0.5, both excluded, got 0.7"],
+    ]
+
+
+def test_import_takes_as_many_vehicles_as_are_asked_for(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "swap.yaml").write_text(SWAP, encoding="utf-8")
+    result = run("import", "swap.yaml", "-o", "mine.yaml", "--agents", 1)
+    assert result.exit_code == 0, result.stderr
+    assert "the first 1 of 2, as asked" in result.stdout
+    assert len(load_scenario(tmp_path / "mine.yaml").vehicles) == 1
+
+
 def test_import_tells_its_warnings(
     run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -131,8 +150,10 @@ def test_import_tells_its_warnings(
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["--dt", "-1"], "dt"),
-        (["--avoidance", "sometimes"], "avoidance"),
+        (["--dt", "-1"], "radmpc: --dt must be > 0 s, got -1.0"),
+        (["--risk-bound", "0.7"], "radmpc: --risk-bound must lie between 0 and 0.5"),
+        (["--agents", "3"], "agents: must be at most 2, got 3"),
+        (["--avoidance", "sometimes"], "radmpc: --avoidance must be 'steps' or 'intervals'"),
         (["-o", "no/mine.yaml"], "cannot write no/mine.yaml: no: No such file"),
     ],
 )

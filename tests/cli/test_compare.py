@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import json
 
 import pytest
+from radmpc.io.scenario_file import load_scenario
+from rich.console import Console
+
+from radmpc.console.reports.comparison_table import comparison_table
+from radmpc.experiments.comparing import compare
 
 
 def test_compare_prints_a_line_per_planner(run, crossing):
@@ -14,6 +20,25 @@ def test_compare_prints_a_line_per_planner(run, crossing):
     assert {"dlp", "radmpc", "certified", "planner"} <= lines.keys()
     assert "+0.00 %" in lines["certified"]
     assert "optimal" in lines["certified"]
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+def test_nothing_is_cut_off_however_narrow_the_terminal(crossing, width):
+    found = compare(load_scenario(crossing), ("dlp", "multi-vehicle(1e-12)"), rng=0, samples=1000)
+    found = list(found)
+    buffer = io.StringIO()
+    Console(file=buffer, width=width).print(comparison_table(found, width))
+    lines = buffer.getvalue().splitlines()
+    assert all(len(line.rstrip()) <= width for line in lines)
+    words = buffer.getvalue().split()
+    for one in found:
+        result = one.result
+        assert one.planner in " ".join(words)
+        for number in (f"{result.cost:.4g}", f"{result.seconds['total']:.2f}"):
+            assert number in {word.strip(",") for word in words}
+        assert f"{one.simulation.rate:.4g}" in words
+    assert "…" not in buffer.getvalue()
+    assert (len(lines) == 3) is (width == 200)
 
 
 def test_compare_gives_the_numbers_as_json(run, crossing):

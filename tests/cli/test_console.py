@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from rich.console import Console
 
 from radmpc.console.files import OutputError, check_output, demo_text, writing
 from radmpc.console.output import note, show_json
-from radmpc.console.reports.progress import progress_line, progress_text
+from radmpc.console.reports.progress import ProgressLine, progress_line, progress_text
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.console.running.workers import workers
 from radmpc.errors import SolverError
@@ -49,6 +50,31 @@ def test_progress_is_shown_on_a_terminal_only() -> None:
         report("sets", 1, 3)
     assert "[sets] 1/3" in terminal.getvalue()
     assert pipe.getvalue() == ""
+
+
+def test_progress_tells_the_best_plan_the_limit_and_how_to_stop() -> None:
+    line = ProgressLine(is_planning=True, seconds=60.0)
+    line("sets", 2, 2)
+    assert line.text() == "sets 2/2; 0 of 60 s; Ctrl-C keeps the best plan so far"
+    line.found(13.4933, 13.2)
+    assert line.text() == (
+        "sets 2/2; best cost 13.4933, gap 2.2 %; 0 of 60 s; Ctrl-C keeps this plan"
+    )
+    assert len(line.text()) < 78
+    line.found(13.4, None)
+    assert "best cost 13.4; " in line.text()
+    working = ProgressLine()
+    working("simulating", 5, 10)
+    assert working.text() == "simulating 5/10; 0 s"
+
+
+def test_progress_on_a_terminal_goes_on_counting_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    line = ProgressLine(is_planning=True, seconds=60.0)
+    later = time.monotonic() + 14.0
+    monkeypatch.setattr(time, "monotonic", lambda: later)
+    terminal = io.StringIO()
+    Console(file=terminal, force_terminal=True, width=100).print(line)
+    assert "14 of 60 s" in terminal.getvalue()
 
 
 def test_progress_of_unknown_length_is_a_count() -> None:

@@ -239,7 +239,8 @@ def test_a_plan_the_referee_finds_fault_with_is_a_no(
 def test_verbose_tells_the_stages_on_stderr_and_nothing_else_does(run, crossing):
     told = run("plan", crossing, "-v")
     assert told.exit_code == 0
-    assert "price of risk" in told.stderr
+    assert "of risk bound 0.05" in told.stderr
+    assert "1 % of the risk bound at a price of" in told.stderr
     assert "gap 0" in told.stderr
     assert run("plan", crossing).stderr == ""
     assert "iteration 1" in run("plan", crossing, "-v", "--planner", "multi-vehicle").stderr

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from radmpc.io.scenario_file import load_scenario, save_scenario
 
 from .conftest import Run, assert_one_line
 
@@ -38,6 +39,40 @@ def test_a_good_plan_holds(run: Run, plan_file: Path) -> None:
     assert "within the bound 0.05" in result.stdout
     assert "2000 missions" in result.stdout
     assert result.stdout.splitlines()[-1].split() == ["the", "plan", "holds"]
+
+
+def test_a_plan_made_at_steps_is_judged_along_its_path_where_that_is_asked_for(
+    run: Run, plan_file: Path
+) -> None:
+    words = ("verify", plan_file, "--samples", 2000)
+    certified = {
+        where: json.loads(run(*words, "--json", "--avoidance", where).stdout)["certified"]
+        for where in ("steps", "intervals")
+    }
+    assert certified["steps"] == json.loads(run(*words, "--json").stdout)["certified"]
+    assert certified["intervals"] > certified["steps"]
+    report = run(*words, "--avoidance", "intervals")
+    assert "avoidance along intervals" in report.stdout
+    assert "states a certified risk" not in report.stdout
+    refused = run(*words, "--avoidance", "always")
+    assert refused.exit_code == 2
+    line = assert_one_line(refused.stderr)
+    assert line == "radmpc: --avoidance must be 'intervals' or 'steps', got 'always'"
+
+
+@pytest.mark.parametrize("command", ["verify", "export"])
+def test_a_scenario_given_for_a_plan_is_called_one_and_how_to_plan_it(
+    run: Run, crossing: Path, tmp_path: Path, command: str
+) -> None:
+    save_scenario(load_scenario(crossing), tmp_path / "same.json")
+    for name in ("crossing.yaml", "same.json"):
+        more = ("--to", "csv", "-o", "out.csv") if command == "export" else ()
+        result = run(command, name, *more)
+        assert result.exit_code == 2
+        assert assert_one_line(result.stderr) == (
+            f"radmpc: {name}: is a scenario, not a plan: plan it first: "
+            f"radmpc plan {name} -o {name.partition('.')[0]}.plan.json"
+        )
 
 
 def test_json_has_the_documented_keys_and_nothing_else(run: Run, plan_file: Path) -> None:

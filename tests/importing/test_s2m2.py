@@ -112,7 +112,7 @@ def test_a_radius_that_is_asked_for_is_kept_and_the_import_says_which_one_would_
     assert {v.radius for v in imported.scenario.vehicles} == {2.5}
     assert imported.warnings[1] == (
         "between start and goal of 'agent1' a hull of 2.5 m finds no way with room for noise, "
-        "of 2 m it might (--radius)"
+        "of 2 m it might"
     )
 
 

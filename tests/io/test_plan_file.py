@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from comparing import differences
 
+from comparing import differences
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.plan_file import encode_plan, load_plan, save_plan
 from radmpc.io.native.scenario_file import decode_scenario
@@ -82,6 +82,14 @@ def test_a_plan_reads_back_equal(plan: Plan, tmp_path: Path) -> None:
     assert differences(load_plan(tmp_path / "plan.json"), plan) == []
 
 
+def test_the_limit_that_ended_a_search_is_kept(plan: Plan, tmp_path: Path) -> None:
+    stopped = replace(plan, stopped_by="the time limit of 2 s was reached")
+    save_plan(stopped, tmp_path / "plan.json")
+    assert load_plan(tmp_path / "plan.json").stopped_by == "the time limit of 2 s was reached"
+    assert encode_plan(stopped, with_vehicles=False)["stopped_by"] == stopped.stopped_by
+    assert encode_plan(plan)["stopped_by"] is None
+
+
 def test_no_plan_is_written_as_no_vehicles_and_no_cost(plan: Plan, tmp_path: Path) -> None:
     none = replace(
         plan,
@@ -101,7 +109,7 @@ def test_no_plan_is_written_as_no_vehicles_and_no_cost(plan: Plan, tmp_path: Pat
 def test_the_content_stands_in_the_documented_order(plan: Plan) -> None:
     assert list(encode_plan(plan)) == [
         "format", "scenario", "planner", "seed", "status", "cost", "lower_bound", "risk", "sets",
-            "couplings", "seconds", "versions", "explanation", "vehicles",
+            "couplings", "seconds", "versions", "explanation", "stopped_by", "vehicles",
     ]  # fmt: skip
     assert "vehicles" not in encode_plan(plan, with_vehicles=False)
 

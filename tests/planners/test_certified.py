@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.experiments.families import circle, clutter, fleet, paper
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
@@ -116,10 +116,23 @@ def test_plans_along_intervals_are_certified():
     assert result.lower_bound <= result.cost
 
 
+def test_the_best_plan_so_far_is_told_while_planning():
+    told = []
+    result = plan(paper(3, 0), "certified", found=lambda cost, bound: told.append((cost, bound)))
+    assert told
+    assert min(cost for cost, _ in told) >= result.cost
+    assert all(bound is None or bound <= cost for cost, bound in told)
+    with pytest.raises(ArgumentTypeError, match="found must be a function or None, got 3"):
+        plan(paper(3, 0), "certified", found=3)
+
+
 @pytest.mark.slow
 def test_a_limit_returns_a_certified_plan_or_none_with_a_reason():
     result = plan(circle(8), "certified", time_limit=3.0)
     assert result.plan is None or result.is_certified
+    assert result.record.stopped_by == "the time limit of 3 s was reached"
+    assert "but the time limit of 3 s was reached" in result.record.status_sentence
+    assert "feasible (the time limit of 3 s was reached)" in repr(result)
     nothing = plan(paper(8, 0), "certified", time_limit=0.0)
     assert nothing.status is Status.LIMIT
     assert nothing.plan is None

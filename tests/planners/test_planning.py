@@ -15,7 +15,7 @@ from radmpc.experiments.families import circle, paper
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
-from radmpc.model.scenario import Scenario
+from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import (
     Centralized,
@@ -30,10 +30,11 @@ from radmpc.planners import (
 )
 from radmpc.planners.paper.algorithm_2_radmpc import approximate
 from radmpc.planners.presets import PRESETS, parse_planner
+from radmpc.planners.sets import SetPlan, verdict_of_sets
 from radmpc.planning import plan
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
-from radmpc.solvers.solution import Limits
+from radmpc.solvers.solution import Limits, Outcome
 
 CENTRAL_IRA = Planner(Ira(), Branch(), Centralized())
 
@@ -109,7 +110,8 @@ def _run() -> Run:
     def judge(controls):
         raise AssertionError("the approximation asks no referee")
 
-    return Run(np.random.default_rng(0), Limits(), None, lambda stage, done, total: None, judge)
+    silent = [lambda *said: None] * 2
+    return Run(np.random.default_rng(0), Limits(), None, silent[0], judge, silent[1])
 
 
 @pytest.mark.parametrize("charge", ["allocated", "used"])
@@ -199,7 +201,13 @@ def test_a_stop_returns_a_result_without_a_plan_and_says_so():
 
 
 def test_a_time_limit_of_nothing_is_a_limit_not_an_infeasible_problem():
-    assert plan(paper(3, 0), "ira", time_limit=0.0).status is Status.LIMIT
+    result = plan(paper(3, 0), "ira", time_limit=0.0)
+    assert result.status is Status.LIMIT
+    assert result.record.stopped_by == "the time limit of 0 s was reached"
+
+
+def test_a_search_that_ended_by_itself_was_stopped_by_no_limit():
+    assert plan(paper(2, 1), "certified", time_limit=30.0).record.stopped_by is None
 
 
 def _explained(scenario, planner="multi-vehicle"):
@@ -238,6 +246,58 @@ def test_feedback_that_eats_the_control_limit_is_told_with_step_and_axis():
     gain = np.array([[-9.0, 0, -9.0, 0], [0, -9.0, 0, -9.0]])
     text = _explained(_scenario(_vehicle("a", (0, 0), (8, 0), gain=gain)))
     assert "at step 1 the feedback alone takes more than control axis 0 allows" in text
+
+
+@pytest.mark.parametrize("planner", ["certified", "ira"])
+def test_vehicles_whose_places_share_a_trouble_share_a_sentence(planner):
+    three = [_vehicle(name, (0, 3 * i), (8, 3 * i)) for i, name in enumerate("abc")]
+    all_three = "goals of vehicles 'a', 'b' and 'c'"
+    quay = Obstacle.box("quay", [7.5, -2], [8.5, 8])
+    text = plan(_scenario(*three, obstacles=(quay,)), planner).explanation
+    assert f"The {all_three} lie within obstacle 'quay' grown by the vehicles' radii" in text
+    assert text.count("vehicles 'a'") == text.count("obstacle 'quay'") == 1
+    posts = tuple(Obstacle.box(f"post{i}", [7.5, 3 * i + 0.55], [8.5, 3 * i + 1]) for i in range(3))
+    text = plan(_scenario(*three, obstacles=posts), planner).explanation
+    assert f"The {all_three} are too close to obstacles 'post0', 'post1' and 'post2'" in text
+    assert "even their best points are 0.65 m away or more" in text
+    text = plan(_scenario(*three, workspace=Workspace([-2, -2], [7.95, 8])), planner).explanation
+    assert f"The {all_three} are too close to the workspace border" in text
+    assert "even their best points are 0.05 m away or more and run a risk of" in text
+
+
+def test_places_too_close_to_each_other_are_told_together():
+    row = [_vehicle(name, (0, 0.5 * i), (8, 3 * i)) for i, name in enumerate("abc")]
+    text = _explained(_scenario(*row))
+    assert "The starts of vehicles 'a', 'b' and 'c' are too close to each other" in text
+    assert "are 0.5 m apart, contact is at 0.8 m (a risk of 1 each" in text
+
+
+def test_vehicles_without_a_way_are_told_together():
+    walls = tuple(
+        box
+        for i in range(3)
+        for box in (
+            Obstacle.box(f"north{i}", [3, 20 * i + 0.5], [4, 20 * i + 9]),
+            Obstacle.box(f"south{i}", [3, 20 * i - 11], [4, 20 * i - 0.5]),
+        )
+    )
+    noise = [0.05, 0.05, 0, 0]
+    fleet = [
+        _vehicle(name, (0, 20 * i), (8, 20 * i), disturbance_covariance=noise)
+        for i, name in enumerate("abc")
+    ]
+    scenario = _scenario(*fleet, obstacles=walls, risk_bound=1e-4, avoidance="intervals")
+    text = _explained(scenario)
+    assert "'b'" in text
+    assert "'c'" in text
+
+
+def test_sets_that_a_limit_stopped_are_told_together():
+    fleet = [_vehicle(name, (0, 20 * i), (8, 20 * i)) for i, name in enumerate("abc")]
+    plans = [SetPlan(Outcome.LIMIT, (), ())] * 3
+    status, why = verdict_of_sets(_scenario(*fleet), ((0,), (1,), (2,)), plans)
+    assert status is Status.LIMIT
+    assert why == "Sets of 'a'; 'b'; 'c': no plan within the limit."
 
 
 def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():

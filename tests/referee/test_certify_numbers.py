@@ -10,7 +10,7 @@ from scipy.stats import chi2, multivariate_normal
 
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
-from radmpc.referee import certify
+from radmpc.referee import certify, simulate
 
 
 def row_risks(certificate):
@@ -308,3 +308,18 @@ def test_a_path_that_only_just_passes_a_corner_is_charged_by_the_direction_acros
     flight = walk("a", [nearest - 0.9 * along, nearest + 1.7 * along], sigma=sigma)
     plan = walk_plan(flight, avoidance="intervals", obstacles=(block,))
     assert ndtr(-5.0) * (1.0 - 1e-6) <= certify(plan).certified <= 2.01 * ndtr(-5.0)
+
+
+def test_a_plan_made_at_steps_is_judged_along_its_path_where_that_is_asked_for():
+    # Through the wall within one step, and clear of it at both ends.
+    wall = Obstacle.box("wall", [1.9, -1.0], [2.1, 1.0])
+    plan = walk_plan(walk("a", [[0, 0], [4, 0]], sigma=0.1), obstacles=(wall,), avoidance="steps")
+    stated = replace(plan, risk=replace(plan.risk, certified=certify(plan).certified))
+    assert certify(stated).certified < 1e-6
+    along = certify(stated, avoidance="intervals")
+    assert along.certified >= 1.0 - 1e-9
+    assert along.problems == ()
+    assert simulate(stated, 100, rng=0).rate == 0.0
+    assert simulate(stated, 100, rng=0, avoidance="intervals").rate == 1.0
+    back = replace(stated, scenario=replace(stated.scenario, avoidance="intervals"))
+    assert certify(back, avoidance="steps").certified == certify(stated).certified

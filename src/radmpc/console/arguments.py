@@ -18,6 +18,7 @@ from radmpc.console.completing import (
 )
 
 __all__ = [
+    "Agents",
     "Altitude",
     "AsJson",
     "AvoidanceName",
@@ -28,6 +29,7 @@ __all__ = [
     "Film",
     "ForeignFile",
     "Jobs",
+    "JudgedAvoidance",
     "LedgerFigure",
     "Methods",
     "Noise",
@@ -154,7 +156,12 @@ Noise = Annotated[
     float | None, typer.Option("--noise", help="Position noise per step, std. dev. [m].")
 ]
 RiskBound = Annotated[float | None, typer.Option("--risk-bound", help="Joint risk of the fleet.")]
+Agents = Annotated[int | None, typer.Option("--agents", help="How many vehicles to take.")]
 AvoidanceName = Annotated[str | None, typer.Option("--avoidance", help="'intervals' or 'steps'.")]
+JudgedAvoidance = Annotated[
+    str | None,
+    typer.Option("--avoidance", help="'intervals' or 'steps' (as planned)."),
+]
 PlaceOnEarth = Annotated[
     str | None,
     typer.Option("--origin", help="LAT,LON[,HEIGHT] of the plan's origin [degrees, m]."),

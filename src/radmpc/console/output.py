@@ -14,7 +14,7 @@ from rich.console import Console, RenderableType
 
 from radmpc.console.files import OutputError, writing
 
-__all__ = ["note", "show", "show_json", "silence_closed_pipe"]
+__all__ = ["note", "show", "show_json", "silence_closed_pipe", "width"]
 
 _PIPED_WIDTH = 5000  # letters; no line of a report is broken
 
@@ -26,7 +26,7 @@ def show(*parts: RenderableType) -> None:
     console = Console(
         file=buffer,
         force_terminal=is_terminal,
-        width=get_terminal_size().columns if is_terminal else _PIPED_WIDTH,
+        width=width(),
         # Names come from files: brackets in them are no markup.
         markup=False,
         highlight=False,
@@ -35,6 +35,11 @@ def show(*parts: RenderableType) -> None:
     for part in parts:
         console.print(part)
     _write("\n".join(line.rstrip() for line in buffer.getvalue().splitlines()))
+
+
+def width() -> int:
+    """Return how many letters a line of stdout has: a terminal's, or more than anybody needs."""
+    return get_terminal_size().columns if sys.stdout.isatty() else _PIPED_WIDTH
 
 
 def show_json(content: Mapping[str, object]) -> None:

@@ -15,7 +15,7 @@ from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.importing.rounding import rounded
 from radmpc.importing.waiting import waiting_times
-from radmpc.io.native.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
@@ -150,7 +150,7 @@ def _fitting(
     told = ", ".join(f"{old:g} m to {new:g} m" for old, new in radii.items())
     warnings.append(
         f"hulls were reduced from {told}: some way is so narrow that the published ones leave no "
-        "room for noise (--radius keeps what it is given)"
+        "room for noise (a radius that is asked for is kept)"
     )
     choices["radius"] = f"reduced from {told}, so that noise has room beside the narrowest way"
     vehicles = tuple(replace(v, radius=radii[v.radius]) for v in problem.vehicles)
@@ -165,7 +165,7 @@ def _ways(problem: ForeignProblem, lattice: Lattice | None, warnings: list[str])
         way = straight if lattice is None else lattice.way(v, wanted)
         if lattice is not None and (way is None or way.room < _LEAST_ROOM * v.radius):
             widest = lattice.widest(v)
-            hint = f", of {_FITTING * widest:.2g} m it might (--radius)" if widest > 0.0 else ""
+            hint = f", of {_FITTING * widest:.2g} m it might" if widest > 0.0 else ""
             warnings.append(
                 f"between start and goal of {v.name!r} a hull of {v.radius:g} m finds no way "
                 f"with room for noise{hint}"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from radmpc.arguments import field_integer, field_number, told
 from radmpc.errors import ScenarioError
-from radmpc.io.native.ranges import check_range
+from radmpc.io.ranges import check_range
 from radmpc.model.scenario import Avoidance
 
 __all__ = ["ImportOptions"]

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict
 
 from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.io.native.ranges import check_range
+from radmpc.io.ranges import check_range
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 

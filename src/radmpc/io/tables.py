@@ -33,10 +33,12 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        ``trajectories``: a row per vehicle and step, indexed by both; ``time`` [s], mean position
-        ``x``, ``y`` (``z``) [m], its standard deviations ``sigma_x`` … [m], the controls that
-        follow ``u0``, ``u1``, … (nan at the last step). ``ledger``: ``cause``, ``vehicle``,
-        ``other``, ``step`` and ``risk`` [-].
+        ``trajectories``: a row per vehicle and step, indexed by ``name`` and ``step``; the columns
+        are those of the CSV export: ``t`` [s], mean position ``x``, ``y`` (``z``) [m], mean
+        velocity ``vx``, ``vy`` (``vz``) [m/s] (nan where the dynamics have none), three standard
+        deviations of the position ``three_sigma_x`` … [m], the controls that follow ``u1``, ``u2``,
+        … (nan at the last step). ``ledger``: ``cause``, ``vehicle``, ``other``, ``step`` and
+        ``risk`` [-].
 
     Raises
     ------
@@ -57,8 +59,8 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
         rows = [[getattr(row, name) for name in columns] for row in plan.risk.ledger]
         return pd.DataFrame(rows, columns=columns)
     frames = [pd.DataFrame(_columns(plan, index)) for index in range(len(plan.trajectories))]
-    whole = pd.concat(frames) if frames else pd.DataFrame({"vehicle": [], "step": []})
-    return whole.set_index(["vehicle", "step"])
+    whole = pd.concat(frames) if frames else pd.DataFrame({"name": [], "step": []})
+    return whole.set_index(["name", "step"])
 
 
 def _columns(plan: Plan, index: int) -> dict[str, object]:
@@ -66,16 +68,22 @@ def _columns(plan: Plan, index: int) -> dict[str, object]:
     vehicle, trajectory = plan.scenario.vehicles[index], plan.trajectories[index]
     steps = np.arange(len(trajectory.means))
     columns: dict[str, object] = {
-        "vehicle": vehicle.name,
+        "name": vehicle.name,
         "step": steps,
-        "time": plan.scenario.dt * steps,
+        "t": plan.scenario.dt * steps,
     }
-    for name, state in zip(_AXES, vehicle.system.position, strict=False):
-        columns[name] = trajectory.means[:, state]
+    system = vehicle.system
+    axes = _AXES[: system.dimension]
+    for axis, state in zip(axes, system.position, strict=True):
+        columns[axis] = trajectory.means[:, state]
+    for i, axis in enumerate(axes):
+        velocity = system.velocity
+        columns[f"v{axis}"] = np.nan if velocity is None else trajectory.means[:, velocity[i]]
+    for axis, state in zip(axes, system.position, strict=True):
         variances = np.maximum(trajectory.covariances[:, state, state], 0.0)
-        columns[f"sigma_{name}"] = np.sqrt(variances)
+        columns[f"three_sigma_{axis}"] = 3.0 * np.sqrt(variances)
     for j in range(trajectory.controls.shape[1]):
-        columns[f"u{j}"] = np.append(trajectory.controls[:, j], np.nan)
+        columns[f"u{j + 1}"] = np.append(trajectory.controls[:, j], np.nan)
     return columns
 
 

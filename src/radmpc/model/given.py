@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
-from radmpc.arguments import check_kind
+from radmpc.arguments import check_kind, told
+from radmpc.errors import ArgumentError
 from radmpc.model.plan import Plan
-from radmpc.model.scenario import Scenario
+from radmpc.model.scenario import Avoidance, Scenario
 
-__all__ = ["check_plan", "check_scenario"]
+__all__ = ["check_plan", "check_scenario", "plan_under"]
 
 # By name: what results and imports are is not known on this floor.
 _SCENARIO_HINTS = {
@@ -55,6 +57,42 @@ def check_plan(value: object, name: str = "plan") -> None:
     hint = "radmpc.load_plan reads files" if _is_path(value) else ""
     hint = hint or _PLAN_HINTS.get(type(value).__name__, "")
     check_kind(value, Plan, name, "a Plan", hint)
+
+
+def plan_under(plan: Plan, avoidance: Avoidance | None) -> Plan:
+    """Return a plan as judged where another avoidance counts than its scenario's.
+
+    Parameters
+    ----------
+    plan : Plan
+        Any.
+    avoidance : {'intervals', 'steps'} or None
+        Where collisions count; None is as in its scenario.
+
+    Returns
+    -------
+    Plan
+        The same trajectories. What the plan states of its risk it states of its own scenario, and
+        so is left out where that is another.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If the first is no plan.
+    ArgumentError
+        If there is no such avoidance.
+    """
+    check_plan(plan)
+    if avoidance is None:
+        return plan
+    if not (isinstance(avoidance, str) and avoidance in {"intervals", "steps"}):
+        raise ArgumentError(
+            f"avoidance must be 'intervals', 'steps' or None, got {told(avoidance)}"
+        )
+    if avoidance == plan.scenario.avoidance:
+        return plan
+    scenario = replace(plan.scenario, avoidance=avoidance)
+    return replace(plan, scenario=scenario, risk=replace(plan.risk, certified=None, ledger=()))
 
 
 def _is_path(value: object) -> bool:

@@ -37,6 +37,25 @@ class Status(Enum):
             Status.LIMIT: "ended before any plan was found (time limit, node limit or Ctrl-C)",
         }[self]
 
+    def sentence_after(self, stopped_by: str | None) -> str:
+        """Return the same where a limit ended the search, which it names.
+
+        Parameters
+        ----------
+        stopped_by : str or None
+            A clause such as "the time limit of 60 s was reached"; None where no limit did.
+
+        Returns
+        -------
+        str
+            `sentence` where the limit makes no difference.
+        """
+        if stopped_by is not None and self is Status.FEASIBLE:
+            return f"plan found, but {stopped_by} before a proof that it is the best"
+        if stopped_by is not None and self is Status.LIMIT:
+            return f"ended before any plan was found: {stopped_by}"
+        return self.sentence
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory(Frozen):
@@ -192,6 +211,9 @@ class Plan:
         One per vehicle, in the scenario's order; empty without a plan.
     couplings : tuple of Coupling
         Why the vehicles of a set were planned together; empty where the planner does not ask.
+    stopped_by : str or None
+        The limit that ended the search, as a clause: "the time limit of 60 s was reached"; None
+        where the search ended by itself.
     """
 
     scenario: Scenario
@@ -207,6 +229,12 @@ class Plan:
     explanation: str | None = None
     trajectories: tuple[Trajectory, ...] = ()
     couplings: tuple[Coupling, ...] = ()
+    stopped_by: str | None = None
+
+    @property
+    def status_sentence(self) -> str:
+        """How planning ended in words, with the limit that ended it, if one did."""
+        return self.status.sentence_after(self.stopped_by)
 
     def trajectory(self, name: str) -> Trajectory:
         """Return a vehicle's part of the plan.

@@ -12,6 +12,7 @@ import numpy as np
 from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, told
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import growth
+from radmpc.model.numbers import check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.workspace import Workspace
@@ -127,15 +128,7 @@ class Scenario:
 
     def _check_numbers(self) -> None:
         """Check the scalars."""
-        if not (np.isfinite(self.dt) and self.dt > 0.0):
-            raise ScenarioError(f"must be > 0 s, got {self.dt}", ("dt",))
-        if self.horizon < 1:
-            raise ScenarioError(f"must be at least 1 step, got {self.horizon}", ("horizon",))
-        if not 0.0 < self.risk_bound < 0.5:
-            raise ScenarioError(
-                f"must lie between 0 and 0.5, both excluded, got {self.risk_bound}",
-                ("risk_bound",),
-            )
+        check_scenario_numbers(self.dt, self.horizon, self.risk_bound)
         if not (isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}):
             raise ScenarioError(
                 f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)

@@ -20,8 +20,9 @@ from radmpc.arrays import (
     as_vector,
     frozen,
 )
-from radmpc.errors import ScenarioError
+from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
+from radmpc.model.numbers import check_positive, check_vehicle_numbers
 
 __all__ = ["Goal", "Vehicle"]
 
@@ -211,15 +212,16 @@ class Vehicle(Frozen):
             put(self, name, as_covariance(getattr(self, name), n, (name,)))
         if self.speed_limit is not None:
             put(self, "speed_limit", as_axes(self.speed_limit, d, ("speed_limit",)))
-            _check_positive(self.speed_limit, "speed_limit", "m/s")
         if self.gain is not None:
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
-        _check_positive(self.control_limit, "control_limit", "per axis")
-        _check_positive(np.array([self.radius]), "radius", "m")
-        for name in ("control_sigmas", "cost_weight"):
-            value: float = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0.0):
-                raise ScenarioError(f"must be >= 0, got {value}", (name,))
+        speed_limit = self.speed_limit
+        all_checked(
+            lambda: (
+                None if speed_limit is None else check_positive(speed_limit, "speed_limit", "m/s")
+            ),
+            lambda: check_positive(self.control_limit, "control_limit", "per axis"),
+            lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
+        )
         if self.goal.lower.size != d:
             raise ScenarioError(
                 f"must have {d} coordinates like the position, got {self.goal.lower.size}",
@@ -315,10 +317,3 @@ def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
     state = np.zeros(n)
     state[list(system.position)] = given
     return frozen(state)
-
-
-def _check_positive(values: Vector, name: str, unit: str) -> None:
-    """Refuse values that are not above zero."""
-    if not np.all(np.isfinite(values) & (values > 0.0)):
-        shown = values.tolist() if values.size > 1 else values.item()
-        raise ScenarioError(f"must be > 0 {unit}, got {shown}", (name,))

@@ -97,6 +97,8 @@ class Draft:
         What a little more Δ would save, per unit of probability.
     couplings : tuple of Coupling
         Why the vehicles of a set were planned together.
+    stopped_by : str or None
+        The limit that ended the search, as a clause; None where the caller's own limits tell.
     """
 
     status: Status
@@ -109,3 +111,4 @@ class Draft:
     lower_bound: float | None = None
     price: float | None = None
     couplings: tuple[Coupling, ...] = ()
+    stopped_by: str | None = None

@@ -66,12 +66,19 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
     if reason:
         return reason
     is_open = False
-    for size in (1, 2):
-        for members in combinations(range(len(subjects)), size):
-            outcome = _solved_alone(scenario, members, planner, limits)
-            if outcome is Outcome.INFEASIBLE:
-                return _cannot_be_planned(scenario, members)
-            is_open |= outcome is Outcome.LIMIT
+    blocked = []
+    for i in range(len(subjects)):
+        outcome = _solved_alone(scenario, (i,), planner, limits)
+        if outcome is Outcome.INFEASIBLE:
+            blocked.append(_no_way_alone(scenario, i))
+        is_open |= outcome is Outcome.LIMIT
+    if blocked:
+        return " ".join(text for _, text in grouped(scenario, blocked))
+    for members in combinations(range(len(subjects)), 2):
+        outcome = _solved_alone(scenario, members, planner, limits)
+        if outcome is Outcome.INFEASIBLE:
+            return _no_way_together(scenario, members)
+        is_open |= outcome is Outcome.LIMIT
     if is_open:
         return f"{_OPEN}: {limit_clause(limits)}"
     return _GENERAL
@@ -229,23 +236,27 @@ def _solved_alone(
     return planner.policy.solve(request).solution.outcome
 
 
-def _cannot_be_planned(scenario: Scenario, members: tuple[int, ...]) -> str:
-    """Name vehicles for which no plan was found even with the whole Δ to themselves."""
-    names = [repr(scenario.vehicles[i].name) for i in members]
-    bound = f"the risk bound {scenario.risk_bound:g}"
-    if len(names) == 2:
-        return (
-            f"Vehicles {names[0]} and {names[1]} alone find no way past each other within "
-            f"{bound} that this planner sees: raise risk_bound, lengthen the horizon, or move "
-            "their goals."
-        )
-    alone = scenario.subset(members, scenario.risk_bound)
+def _no_way_together(scenario: Scenario, members: tuple[int, ...]) -> str:
+    """Name two vehicles for which no plan was found even with the whole Δ to themselves."""
+    first, second = (repr(scenario.vehicles[i].name) for i in members)
+    return (
+        f"Vehicles {first} and {second} alone find no way past each other within the risk bound "
+        f"{scenario.risk_bound:g} that this planner sees: raise risk_bound, lengthen the horizon, "
+        "or move their goals."
+    )
+
+
+def _no_way_alone(scenario: Scenario, i: int) -> Reason:
+    """Return why one vehicle has no plan even with the whole Δ to itself."""
+    alone = scenario.subset((i,), scenario.risk_bound)
     program = build_program(alone, whole_subjects(alone), risk_bound=scenario.risk_bound)
     dangers = dict.fromkeys(
         repr(e.other) if e.other else "the workspace border" for e in program.exposures
     )
-    return (
-        f"Vehicle {names[0]} alone finds no way within {bound} that this planner sees; near are "
+    text = (
+        f"within the risk bound {scenario.risk_bound:g} that this planner sees; near are "
         f"{', '.join(dangers)}. Raise risk_bound, lengthen the horizon, reduce the noise, or "
-        "widen its way."
+    )
+    return Reason(
+        (i,), f"alone finds no way {text}widen its way.", f"each find no way {text}widen their way."
     )

@@ -23,6 +23,9 @@ __all__ = ["Decomposition", "Planner", "Progress", "Run"]
 Progress = Callable[[str, int, int | None], None]
 """Told the stage, its parts done, and how many there are, if that is known."""
 
+Found = Callable[[float, float | None], None]
+"""Told the cost of the best plan so far, and a lower bound on the cost, None without one."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
@@ -40,6 +43,8 @@ class Run:
         Told what planning is at.
     judge : callable
         What the referee says of every vehicle's controls, in the scenario's order.
+    found : callable
+        Told the cost of the best plan so far, and a lower bound or None.
     """
 
     rng: np.random.Generator
@@ -47,6 +52,7 @@ class Run:
     executor: Executor | None
     progress: Progress
     judge: Judge
+    found: Found
 
 
 class Decomposition(ABC):
@@ -145,6 +151,11 @@ class Planner:
                     f"solver '{self.solver}' does not go with the {name} '{part}', which needs one "
                     "that proves that there is no solution"
                 )
+
+    @property
+    def bounds_risk(self) -> bool:
+        """Whether its policy spends Δ; otherwise the certificate may be anything."""
+        return self.policy.family != "deterministic"
 
     def __str__(self) -> str:
         return f"{self.policy}, {self.solver}, {self.decomposition}"

@@ -12,6 +12,7 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoint_risk import Danger, Floors, floors
+from radmpc.planners.shared_reasons import place_sentences
 from radmpc.planners.wording import listed, places_text
 from radmpc.program.subject import Subject
 
@@ -180,11 +181,8 @@ def place_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
     if found.total <= granted:
         return []
     dangers = (*found.starts, *found.goals)
-    reasons = [
-        Reason(danger.members, places_text(scenario, (danger,), danger.risk))
-        for danger in dangers
-        if danger.risk > granted
-    ]
+    alone = [danger for danger in dangers if danger.risk > granted]
+    reasons = [Reason(*told) for told in place_sentences(scenario, alone)]
     if reasons:
         return reasons
     for i in range(scenario.num_vehicles):

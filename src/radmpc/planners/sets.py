@@ -211,7 +211,7 @@ def verdict_of_sets(
     (Status, str or None)
         Feasible where every set has a plan; else why not.
     """
-    reasons = []
+    names_of: dict[str, list[str]] = {}
     status = Status.FEASIBLE
     for members, plan in zip(sets, plans, strict=True):
         if plan.controls:
@@ -223,5 +223,11 @@ def verdict_of_sets(
             status = Status.LIMIT
         names = ", ".join(repr(scenario.vehicles[i].name) for i in members)
         why = "no plan within the limit." if limited else plan.explanation or "no plan."
-        reasons.append(f"Set of {names}: {why}" if len(sets) > 1 else why)
+        names_of.setdefault(why, []).append(names)
+    if len(sets) == 1:
+        return status, next(iter(names_of), None)
+    reasons = [
+        f"Set{'s' if len(names) > 1 else ''} of {'; '.join(names)}: {why}"
+        for why, names in names_of.items()
+    ]
     return status, " ".join(reasons) or None

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from radmpc.arrays import Matrix
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import DPI
@@ -44,6 +45,10 @@ class Panel:
     title: str
     plan: Plan
     outlines: Sequence[tuple[str, Sequence[Matrix]]] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse what is no plan."""
+        check_plan(self.plan)
 
 
 def plot_panels(panels: Sequence[Panel]) -> Figure:

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.table import Table
 from rich.text import Text
 
 from radmpc.console.files import writing
-from radmpc.console.output import note, show, show_json
+from radmpc.console.output import note, show, show_json, width
 from radmpc.console.picture import check_picture
+from radmpc.console.reports.comparison_table import comparison_table
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.report import scenario_line
 from radmpc.console.running.guard import Code
@@ -112,54 +112,13 @@ def run_compare(scenario: Scenario, request: CompareRequest) -> int:
     if request.as_json:
         show_json({"scenario": scenario.name, "planners": [_as_json(one) for one in found]})
     else:
-        show(Text(scenario_line(scenario), style="bold"), comparison_table(found))
+        show(Text(scenario_line(scenario), style="bold"), comparison_table(found, width()))
         _show_reasons(found)
         if request.figure is not None:
             show(f"picture written to {request.figure}")
     if was_interrupted:
         note("interrupted: planners that had not begun are left out")
     return Code.OK if any(one.is_within for one in found) else Code.NO
-
-
-def comparison_table(found: Sequence[Comparison]) -> Table:
-    """Return a line per planner: status, cost, certificate, simulation, sets and seconds."""
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column("planner", no_wrap=True)
-    table.add_column("status", no_wrap=True)
-    for column in ("cost", "above least", "certificate", "collide (95 %)", "sets", "largest"):
-        table.add_column(column, no_wrap=True, justify="right")
-    table.add_column("seconds", no_wrap=True, justify="right")
-    costs = [one.result.cost for one in found if one.is_within and one.result is not None]
-    least = min((cost for cost in costs if cost is not None), default=None)
-    for one in found:
-        table.add_row(*_cells(one, least))
-    return table
-
-
-def _cells(one: Comparison, least: float | None) -> list[Text | str]:
-    """Return one line of the table; what is not within the bound is red."""
-    result, flown = one.result, one.simulation
-    if result is None:
-        return [one.planner, Text("failed", style="red")]
-    seconds = f"{result.seconds['total']:.2f}"
-    if result.plan is None or result.cost is None or result.certificate is None:
-        status = Text(result.status.value, style="red")
-        return [one.planner, status, "–", "–", "–", "–", "–", "–", seconds]
-    style = "green" if one.is_within else "red"
-    certified = result.certificate.certified
-    sizes = [len(members) for members in result.sets]
-    above = "–" if not least else f"{100.0 * (result.cost / least - 1.0):+.2f} %"
-    return [
-        one.planner,
-        result.status.value,
-        f"{result.cost:.4g}",
-        above,
-        Text(f"{certified:.4g}" if certified <= 1.0 else "1", style=style),
-        "–" if flown is None else f"{flown.rate:.4g} ({flown.rate_low:.2g}–{flown.rate_high:.2g})",
-        str(len(sizes)),
-        str(max(sizes)),
-        seconds,
-    ]
 
 
 def _show_reasons(found: Sequence[Comparison]) -> None:

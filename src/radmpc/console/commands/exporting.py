@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.console.files import OutputError, check_output, writing
+from radmpc.console.options import is_option, named_options
 from radmpc.console.output import note, show
 from radmpc.console.running.guard import Code
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.io.export.exporting import ExportOptions, export_plan, save_exported
+from radmpc.io.export.exporting import Exported, ExportOptions, export_plan, save_exported
 from radmpc.io.export.origin import parse_origin
 from radmpc.io.text.files import one_line
 from radmpc.model.ledger import bound_text
@@ -17,6 +18,8 @@ from radmpc.model.plan import Plan
 from radmpc.referee import Certificate, certify
 
 __all__ = ["ExportRequest", "run_export"]
+
+_OPTIONS = ("to", "origin", "altitude")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,16 +62,8 @@ def run_export(plan: Plan, request: ExportRequest) -> int:
     int
         The exit code: a plan that does not hold is written too, with a warning.
     """
-    origin = None if request.origin is None else parse_origin(request.origin)
     doubts = _doubts(certify(plan)) if plan.trajectories else ""
-    options = ExportOptions(origin, request.altitude, is_certified=not doubts)
-    try:
-        exported = export_plan(plan, request.to, request.output, options)
-    except ScenarioError as error:
-        # What does not begin with an option is wrong in the file.
-        if error.message.startswith("--"):
-            raise
-        raise FileFormatError(one_line(f"{request.plan_file}: {error}")) from error
+    exported = _exported(plan, request, is_certified=not doubts)
     for path in exported.files:
         check_output(path)
         if path.exists() and path.samefile(request.plan_file):
@@ -84,6 +79,19 @@ def run_export(plan: Plan, request: ExportRequest) -> int:
     if doubts:
         note(f"warning: {doubts}")
     return Code.OK
+
+
+def _exported(plan: Plan, request: ExportRequest, *, is_certified: bool) -> Exported:
+    """Return what is to be written; what is wrong is an option, or in the plan's file."""
+    with named_options(*_OPTIONS):
+        origin = None if request.origin is None else parse_origin(request.origin)
+        options = ExportOptions(origin, request.altitude, is_certified=is_certified)
+        try:
+            return export_plan(plan, request.to, request.output, options)
+        except ScenarioError as error:
+            if is_option(error, _OPTIONS):
+                raise
+            raise FileFormatError(one_line(f"{request.plan_file}: {error}")) from error
 
 
 def _doubts(certificate: Certificate) -> str:

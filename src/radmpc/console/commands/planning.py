@@ -26,7 +26,7 @@ from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
-from radmpc.planning import plan
+from radmpc.planning import plan, seconds_granted
 from radmpc.result import Result
 
 __all__ = ["Request", "check_request", "run_plan"]
@@ -43,7 +43,7 @@ class Request:
     seed : int
         Seed of every random choice.
     time_limit : float or None
-        Seconds; None is no limit.
+        Seconds; None leaves it to the planner: 60 for `certified`, no limit for others.
     jobs : int
         Number of processes.
     dask : str or None
@@ -107,7 +107,11 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         stop_on_interrupt() as is_stopped,
         workers(request.jobs, request.dask) as executor,
         told_stages(request.is_verbose),
-        progress_line(is_wanted=not request.is_verbose) as progress,
+        progress_line(
+            is_wanted=not request.is_verbose,
+            is_planning=True,
+            seconds=seconds_granted(parse_planner(request.planner), request.time_limit),
+        ) as progress,
     ):
         result = plan(
             scenario,
@@ -117,23 +121,34 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             executor=executor,
             progress=progress,
             stop=is_stopped,
+            found=progress.found,
         )
         was_interrupted = is_stopped()
-    if request.output is not None:
-        with writing(request.output):
-            save_plan(result.record, request.output)
-    if request.figure is not None:
-        write_picture(result.record, request.figure)
-    if request.ledger is not None:
-        write_ledger(result.record, request.ledger)
-    if request.animation is not None:
-        write_film(result.record, request.animation)
+    _write(result.record, request)
     if request.as_json:
         show_json(encode_plan(result.record, with_vehicles=False))
     else:
-        report = plan_report(result.record, request.planner.strip(), len(result.events))
+        report = plan_report(
+            result.record,
+            request.planner.strip(),
+            len(result.events),
+            bounds_risk=parse_planner(request.planner).bounds_risk,
+        )
         show(*report, *_written(request))
     return _conclude(result, was_interrupted, not request.as_json)
+
+
+def _write(record: Plan, request: Request) -> None:
+    """Write the files that were asked for."""
+    if request.output is not None:
+        with writing(request.output):
+            save_plan(record, request.output)
+    if request.figure is not None:
+        write_picture(record, request.figure)
+    if request.ledger is not None:
+        write_ledger(record, request.ledger)
+    if request.animation is not None:
+        write_film(record, request.animation)
 
 
 def _written(request: Request) -> list[str]:
@@ -153,7 +168,7 @@ def _written(request: Request) -> list[str]:
 def _no_plan(record: Plan, is_reported: bool) -> str:
     """Return that there is no plan, and why unless the report has just said so."""
     if not record.explanation:
-        return record.status.sentence
+        return record.status_sentence
     if is_reported:
         return f"no plan ({record.status.value}): the report says why"
     return f"no plan: {record.explanation}"

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
 
+from radmpc.console.loading import read_plan
+from radmpc.console.output import show, show_json
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.report import facts, scenario_line, verdict
 from radmpc.console.reports.saturating import saturation_line, saturation_warning
+from radmpc.console.running.guard import Code
 from radmpc.errors import ScenarioError
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status
+from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.referee import certify, simulate
 
-__all__ = ["Verification", "verify_plan", "verify_report"]
+__all__ = ["Verification", "run_verify", "verify_plan", "verify_report"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +66,49 @@ class Verification:
         return asdict(self)
 
 
-def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
+def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as_json: bool) -> int:
+    """Judge the plan in a file and report.
+
+    Parameters
+    ----------
+    path : Path
+        The plan.
+    samples : int
+        Missions to simulate.
+    seed : int
+        Of the simulation.
+    avoidance : str or None
+        As typed; None is as in the plan's scenario.
+    as_json : bool
+        Whether stdout gets JSON rather than the report.
+
+    Returns
+    -------
+    int
+        The exit code: whether the plan holds.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such avoidance.
+    """
+    where: Avoidance | None = None
+    if avoidance is not None:
+        if avoidance not in {"intervals", "steps"}:
+            raise ScenarioError(f"--avoidance must be 'intervals' or 'steps', got {avoidance!r}")
+        where = "steps" if avoidance == "steps" else "intervals"
+    record = read_plan(path)
+    verification = verify_plan(record, samples, seed, where)
+    if as_json:
+        show_json(verification.as_json())
+    else:
+        show(*verify_report(record.scenario, verification, where))
+    return Code.OK if verification.holds else Code.NO
+
+
+def verify_plan(
+    plan: Plan, samples: int, seed: int, avoidance: Avoidance | None = None
+) -> Verification:
     """Return the referee's word on a plan, and what a simulation adds to it.
 
     Parameters
@@ -72,6 +119,8 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
         Missions to simulate.
     seed : int
         Of the simulation.
+    avoidance : {'intervals', 'steps'} or None
+        Where collisions count; None is as in the plan's scenario.
 
     Returns
     -------
@@ -81,7 +130,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
     bound = plan.scenario.risk_bound
     if not plan.trajectories:
         return Verification(False, bound, None, None, None, None, 0, _reasons(plan))
-    certificate = certify(plan)
+    certificate = certify(plan, avoidance=avoidance)
     problems = certificate.problems
     try:
         with progress_line() as progress:
@@ -89,6 +138,7 @@ def verify_plan(plan: Plan, samples: int, seed: int) -> Verification:
                 plan,
                 samples,
                 rng=seed,
+                avoidance=avoidance,
                 progress=lambda done, total: progress("simulating", done, total),
             )
     except ScenarioError as error:
@@ -127,8 +177,11 @@ def _reasons(plan: Plan) -> tuple[str, ...]:
     return (f"no plan: {plan.explanation}" if plan.explanation else plan.status.sentence,)
 
 
-def verify_report(plan: Plan, verification: Verification) -> list[Table | Text]:
-    """Return the same as parts to show."""
+def verify_report(
+    scenario: Scenario, verification: Verification, avoidance: Avoidance | None = None
+) -> list[Table | Text]:
+    """Return the same as parts to show, under the scenario in which the plan was judged."""
+    judged = scenario if avoidance is None else replace(scenario, avoidance=avoidance)
     rows: dict[str, Text | str] = {
         "certificate": verdict(verification.certified, verification.bound)
     }
@@ -145,4 +198,4 @@ def verify_report(plan: Plan, verification: Verification) -> list[Table | Text]:
     if verification.problems:
         rows["problems"] = Text("\n".join(verification.problems), style="red")
     word = Text("holds", "bold green") if verification.holds else Text("does not hold", "bold red")
-    return [Text(scenario_line(plan.scenario), style="bold"), facts(rows | {"the plan": word})]
+    return [Text(scenario_line(judged), style="bold"), facts(rows | {"the plan": word})]

@@ -2,21 +2,71 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
 from rich.text import Text
 
-__all__ = ["ProgressCallback", "progress_line", "progress_text"]
+from radmpc.solvers.solution import relative_gap
+
+__all__ = ["ProgressCallback", "ProgressLine", "progress_line", "progress_text"]
 
 ProgressCallback = Callable[[str, int, int | None], None]
 
 
+class ProgressLine:
+    """What is being done, the best plan so far, and the time; drawn anew while it is shown.
+
+    Parameters
+    ----------
+    is_planning : bool
+        Whether there is a best plan to tell of, which Ctrl-C keeps.
+    seconds : float or None
+        The time limit; None where there is none.
+    """
+
+    def __init__(self, *, is_planning: bool = False, seconds: float | None = None) -> None:
+        self._is_planning = is_planning
+        self._seconds = seconds
+        self._stage = "planning" if is_planning else "working"
+        self._best = ""
+        self._begun = time.monotonic()
+
+    def __call__(self, stage: str, done: int, total: int | None) -> None:
+        """Take the stage, the parts done and their number or None."""
+        self._stage = progress_text(stage, done, total)
+
+    def found(self, cost: float, bound: float | None) -> None:
+        """Take the cost of the best plan so far, and its lower bound or None."""
+        gap = "" if bound is None else f", gap {100.0 * relative_gap(cost, bound):.2g} %"
+        self._best = f"best cost {cost:.6g}{gap}"
+
+    def text(self) -> str:
+        """Return the line as of now."""
+        passed = f"{time.monotonic() - self._begun:.0f}"
+        parts = [self._stage]
+        if self._best:
+            parts.append(self._best)
+        parts.append(f"{passed} s" if self._seconds is None else f"{passed} of {self._seconds:g} s")
+        if self._is_planning:
+            parts.append(f"Ctrl-C keeps {'this plan' if self._best else 'the best plan so far'}")
+        return "; ".join(parts)
+
+    def __rich__(self) -> Text:
+        """Return the line for a terminal, which asks for it several times a second."""
+        return Text(self.text())
+
+
 @contextmanager
 def progress_line(
-    console: Console | None = None, *, is_wanted: bool = True
-) -> Iterator[ProgressCallback]:
+    console: Console | None = None,
+    *,
+    is_wanted: bool = True,
+    is_planning: bool = False,
+    seconds: float | None = None,
+) -> Iterator[ProgressLine]:
     """Show progress on stderr while the context lasts, if somebody can see it.
 
     Parameters
@@ -25,18 +75,21 @@ def progress_line(
         Where to show it; None is stderr.
     is_wanted : bool
         Whether it is to be shown at all.
+    is_planning, seconds : bool and float or None
+        As of `ProgressLine`.
 
     Yields
     ------
-    callable
-        Takes the stage, the parts done and their number or None.
+    ProgressLine
+        Call it with the stage, the parts done and their number or None.
     """
     target = Console(stderr=True) if console is None else console
+    line = ProgressLine(is_planning=is_planning, seconds=seconds)
     if not (is_wanted and target.is_terminal):
-        yield lambda stage, done, total: None
+        yield line
         return
-    with target.status("planning") as status:
-        yield lambda stage, done, total: status.update(Text(progress_text(stage, done, total)))
+    with target.status(line):
+        yield line
 
 
 def progress_text(stage: str, done: int, total: int | None) -> str:

@@ -1,16 +1,35 @@
-"""Why a plan is as it is, in words: who had to be planned together, and what limits it."""
+"""Why a plan is as it is, in words: who was planned together, what limits it, what to try."""
 
 from __future__ import annotations
 
-from radmpc.model.limits import TightLimit, tight_limits
-from radmpc.model.plan import Coupling, Plan
+from collections.abc import Mapping, Sequence
 
-__all__ = ["limits_text", "reasons_text"]
+from radmpc.model.limits import TightLimit, tight_limits
+from radmpc.model.plan import Coupling, Plan, Status
+from radmpc.model.scenario import Scenario
+
+__all__ = [
+    "advice_text",
+    "assumed_noise_text",
+    "cost_text",
+    "left_over_text",
+    "limits_text",
+    "reasons_text",
+]
 
 _MOST_REASONS = 4
 _MOST_LIMITS = 4
 _SPENT = 0.97
 """Share of the risk bound beyond which it counts as used up."""
+
+_MUCH_LEFT = 0.15
+"""Share of the risk bound from which on what is left over needs a reason."""
+
+_SURE = 0.995
+"""Probability that two digits show as 1: nobody should read it as a number."""
+
+_ROUNDING = 1e-9
+"""Relative difference of a cost and its bound that is none."""
 
 
 def reasons_text(plan: Plan) -> str:
@@ -27,9 +46,27 @@ def reasons_text(plan: Plan) -> str:
         Four reasons at most, and how many others there are.
     """
     ordered = sorted(plan.couplings, key=_strength, reverse=True)
-    told = [_reason(coupling) for coupling in ordered[:_MOST_REASONS]]
-    hidden = len(ordered) - len(told)
-    return "; ".join(told) + (f"; and {hidden} more couplings" if hidden else "")
+    sure = [c for c in ordered if _is_sure(c)]
+    told = [_sure_text(sure)] if len(sure) > 1 else []
+    rest = ordered[len(sure) :] if told else ordered
+    num_told = _MOST_REASONS - len(told)
+    told += [_reason(coupling) for coupling in rest[:num_told]]
+    hidden = len(rest[num_told:])
+    noun = "coupling" if hidden == 1 else "couplings"
+    return "; ".join(told) + (f"; and {hidden} more {noun}" if hidden else "")
+
+
+def _is_sure(coupling: Coupling) -> bool:
+    """Whether two vehicles planned apart would collide but for a miracle."""
+    return coupling.reason == "collision" and (coupling.value or 0.0) >= _SURE
+
+
+def _sure_text(sure: Sequence[Coupling]) -> str:
+    """Return one sentence about all who would surely collide."""
+    pairs = [f"{c.vehicle} and {c.other}" for c in sure[:_MOST_REASONS]]
+    hidden = len(sure) - len(pairs)
+    pairs += [f"{hidden} more pair{'s' if hidden > 1 else ''}"] if hidden else []
+    return f"{', '.join(pairs)} would almost surely collide if planned apart"
 
 
 def _strength(coupling: Coupling) -> float:
@@ -42,8 +79,10 @@ def _strength(coupling: Coupling) -> float:
 def _reason(coupling: Coupling) -> str:
     """Return one reason."""
     pair, value = f"{coupling.vehicle} and {coupling.other}", coupling.value or 0.0
+    if _is_sure(coupling):
+        return f"{pair} would almost surely collide if planned apart"
     if coupling.reason == "collision":
-        return f"{pair} would run a risk of {min(value, 1.0):.2g} if planned apart"
+        return f"{pair} would run a risk of {value:.2g} if planned apart"
     if coupling.reason == "risk":
         return f"{pair} run a risk of {value:.2g} in the approximation"
     if coupling.reason == "blocked":
@@ -68,13 +107,14 @@ def limits_text(plan: Plan) -> str:
     """
     texts = []
     certified, bound = plan.risk.certified, plan.risk.bound
-    if certified is not None and certified >= _SPENT * bound:
+    # A planner that exceeds the bound was not held up by it.
+    if certified is not None and _SPENT * bound <= certified <= bound:
         texts.append(f"the risk bound ({100.0 * certified / bound:.0f} % of it spent)")
     limits = tight_limits(plan)
     texts += [_limit(limit) for limit in limits[:_MOST_LIMITS]]
     hidden = len(limits) - _MOST_LIMITS
     if hidden > 0:
-        texts.append(f"{hidden} more limits")
+        texts.append(f"{hidden} more {'limit' if hidden == 1 else 'limits'}")
     return ", ".join(texts)
 
 
@@ -82,3 +122,111 @@ def _limit(limit: TightLimit) -> str:
     """Return one limit and how long it is in use."""
     steps = "1 step" if limit.num_steps == 1 else f"{limit.num_steps} steps"
     return f"{limit.limit} limit of {limit.vehicle} ({steps})"
+
+
+def cost_text(plan: Plan) -> str:
+    """Return the cost, and the lower bound and gap where there are."""
+    cost, bound = plan.cost, plan.lower_bound
+    if cost is None:
+        return "none"
+    if bound is None:
+        return f"{cost:.6g} (no lower bound)"
+    if cost < bound - _ROUNDING * abs(bound):
+        return (
+            f"{cost:.6g} (below {bound:.6g}, the least of plans whose simple bounds sum to the "
+            "risk bound: the certificate, which is tighter, lets this one spend more)"
+        )
+    gap = 0.0 if cost <= 0.0 else max(cost - bound, 0.0) / cost
+    return f"{cost:.6g} (lower bound {bound:.6g}, gap {100.0 * gap:.2g} %)"
+
+
+def left_over_text(plan: Plan) -> str | None:
+    """Return why a plan leaves much of the risk bound and is called optimal nevertheless.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories, of a planner that keeps the risk within its bound.
+
+    Returns
+    -------
+    str or None
+        One clause; None where little is left over, or nothing was proven.
+    """
+    certified, bound, price = plan.risk.certified, plan.risk.bound, plan.risk.price
+    is_free = price == 0.0
+    if certified is None or not (is_free or plan.status is Status.OPTIMAL):
+        return None
+    left = 1.0 - certified / bound
+    if left < _MUCH_LEFT or (price is not None and price > 0.0):
+        return None
+    share = f"{100.0 * left:.0f} % of the bound"
+    if is_free:
+        return (
+            f"{share}: spending it would not make the plan cheaper, the ways to the goals and the "
+            "limits of the vehicles cost as much anyway"
+        )
+    return (
+        f"{share}: the planner counts by simple bounds, which sum to more than the certificate, "
+        "and by these the plan is optimal"
+    )
+
+
+def advice_text(plan: Plan, preset: str = "", *, bounds_risk: bool = True) -> str | None:
+    """Return what to try where a plan exceeds the risk bound.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    preset : str
+        The planner as it was asked for.
+    bounds_risk : bool
+        Whether it keeps the risk within the bound at all.
+
+    Returns
+    -------
+    str or None
+        One sentence; None where the plan is within, or there is no more to say than that it is not.
+    """
+    certified = plan.risk.certified
+    if certified is None or certified <= plan.risk.bound:
+        return None
+    if not bounds_risk:
+        return (
+            f"{preset or 'this planner'} does not bound the risk: it ignores the noise, or holds "
+            "back a fixed number of standard deviations; --planner certified keeps to the bound"
+        )
+    if not plan.risk.ledger:
+        return None
+    worst = max(plan.risk.ledger, key=lambda row: row.risk)
+    group_of = {name: i for i, group in enumerate(plan.sets) for name in group}
+    if worst.cause != "pair" or worst.other is None:
+        return None
+    if group_of.get(worst.vehicle) == group_of.get(worst.other):
+        return None
+    return (
+        f"{worst.vehicle} and {worst.other} were planned apart but may meet: try another --seed, "
+        "a lower threshold such as --planner 'multi-vehicle(1e-12)', or --planner ira for a "
+        "small fleet"
+    )
+
+
+def assumed_noise_text(scenario: Scenario) -> str | None:
+    """Return the noise that an import added, because its problem states none.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its ``source`` says what was chosen.
+
+    Returns
+    -------
+    str or None
+        One line; None where the noise is the scenario's own.
+    """
+    choices = (scenario.source or {}).get("choices")
+    noise = choices.get("noise") if isinstance(choices, Mapping) else None
+    if not isinstance(noise, str):
+        return None
+    return f"added by the import, the problem states none: {' '.join(noise.split())}"

@@ -8,7 +8,14 @@ from collections.abc import Iterable, Mapping
 from rich.table import Table
 from rich.text import Text
 
-from radmpc.console.reports.reasons import limits_text, reasons_text
+from radmpc.console.reports.reasons import (
+    advice_text,
+    assumed_noise_text,
+    cost_text,
+    left_over_text,
+    limits_text,
+    reasons_text,
+)
 from radmpc.console.reports.saturating import saturation_line
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
@@ -33,7 +40,9 @@ def scenario_line(scenario: Scenario) -> str:
     return f"{scenario.name}: {', '.join(parts)}"
 
 
-def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table | Text]:
+def plan_report(
+    plan: Plan, preset: str = "", num_events: int = 0, *, bounds_risk: bool = True
+) -> list[Table | Text]:
     """Return a plan's summary as parts to show.
 
     Parameters
@@ -44,6 +53,8 @@ def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table
         The planner as it was asked for.
     num_events : int
         How many subproblems had no solution on the way.
+    bounds_risk : bool
+        Whether the planner keeps the risk within Δ at all.
 
     Returns
     -------
@@ -51,30 +62,16 @@ def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table
         From top to bottom.
     """
     rows: dict[str, Text | str] = {
-        "status": f"{plan.status.value}: {plan.status.sentence}",
+        "status": f"{plan.status.value}: {plan.status_sentence}",
         "planner": f"{preset}: {plan.planner}" if preset else plan.planner,
     }
-    vehicles = plan.scenario.vehicles
     if plan.trajectories:
-        rows["cost"] = _cost(plan)
-        rows["certificate"] = verdict(plan.risk.certified, plan.risk.bound)
-        if plan.risk.saturation is not None and any(v.gain is not None for v in vehicles):
-            rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
-        if plan.risk.price is not None:
-            rows["price of risk"] = _price(plan.risk.price, plan)
-        limits = limits_text(plan)
-        if limits:
-            rows["limited by"] = limits
-        rows["planned together"] = _sets(plan.sets)
-        if plan.couplings:
-            rows["because"] = reasons_text(plan)
-        advice = _advice(plan)
-        if advice:
-            rows["advice"] = Text(advice, style="yellow")
-        if plan.explanation:
-            rows["note"] = plan.explanation
+        rows |= _plan_rows(plan, preset, bounds_risk=bounds_risk)
     elif plan.explanation:
         rows["no plan"] = Text(plan.explanation, style="red")
+    noise = assumed_noise_text(plan.scenario)
+    if noise:
+        rows["noise"] = Text(noise, style="yellow")
     if num_events:
         rows["events"] = f"{_count(num_events, 'subproblem')} of RADMPC had no solution"
     rows["seconds"] = _seconds(plan.seconds)
@@ -82,6 +79,34 @@ def plan_report(plan: Plan, preset: str = "", num_events: int = 0) -> list[Table
     if plan.risk.ledger:
         parts += [Text(), ledger_table(plan), Text(), vehicle_table(plan)]
     return parts
+
+
+def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text | str]:
+    """Return what there is to say of trajectories."""
+    rows: dict[str, Text | str] = {
+        "cost": cost_text(plan),
+        "certificate": verdict(plan.risk.certified, plan.risk.bound),
+    }
+    has_feedback = any(vehicle.gain is not None for vehicle in plan.scenario.vehicles)
+    if plan.risk.saturation is not None and has_feedback:
+        rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
+    if plan.risk.price is not None:
+        rows["price of risk"] = _price(plan.risk.price, plan)
+    limits = limits_text(plan)
+    if limits:
+        rows["limited by"] = limits
+    left_over = left_over_text(plan) if bounds_risk else None
+    if left_over:
+        rows["risk left over"] = left_over
+    rows["planned together"] = _sets(plan.sets)
+    if plan.couplings:
+        rows["because"] = reasons_text(plan)
+    advice = advice_text(plan, preset, bounds_risk=bounds_risk)
+    if advice:
+        rows["advice"] = Text(advice, style="yellow")
+    if plan.explanation:
+        rows["note"] = plan.explanation
+    return rows
 
 
 def facts(rows: Mapping[str, Text | str]) -> Table:
@@ -158,34 +183,6 @@ def _ledger_cells(row: LedgerRow, bound: float) -> Iterable[str]:
     return (
         row.cause, row.vehicle, other, str(row.step), f"{row.risk:.2e}", _share(row.risk, bound)
     )  # fmt: skip
-
-
-def _advice(plan: Plan) -> str | None:
-    """Return what to try where vehicles that were planned apart may meet."""
-    certified = plan.risk.certified
-    if certified is None or certified <= plan.risk.bound or not plan.risk.ledger:
-        return None
-    worst = max(plan.risk.ledger, key=lambda row: row.risk)
-    group_of = {name: i for i, group in enumerate(plan.sets) for name in group}
-    if worst.cause != "pair" or worst.other is None:
-        return None
-    if group_of.get(worst.vehicle) == group_of.get(worst.other):
-        return None
-    return (
-        f"{worst.vehicle} and {worst.other} were planned apart but may meet: try another --seed, "
-        "a lower threshold such as --planner 'multi-vehicle(1e-12)', or --planner ira for a "
-        "small fleet"
-    )
-
-
-def _cost(plan: Plan) -> str:
-    """Return the cost, and the lower bound and gap where there are."""
-    if plan.cost is None:
-        return "none"
-    if plan.lower_bound is None:
-        return f"{plan.cost:.6g} (no lower bound)"
-    gap = 0.0 if plan.cost <= 0.0 else max(plan.cost - plan.lower_bound, 0.0) / plan.cost
-    return f"{plan.cost:.6g} (lower bound {plan.lower_bound:.6g}, gap {100.0 * gap:.2g} %)"
 
 
 def _price(price: float, plan: Plan) -> str:

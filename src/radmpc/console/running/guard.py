@@ -14,7 +14,7 @@ from typer.core import TyperGroup
 
 from radmpc.console.output import note, silence_closed_pipe
 from radmpc.console.running.interrupt import interrupt_on_termination
-from radmpc.errors import NoPlanError, RadmpcError, SolverError
+from radmpc.errors import FileFormatError, NoPlanError, RadmpcError, SolverError
 
 __all__ = ["Code", "GuardedCommands"]
 
@@ -94,6 +94,10 @@ def _guarded(run: Callable[[], object], is_debug: bool) -> int:
             traceback.print_exc()
         line, failure = _verdict(error)
         note(line)
+        if isinstance(error, FileFormatError):
+            # What else is wrong with the file, a line each.
+            for other in getattr(error, "__notes__", ()):
+                note(other)
         return failure
     if code == _INTERRUPTED:
         note("interrupted")

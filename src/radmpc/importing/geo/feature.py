@@ -12,7 +12,7 @@ import shapely
 
 from radmpc.arrays import Matrix, as_matrix
 from radmpc.errors import ScenarioError
-from radmpc.io.native.ranges import check_range
+from radmpc.io.ranges import check_range
 from radmpc.io.text.files import shown
 
 __all__ = ["SETTINGS", "Feature", "Path", "drawn_line", "drawn_ring", "position"]

@@ -138,7 +138,7 @@ def export_plan(
     check_kind(options, (ExportOptions, NoneType), "options", "ExportOptions or None")
     options = options or ExportOptions()
     if not (isinstance(to, str) and to in FORMATS):
-        raise ScenarioError(f"--to must be one of {', '.join(FORMATS)}, got {told(to)}")
+        raise ScenarioError(f"must be one of {', '.join(FORMATS)}, got {told(to)}", ("to",))
     job = _job(plan, to, options)
     target = Path(path)
     if to in _FLEET:
@@ -213,16 +213,16 @@ def _job(plan: Plan, to: str, options: ExportOptions) -> Job:
     tracks = tracks_of(plan)
     if options.altitude is not None:
         if plan.scenario.dimension == 3:
-            raise ScenarioError("--altitude is for 2-D plans: this one has heights of its own")
+            raise ScenarioError("is for 2-D plans: this one has heights of its own", ("altitude",))
         if to == "csv":
-            raise ScenarioError("--altitude does not fit csv: it keeps the plan's coordinates")
+            raise ScenarioError("does not fit csv: it keeps the plan's coordinates", ("altitude",))
         if not abs(options.altitude) <= 1e5:
             raise ScenarioError(
-                f"--altitude must lie between -100 and 100 km, got {options.altitude} m"
+                f"must lie between -100 and 100 km, got {options.altitude} m", ("altitude",)
             )
     altitude = 0.0 if options.altitude is None else options.altitude
     if options.origin is not None and to == "csv":
-        raise ScenarioError("--origin does not fit csv: it keeps the plan's coordinates")
+        raise ScenarioError("does not fit csv: it keeps the plan's coordinates", ("origin",))
     origin = options.origin
     if origin is None and to != "csv":
         try:

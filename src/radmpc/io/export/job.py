@@ -47,7 +47,8 @@ class Job:
         """
         if self.placement is None:
             raise ScenarioError(
-                "the plan has no place on earth (no 'origin' in its scenario's source): "
-                "give one with --origin LAT,LON[,HEIGHT]"
+                "is required: the plan has no place on earth of its own (no 'origin' in its "
+                "scenario's source)",
+                ("origin",),
             )
         return self.placement

@@ -109,11 +109,11 @@ def parse_origin(text: str) -> Origin:
     except ValueError:
         numbers = []
     if len(numbers) not in {2, 3} or not all(math.isfinite(number) for number in numbers):
-        raise ScenarioError(f"--origin must be LAT,LON or LAT,LON,HEIGHT, got {shown(text)}")
+        raise ScenarioError(f"must be LAT,LON or LAT,LON,HEIGHT, got {shown(text)}", ("origin",))
     try:
         return Origin(*numbers)
     except ScenarioError as error:
-        raise ScenarioError(f"--origin: {error}") from error
+        raise error.under("origin") from error
 
 
 def scenario_origin(scenario: Scenario) -> Origin | None:

@@ -24,8 +24,8 @@ def write_table(job: Job) -> bytes:
     Returns
     -------
     bytes
-        Numbers read back equal. What a vehicle does not have is empty: a velocity, some of the
-        controls, those after the last step.
+        Columns as of `radmpc.to_pandas`. Numbers read back equal. What a vehicle does not have is
+        empty: a velocity, some of the controls, those after the last step.
     """
     axes = _AXES[: job.plan.scenario.dimension]
     num_controls = max(track.controls.shape[1] for track in job.tracks)

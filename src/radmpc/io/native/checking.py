@@ -58,7 +58,7 @@ def validated(model: type[_Model], data: Mapping[str, object]) -> _Model:
     Raises
     ------
     ScenarioError
-        With the first thing that is wrong, and how many more there are.
+        With all that is wrong.
     """
     try:
         return model.model_validate(data)
@@ -66,11 +66,9 @@ def validated(model: type[_Model], data: Mapping[str, object]) -> _Model:
         found = error.errors(include_url=False)
     # A misspelled key is named before the required one it was meant to be.
     found.sort(key=lambda detail: detail["type"] == "missing")
-    first = found[0]
-    message = _message(model, first)
-    if len(found) > 1:
-        message += f" (and {len(found) - 1} more)"
-    raise ScenarioError(message, _path(first))
+    first, *rest = (ScenarioError(_message(model, one), _path(one)) for one in found)
+    count = f" (and {len(rest)} more)" if rest else ""
+    raise ScenarioError(first.message + count, first.path, tuple(rest))
 
 
 def _path(detail: ErrorDetails) -> tuple[str | int, ...]:

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TypeVar
+
 from radmpc.arrays import as_vector
-from radmpc.errors import ScenarioError
+from radmpc.errors import ScenarioError, raise_together
 from radmpc.io.native.checking import check_format, validated
 from radmpc.io.native.plain import plain_mapping
-from radmpc.io.native.ranges import check_range
 from radmpc.io.native.schema import SCENARIO_FORMAT, ObstacleSpec, ScenarioSpec
 from radmpc.io.native.vehicle_decoding import Shared, build_vehicle
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_range
 from radmpc.io.text.files import shown
+from radmpc.model.numbers import check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["decode_scenario"]
+__all__ = ["check_entries", "decode_scenario"]
+
+_Part = TypeVar("_Part")
 
 _OBSTACLE_KINDS = (
     ("vertices",),
@@ -43,15 +50,43 @@ def decode_scenario(data: object) -> Scenario:
     ScenarioError
         If anything is missing, unknown or not allowed; its path says where in the data.
     """
-    spec = validated(ScenarioSpec, check_format(data, SCENARIO_FORMAT))
+    content = check_format(data, SCENARIO_FORMAT)
+    check_entries(content)
+    spec = validated(ScenarioSpec, content)
     try:
         return _build(spec)
     except ScenarioError as error:
-        raise _at_origin(error, spec) from error
+        alone = ScenarioError(error.message, error.path)
+        raise_together(_at_origin(one, spec) for one in (alone, *error.more))
+        raise
+
+
+def check_entries(data: Mapping[str, object]) -> None:
+    """Refuse lists that are too long before anything in them is looked at, which takes long.
+
+    Raises
+    ------
+    ScenarioError
+        With how many entries there are and how many are allowed.
+    """
+    for key, most in (("vehicles", MOST_VEHICLES), ("obstacles", MOST_OBSTACLES)):
+        entries = data.get(key)
+        if isinstance(entries, list) and len(entries) > most:
+            raise ScenarioError(f"must have at most {most:,} entries, got {len(entries):,}", (key,))
 
 
 def _build(spec: ScenarioSpec) -> Scenario:
     """Return the scenario of a file whose shapes are right."""
+    parts = _Attempts()
+    workspace = parts.made(lambda: _workspace(spec))
+    obstacles = parts.made(lambda: _obstacles(spec))
+    num_errors = len(parts.errors)
+    parts.made(lambda: check_range(spec.dt, "s", ("dt",)))
+    # With any step the other errors of vehicles show, too.
+    dt = spec.dt if len(parts.errors) == num_errors else 1.0
+    vehicles = parts.made(lambda: _vehicles(spec, dt))
+    parts.made(lambda: check_scenario_numbers(spec.dt, spec.horizon, spec.risk_bound))
+    raise_together(parts.errors)
     return Scenario(
         name=spec.name,
         dt=spec.dt,
@@ -59,25 +94,53 @@ def _build(spec: ScenarioSpec) -> Scenario:
         risk_bound=spec.risk_bound,
         avoidance=spec.avoidance,
         pair_faces=spec.pair_faces,
-        workspace=_workspace(spec),
-        obstacles=tuple(_obstacle(i, entry) for i, entry in enumerate(spec.obstacles)),
-        vehicles=_vehicles(spec),
+        workspace=workspace,
+        obstacles=obstacles or (),
+        vehicles=vehicles or (),
         source=None if spec.source is None else plain_mapping(spec.source, ("source",)),
     )
 
 
-def _vehicles(spec: ScenarioSpec) -> tuple[Vehicle, ...]:
-    """Return the vehicles, their own fields before the defaults."""
-    check_range(spec.dt, "s", ("dt",))
-    shared = Shared(spec.dt)
-    vehicles = []
-    for i, entry in enumerate(spec.vehicles):
-        own = {name: getattr(entry, name) for name in entry.model_fields_set}
+class _Attempts:
+    """Parts made one after the other, whatever is wrong with those before."""
+
+    def __init__(self) -> None:
+        self.errors: list[ScenarioError] = []
+
+    def made(self, make: Callable[[], _Part]) -> _Part | None:
+        """Return a part, None where it is wrong."""
         try:
-            vehicles.append(build_vehicle(spec.defaults.model_copy(update=own), shared))
+            return make()
         except ScenarioError as error:
-            raise error.under("vehicles", i) from error
-    return tuple(vehicles)
+            self.errors.append(error)
+            return None
+
+
+def _vehicles(spec: ScenarioSpec, dt: float) -> tuple[Vehicle, ...]:
+    """Return the vehicles, their own fields before the defaults."""
+    shared = Shared(dt)
+    parts = _Attempts()
+    vehicles = [parts.made(partial(_vehicle, spec, i, shared)) for i in range(len(spec.vehicles))]
+    raise_together(parts.errors)
+    return tuple(vehicle for vehicle in vehicles if vehicle is not None)
+
+
+def _vehicle(spec: ScenarioSpec, index: int, shared: Shared) -> Vehicle:
+    """Return one vehicle."""
+    entry = spec.vehicles[index]
+    own = {name: getattr(entry, name) for name in entry.model_fields_set}
+    try:
+        return build_vehicle(spec.defaults.model_copy(update=own), shared)
+    except ScenarioError as error:
+        raise error.under("vehicles", index) from error
+
+
+def _obstacles(spec: ScenarioSpec) -> tuple[Obstacle, ...]:
+    """Return the obstacles."""
+    parts = _Attempts()
+    obstacles = [parts.made(partial(_obstacle, i, entry)) for i, entry in enumerate(spec.obstacles)]
+    raise_together(parts.errors)
+    return tuple(obstacle for obstacle in obstacles if obstacle is not None)
 
 
 def _at_origin(error: ScenarioError, spec: ScenarioSpec) -> ScenarioError:

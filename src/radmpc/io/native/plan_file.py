@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 
 from radmpc.arguments import check_path
 from radmpc.arrays import as_array, as_matrix
 from radmpc.atomic import write_text
-from radmpc.errors import ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.checking import check_format, validated
-from radmpc.io.native.decoding import decode_scenario
+from radmpc.io.native.decoding import check_entries, decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.native.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
-from radmpc.io.text.document import Document
-from radmpc.io.text.files import read_text
+from radmpc.io.native.schema import SCENARIO_FORMAT
+from radmpc.io.text.document import SCENARIO_LINE, Document
+from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.json_text import read_json, write_json
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
 
-__all__ = ["decode_plan", "encode_plan", "load_plan", "save_plan"]
+__all__ = ["NotPlannedError", "decode_plan", "encode_plan", "load_plan", "save_plan"]
+
+
+class NotPlannedError(FileFormatError):
+    """A scenario's file where a plan's is wanted."""
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:
@@ -44,11 +50,26 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     """
     check_path(path)
     name, text = os.fspath(path), read_text(path)
-    document = Document(name, text, read_json(text, name), None)
+    not_planned = NotPlannedError(one_line(f"{name}: is a scenario, not a plan: plan it first"))
+    try:
+        document = Document(name, text, read_json(text, name), None)
+    except FileFormatError as error:
+        if SCENARIO_LINE.search(text):
+            raise not_planned from error
+        raise
+    if _is_scenario(document.value):
+        raise not_planned
     try:
         return decode_plan(document.value)
     except ScenarioError as error:
         raise document.failure(error) from error
+
+
+def _is_scenario(value: object) -> bool:
+    """Whether a file's content is a scenario, and no plan whose format was mistyped."""
+    if not isinstance(value, Mapping) or "scenario" in value:
+        return False
+    return value.get("format") == SCENARIO_FORMAT
 
 
 def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
@@ -117,6 +138,7 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
         "seconds": {stage: float(seconds) for stage, seconds in plan.seconds.items()},
         "versions": dict(plan.versions),
         "explanation": plan.explanation,
+        "stopped_by": plan.stopped_by,
     }
     if with_vehicles:
         content["vehicles"] = [_vehicle(trajectory) for trajectory in plan.trajectories]
@@ -184,7 +206,13 @@ def decode_plan(data: object) -> Plan:
     ScenarioError
         If anything is missing, unknown or not allowed; its path says where in the data.
     """
-    spec = validated(PlanSpec, check_format(data, PLAN_FORMAT))
+    content = check_format(data, PLAN_FORMAT)
+    scenario = content.get("scenario")
+    try:
+        check_entries(scenario if isinstance(scenario, Mapping) else {})
+    except ScenarioError as error:
+        raise error.under("scenario") from error
+    spec = validated(PlanSpec, content)
     try:
         scenario = decode_scenario(spec.scenario)
     except ScenarioError as error:
@@ -201,6 +229,7 @@ def decode_plan(data: object) -> Plan:
         seconds=dict(spec.seconds),
         versions=dict(spec.versions),
         explanation=spec.explanation,
+        stopped_by=spec.stopped_by,
         trajectories=tuple(_trajectory(i, entry) for i, entry in enumerate(spec.vehicles)),
         couplings=tuple(Coupling(c.vehicle, c.other, c.reason, c.value) for c in spec.couplings),
     )

@@ -69,4 +69,5 @@ class PlanSpec(FileModel):
     seconds: dict[str, Finite] = Field(default_factory=dict)
     versions: dict[str, Text] = Field(default_factory=dict)
     explanation: Text | None = None
+    stopped_by: Text | None = None
     vehicles: list[TrajectorySpec]

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from radmpc.io.native.numbers import Matrix, Number, ScalarOrVector, Square, Text, Vector
-from radmpc.io.native.ranges import MOST_OBSTACLES, MOST_VEHICLES
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
 
 __all__ = [
     "SCENARIO_FORMAT",
@@ -22,7 +22,6 @@ __all__ = [
     "WorkspaceSpec",
 ]
 
-SCENARIO_FORMAT = "radmpc/scenario/1"
 
 # Nothing in the method bounds counts; a slip of the hand should not fill the memory.
 _MOST_STATES = 50

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_vector
-from radmpc.errors import ScenarioError
+from radmpc.errors import ScenarioError, all_checked
 from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
+from radmpc.model.numbers import check_vehicle_numbers
 from radmpc.model.vehicle import Goal, Vehicle, as_state
 
 __all__ = ["Shared", "build_vehicle"]
@@ -74,6 +75,8 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
     if spec.goal is None:
         raise _missing("goal")
     goal_spec = spec.goal
+    numbers = (spec.radius, spec.control_sigmas, spec.cost_weight)
+    all_checked(lambda: _goal_box(goal_spec), lambda: check_vehicle_numbers(*numbers))
     lower, upper = _goal_box(goal_spec)
     system = shared.system(spec.dynamics, lower.size)
     d, n, m = system.dimension, system.num_states, system.num_controls

@@ -71,10 +71,25 @@ class _Open:
             self.key = None
 
 
-def json_places(text: str, name: str) -> Place:
+def json_places(text: str, name: str, until: str | None = None) -> Place:
     """Return the places of a JSON text that is valid but for repeated keys and deep nesting.
 
     The standard parser tells no lines; this runs only once an error needs one.
+
+    Parameters
+    ----------
+    text : str
+        One JSON value.
+    name : str
+        The file, for messages.
+    until : str or None
+        A key of the outermost mapping at which to stop: what follows has no place. Large files
+        take seconds to their end.
+
+    Returns
+    -------
+    Place
+        Of the value and its parts.
 
     Raises
     ------
@@ -83,8 +98,8 @@ def json_places(text: str, name: str) -> Place:
     """
     line = 1
     stack = [_Open(1, None)]
-    for token in _TOKEN.findall(text):
-        top = stack[-1]
+    for match in _TOKEN.finditer(text):
+        token, top = match[0], stack[-1]
         if token == "\n":
             line += 1
         elif token in "[{":
@@ -104,6 +119,8 @@ def json_places(text: str, name: str) -> Place:
                 raise FileFormatError(
                     one_line(f"{name}:{line}: the key {shown(top.key)} stands twice")
                 )
+            if len(stack) == 2 and top.key == until:
+                return Place(top.line, {**top.entries, top.key: Place(line)})
         else:
             top.add(line, None)
     return stack[0].items[0]

@@ -22,6 +22,7 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from radmpc.errors import FileFormatError
+from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES
 from radmpc.io.text.files import one_line, shown
 from radmpc.io.text.lines import MAX_DEPTH, Place
 
@@ -29,6 +30,9 @@ __all__ = ["read_yaml"]
 
 _MAX_ALIASED = 1_000_000
 _MAX_DIGITS = 400
+
+_MOST_ENTRIES = max(MOST_VEHICLES, MOST_OBSTACLES)
+_DEPTH_OF_LISTS = 3  # the file, its mapping, a list in it
 
 # The core schema of YAML 1.2, section 10.3.2: `yes` and `1_000` are text.
 _WORDS: dict[str, object] = {
@@ -203,6 +207,10 @@ class _Builder:
         """Add a finished value to what is around it."""
         top = self._stack[-1]
         place = Place(top.key_line if top.is_mapping else line, parts)
+        is_counted = len(self._stack) == _DEPTH_OF_LISTS and not top.is_mapping
+        if is_counted and len(top.items) >= _MOST_ENTRIES:
+            # The rest would take long to read, and the file be refused all the same.
+            raise self.failure(f"must have at most {_MOST_ENTRIES:,} entries, got more", top.line)
         top.items.append(value)
         top.places.append(place)
         top.size += size

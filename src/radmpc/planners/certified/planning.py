@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -55,11 +54,13 @@ class Certified(Decomposition):
         ruled_out = sure_why_not(scenario, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
-        search, answer = _found(scenario, planner, run)
-        fleet, best = search.fleet, search.best
-        if answer is not None and not best.controls:
-            return _empty(scenario, answer, begun)
-        search.close()
+        found = _searched(scenario, planner, run)
+        fleet, best = found.search.fleet, found.search.best
+        if found.answer is not None and not best.controls:
+            return _empty(scenario, found.answer, begun)
+        found.search.close()
+        run.found(best.cost, _finite(best.reported(fleet, planner.gap)))
+        run.progress("polishing", 0, 1)
         # Large fleets gain little by the second: not longer than the search took.
         fleet.limits = run.limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
         turn_half_spaces(fleet, best, run.judge)
@@ -67,36 +68,57 @@ class Certified(Decomposition):
             # Not risk but the faces, or their sides, made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
             turn_from_noiseless(fleet, best, run.judge)
-        return _draft(search, planner.gap, answer, time.perf_counter() - begun)
+        return _draft(found, planner.gap, time.perf_counter() - begun)
 
 
-def _found(scenario: Scenario, planner: Planner, run: Run) -> tuple[PriceSearch, WhyNot | None]:
-    """Search for the best plan; where the search finds none, try what else leads to one.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """What the search came to.
 
-    Returns
-    -------
+    Attributes
+    ----------
     search : PriceSearch
         With a plan, or without.
     answer : WhyNot or None
         What the last resort says, if it was asked.
+    stopped_by : str or None
+        The limit that ended the search, if one did.
     """
+
+    search: PriceSearch
+    answer: WhyNot | None
+    stopped_by: str | None
+
+
+def _searched(scenario: Scenario, planner: Planner, run: Run) -> _Found:
+    """Search for the best plan; where the search finds none, try what else leads to one."""
     limits = run.limits
     granted = limits.seconds_left
     kept = max(_TURNING_SHARE * granted, min(_TURNING_SECONDS, _MOST_SHARE * granted))
     begin = limits if granted == float("inf") else limits.within(granted - kept)
-    fleet = Fleet(scenario, planner.gap, begin, partial(run.progress, "sets"), run.executor)
-    search = PriceSearch(fleet, Best(), planner.gap, run.judge)
+    best = Best()
+
+    def tell(done: int, total: int) -> None:
+        run.progress("sets", done, total)
+        if best.controls:
+            run.found(best.cost, _finite(best.reported(fleet, planner.gap)))
+
+    fleet = Fleet(scenario, planner.gap, begin, tell, run.executor)
+    search = PriceSearch(fleet, best, planner.gap, run.judge)
     if fleet.budget > 0.0:
         search.run()
+    # Turning has time of its own, kept back from the search.
+    stopped_by = begin.reason or None
     if search.best.controls:
-        return search, None
+        return _Found(search, None, stopped_by)
     fleet.limits = limits
-    return last_resort(search)
+    search, answer = last_resort(search)
+    return _Found(search, answer, stopped_by or begin.reason or None)
 
 
-def _draft(search: PriceSearch, gap: float, answer: WhyNot | None, seconds: float) -> Draft:
+def _draft(found: _Found, gap: float, seconds: float) -> Draft:
     """Return the best plan and what is proven of it."""
-    fleet, best = search.fleet, search.best
+    fleet, best, answer = found.search.fleet, found.search.best, found.answer
     closed = gap * (1.0 + 1e-6)
     bound = best.reported(fleet, closed)
     is_closed = relative_gap(best.cost, bound) <= closed
@@ -111,6 +133,7 @@ def _draft(search: PriceSearch, gap: float, answer: WhyNot | None, seconds: floa
         lower_bound=_finite(bound),
         price=best.price(fleet),
         couplings=fleet.couplings(best.sets),
+        stopped_by=found.stopped_by,
     )
 
 

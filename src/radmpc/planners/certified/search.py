@@ -237,15 +237,17 @@ def _tell(fleet: Fleet, found: Round, best: Best) -> None:
     step, plan = best.steps[-1], "no plan yet"
     if best.controls:
         plan = (
-            f"best {best.cost:.6g}, gap {100.0 * step.gap:.2g} %, certificate {best.certified:.3g}"
+            f"best cost {best.cost:.6g}, gap {100.0 * step.gap:.2g} %, certificate "
+            f"{best.certified:.3g} of risk bound {fleet.scenario.risk_bound:g}"
         )
     _LOG.info(
-        "%s %d: %d sets, the largest of %d; price of risk %.3g, risk %.3g of %.3g; %s; %.2f s",
+        "%s %d: %d sets, the largest of %d; 1 %% of the risk bound at a price of %.3g; simple "
+        "bounds sum to %.3g, up to %.3g allowed; %s; %.2f s",
         step.stage,
         step.iteration + 1,
         len(found.sets),
         max(len(members) for members in found.sets),
-        found.price,
+        found.price / fleet.unit * 0.01 * fleet.scenario.risk_bound,
         found.risk + found.cross,
         fleet.budget,
         plan,

@@ -153,8 +153,9 @@ class _Turning:
             certified = self._take(points)
             cost = _cost(fleet, sets, points)
             _LOG.info(
-                "turn %d: price of risk %.3g, cost %.6g, certificate %.3g",
-                number + 1, self.price * fleet.unit, cost, certified,
+                "turn %d of half-spaces: 1 %% of the risk bound at a price of %.3g; cost %.6g, "
+                "certificate %.3g of risk bound %g",
+                number + 1, 0.01 * granted * self.price, cost, certified, granted,
             )  # fmt: skip
             is_little = cheapest - cost < _ENOUGH * fleet.gap * abs(cost)
             if certified <= granted:

@@ -179,7 +179,8 @@ class _Iteration:
 def _tell(step: Step, seconds: float) -> None:
     """Log an iteration."""
     _LOG.info(
-        "%s of %d: iteration %d, cost %.6g, %d of %d active, risk %.3g of %.3g, %.2f s",
+        "%s, %d vehicles: iteration %d, cost %.6g; %d of %d constraints use up their risk; "
+        "simple bounds sum to %.3g, %.3g allotted; %.2f s",
         step.stage,
         len(step.vehicles),
         step.iteration + 1,

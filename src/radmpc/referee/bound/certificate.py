@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.model.given import check_plan
+from radmpc.model.given import plan_under
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Cause, LedgerRow, Plan
-from radmpc.model.scenario import Scenario
+from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.referee.bound.bounds import step_risks
 from radmpc.referee.bound.ledger import Account, total_risk
 from radmpc.referee.bound.workspace import workspace_risks
@@ -72,7 +72,7 @@ class Certificate:
         return f"does not hold: {count} problem{'s' if count > 1 else ''}; {risk}"
 
 
-def certify(plan: Plan) -> Certificate:
+def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
     r"""Judge a plan by its scenario and its controls alone.
 
     Means and covariances are propagated anew. By Boole's inequality the joint probability is at
@@ -91,6 +91,9 @@ def certify(plan: Plan) -> Certificate:
     ----------
     plan : Plan
         Any plan, also one from a file that somebody edited.
+    avoidance : {'intervals', 'steps'} or None
+        Where collisions count; None is as in the plan's scenario. ``intervals`` is the whole path
+        of a plan that was made at steps.
 
     Returns
     -------
@@ -101,8 +104,10 @@ def certify(plan: Plan) -> Certificate:
     ------
     ArgumentTypeError
         If it is no plan; of a result take ``require()``.
+    ArgumentError
+        If there is no such avoidance.
     """
-    check_plan(plan)
+    plan = plan_under(plan, avoidance)
     scenario = plan.scenario
     problems = shape_problems(plan)
     if problems:

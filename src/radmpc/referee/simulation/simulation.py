@@ -11,8 +11,9 @@ import numpy as np
 from scipy.special import betaincinv
 
 from radmpc.arguments import check_callable, check_integer, check_rng
-from radmpc.model.given import check_plan
+from radmpc.model.given import plan_under
 from radmpc.model.plan import Plan
+from radmpc.model.scenario import Avoidance
 from radmpc.referee.simulation.preparation import prepare
 
 __all__ = ["Simulation", "simulate"]
@@ -96,6 +97,7 @@ def simulate(
     *,
     rng: np.random.Generator | int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    avoidance: Avoidance | None = None,
 ) -> Simulation:
     r"""Fly a plan many times and count collisions.
 
@@ -117,6 +119,8 @@ def simulate(
         Source of randomness or a seed. Equal seeds give equal results on any number of cores.
     progress : callable, optional
         Called with flights done and flights in all.
+    avoidance : {'intervals', 'steps'} or None
+        Where collisions count; None is as in the plan's scenario.
 
     Returns
     -------
@@ -126,7 +130,7 @@ def simulate(
     Raises
     ------
     ArgumentError
-        If ``samples`` is below 1 or the seed below 0.
+        If ``samples`` is below 1, the seed below 0, or there is no such avoidance.
     ArgumentTypeError
         If an argument is of another kind.
     NoPlanError
@@ -134,7 +138,7 @@ def simulate(
     ScenarioError
         If its vehicles or arrays do not fit its scenario, or overflow.
     """
-    check_plan(plan)
+    plan = plan_under(plan, avoidance)
     samples = check_integer(samples, "samples", 1)
     check_rng(rng)
     check_callable(progress, "progress")

@@ -5,7 +5,10 @@ from __future__ import annotations
 from radmpc.arguments import field_number
 from radmpc.errors import ScenarioError
 
-__all__ = ["MOST_OBSTACLES", "MOST_VEHICLES", "check_count", "check_range"]
+__all__ = ["MOST_OBSTACLES", "MOST_VEHICLES", "SCENARIO_FORMAT", "check_count", "check_range"]
+
+SCENARIO_FORMAT = "radmpc/scenario/1"
+"""What a scenario file says it is."""
 
 MOST_VEHICLES = 10_000
 """Vehicles that a scenario file may have: a slip of the hand should not fill the memory."""

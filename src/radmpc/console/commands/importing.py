@@ -1,0 +1,56 @@
+"""Another group's problem turned into a scenario's file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from radmpc import importing
+from radmpc.console.files import check_output, check_separate, writing
+from radmpc.console.options import named_options
+from radmpc.console.output import show
+from radmpc.console.reports.report import facts, scenario_line
+from radmpc.console.running.guard import Code
+from radmpc.io.native.scenario_file import save_scenario
+
+__all__ = ["run_import"]
+
+
+def run_import(source: Path, output: Path, options: Mapping[str, Any]) -> int:
+    """Import a problem, write it, and print what had to be chosen.
+
+    Parameters
+    ----------
+    source : Path
+        The problem.
+    output : Path
+        Where the scenario goes.
+    options : mapping
+        Fields of `ImportOptions`, as typed.
+
+    Returns
+    -------
+    int
+        The exit code.
+
+    Raises
+    ------
+    ScenarioError
+        If an option is out of range.
+    FileFormatError, OutputError
+        If the problem cannot be read, or the scenario not be written.
+    """
+    check_output(output)
+    check_separate(source, output)
+    with named_options(*options):
+        chosen = importing.ImportOptions(**options)
+    imported = importing.import_scenario(source, chosen)
+    with writing(output):
+        save_scenario(imported.scenario, output)
+    show(scenario_line(imported.scenario))
+    show(facts({name: str(value) for name, value in imported.choices.items()}))
+    for warning in imported.warnings:
+        show(f"warning: {warning}")
+    show(f"scenario written to {output}")
+    return Code.OK

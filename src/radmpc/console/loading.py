@@ -1,0 +1,28 @@
+"""Plans read from files, and what to run where a file holds none."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+from radmpc.errors import FileFormatError
+from radmpc.io.native.plan_file import NotPlannedError, load_plan
+from radmpc.model.plan import Plan
+
+__all__ = ["read_plan"]
+
+
+def read_plan(path: Path) -> Plan:
+    """Return the plan in a file.
+
+    Raises
+    ------
+    FileFormatError
+        As of `load_plan`; of a scenario it says which command plans it.
+    """
+    try:
+        return load_plan(path)
+    except NotPlannedError as error:
+        made = path.with_name(f"{path.name.split('.')[0] or 'fleet'}.plan.json")
+        command = f"radmpc plan {shlex.quote(str(path))} -o {shlex.quote(str(made))}"
+        raise FileFormatError(f"{error}: {command}") from error

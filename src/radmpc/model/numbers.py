@@ -1,0 +1,63 @@
+"""Ranges of the numbers of scenarios and vehicles, all checked in one go."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.errors import ScenarioError, all_checked, raise_together
+
+__all__ = ["check_positive", "check_scenario_numbers", "check_vehicle_numbers"]
+
+
+def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
+    """Refuse numbers that no scenario has.
+
+    Raises
+    ------
+    ScenarioError
+        With all that are.
+    """
+    found = []
+    if not (np.isfinite(dt) and dt > 0.0):
+        found.append(ScenarioError(f"must be > 0 s, got {dt}", ("dt",)))
+    if horizon < 1:
+        found.append(ScenarioError(f"must be at least 1 step, got {horizon}", ("horizon",)))
+    if not 0.0 < risk_bound < 0.5:
+        text = f"must lie between 0 and 0.5, both excluded, got {risk_bound}"
+        found.append(ScenarioError(text, ("risk_bound",)))
+    raise_together(found)
+
+
+def check_vehicle_numbers(radius: float, control_sigmas: float, cost_weight: float) -> None:
+    """Refuse numbers that no vehicle has.
+
+    Raises
+    ------
+    ScenarioError
+        With all that are.
+    """
+    all_checked(
+        lambda: check_positive(np.array([radius]), "radius", "m"),
+        lambda: _check_not_negative(control_sigmas, "control_sigmas"),
+        lambda: _check_not_negative(cost_weight, "cost_weight"),
+    )
+
+
+def _check_not_negative(value: float, name: str) -> None:
+    """Refuse a value below zero."""
+    if not (np.isfinite(value) and value >= 0.0):
+        raise ScenarioError(f"must be >= 0, got {value}", (name,))
+
+
+def check_positive(values: Vector, name: str, unit: str) -> None:
+    """Refuse values that are not above zero.
+
+    Raises
+    ------
+    ScenarioError
+        With the unit.
+    """
+    if not np.all(np.isfinite(values) & (values > 0.0)):
+        shown = values.tolist() if values.size > 1 else values.item()
+        raise ScenarioError(f"must be > 0 {unit}, got {shown}", (name,))

@@ -1,0 +1,118 @@
+"""Places that several vehicles have in common trouble: one sentence names them all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from radmpc.model.scenario import Scenario
+from radmpc.planners.endpoint_risk import Danger
+from radmpc.planners.wording import is_contact, listed, places_text, rounded
+
+__all__ = ["place_sentences"]
+
+_SHARED = 3
+"""Vehicles with the same trouble from which on one sentence speaks of all."""
+
+
+def place_sentences(
+    scenario: Scenario, dangers: Sequence[Danger]
+) -> list[tuple[tuple[int, ...], str]]:
+    """Return what is wrong with places, each of which is above Δ by itself.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    dangers : sequence of Danger
+        The places.
+
+    Returns
+    -------
+    list of (tuple of int, str)
+        Vehicles, and the sentence about them: one where three or more share the reason.
+    """
+    told = []
+    for group in _groups(scenario, dangers):
+        members = tuple(sorted({i for danger in group for i in danger.members}))
+        if len(members) < _SHARED:
+            told += [(d.members, places_text(scenario, (d,), d.risk)) for d in group]
+        elif group[0].cause == "pair":
+            told.append((members, _pairs_text(scenario, members, group)))
+        else:
+            told.append((members, _shared_text(scenario, members, group)))
+    return told
+
+
+def _groups(scenario: Scenario, dangers: Sequence[Danger]) -> list[list[Danger]]:
+    """Return dangers of one reason; of pairs, those that hang together."""
+    groups: list[list[Danger]] = []
+    for danger in dangers:
+        akin = [g for g in groups if _is_akin(scenario, g, danger)]
+        for group in akin:
+            groups.remove(group)
+        groups.append([*(one for group in akin for one in group), danger])
+    return groups
+
+
+def _is_akin(scenario: Scenario, group: Sequence[Danger], danger: Danger) -> bool:
+    """Whether a danger has the reason of a group."""
+    first = group[0]
+    if (first.cause, first.at_goal) != (danger.cause, danger.at_goal):
+        return False
+    if is_contact(scenario, first) != is_contact(scenario, danger):
+        return False
+    if danger.cause != "pair":
+        return True
+    return any(set(one.members) & set(danger.members) for one in group)
+
+
+def _pairs_text(scenario: Scenario, members: Sequence[int], group: Sequence[Danger]) -> str:
+    """Return the sentence about places too close to each other."""
+    place = "goals" if group[0].at_goal else "starts"
+    nearest = min(group, key=lambda danger: danger.distance)
+    names = [repr(scenario.vehicles[i].name) for i in nearest.members]
+    contact = sum(scenario.vehicles[i].radius for i in nearest.members)
+    cure = "the noise" if nearest.at_goal else "initial_covariance"
+    is_touching = is_contact(scenario, nearest)
+    most = "at most " if nearest.at_goal else ""
+    return (
+        f"The {place} of vehicles {_names(scenario, members)} are too close to each other: those "
+        f"of {' and '.join(names)} are {most}{nearest.distance:.3g} m apart, contact is at "
+        f"{contact:.3g} m ({_risks(scenario, group)}). Move {place}"
+        + ("." if is_touching else f" or reduce {cure}.")
+    )
+
+
+def _shared_text(scenario: Scenario, members: Sequence[int], group: Sequence[Danger]) -> str:
+    """Return the sentence about places too close to obstacles or to the border."""
+    first, *_ = group = sorted(group, key=lambda danger: danger.members)
+    place = "goals" if first.at_goal else "starts"
+    head = f"The {place} of vehicles {_names(scenario, members)}"
+    obstacles = list(dict.fromkeys(repr(d.other) for d in group if d.other is not None))
+    what = f"obstacle{'s' if len(obstacles) > 1 else ''} {listed(obstacles)}" if obstacles else ""
+    risks = _risks(scenario, group)
+    if is_contact(scenario, first):
+        if first.cause == "workspace":
+            return f"{head} lie outside the workspace. Move the {place}."
+        return f"{head} lie within {what} grown by the vehicles' radii ({risks}). Move the {place}."
+    nearest = min(danger.distance for danger in group)
+    cure = ", or reduce the noise" if first.at_goal else " or reduce initial_covariance"
+    where = "even their best points are" if first.at_goal else "they are"
+    aside = ", radii not counted," if what else ""
+    return (
+        f"{head} are too close to {what or 'the workspace border'}: {where} {nearest:.3g} m away "
+        f"or more{aside} and run {risks}. Move the {place} away{cure}."
+    )
+
+
+def _names(scenario: Scenario, members: Sequence[int]) -> str:
+    """Return vehicles in a row."""
+    return listed([repr(scenario.vehicles[i].name) for i in members])
+
+
+def _risks(scenario: Scenario, group: Sequence[Danger]) -> str:
+    """Return what the places of a group risk, each by itself."""
+    bound = scenario.risk_bound
+    least, most = (rounded(f(d.risk for d in group), bound) for f in (min, max))
+    span = f"a risk of {most} each" if least == most else f"risks of {least} to {most}"
+    return f"{span}, above risk_bound {bound:g}"
