@@ -138,6 +138,12 @@ def test_formulas_become_mathml(hook) -> None:
     assert 'display="block"' in hook("mathematics").formula("a &lt; b", "block")
 
 
+def test_the_bars_of_a_norm_are_equally_high(hook) -> None:
+    drawn = hook("mathematics").formula(r"\sum_k \lVert \bar u_i^k \rVert_1", "block")
+    bars = re.findall(r"<mo([^>]*)>&#x02016;</mo>", drawn)
+    assert bars == [' stretchy="false" form="prefix"', ' stretchy="false" form="postfix"']
+
+
 def test_formulas_of_docstrings_become_those_of_pages(hook) -> None:
     text = "Of :math:`x`:\n\n    .. math:: a\n        + b\n\n    End."
     assert hook("docstrings").as_markdown(text) == "Of $x$:\n\n    $$a + b$$\n\n    End."
