@@ -7,7 +7,7 @@ from radmpc.plotting.films import FILM_SUFFIXES, check_film_path, save_animation
 from radmpc.plotting.ledger import plot_ledger, plot_risk_map
 from radmpc.plotting.ledger_shares import plot_risk_shares
 from radmpc.plotting.panels import Panel, plot_panels
-from radmpc.plotting.plan import plot_plan
+from radmpc.plotting.plan import plot_plan, plot_views
 from radmpc.plotting.risk_steps import plot_risk
 from radmpc.plotting.save import (
     FIGURE_SUFFIXES,
@@ -40,6 +40,7 @@ __all__ = [
     "plot_risk_map",
     "plot_risk_shares",
     "plot_scenario",
+    "plot_views",
     "save_animation",
     "save_axes",
     "save_chart",

@@ -18,9 +18,9 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.actors import draw_actors
 from radmpc.plotting.extent import plan_extent
 from radmpc.plotting.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.labels import LabelBoard
 from radmpc.plotting.legend import draw_film_legend
 from radmpc.plotting.scenario import draw_surroundings
+from radmpc.plotting.space_labels import board_of
 from radmpc.plotting.style import LABEL_SIZE, MUTED, vehicle_colors
 from radmpc.plotting.title import draw_title, num_title_lines
 
@@ -107,7 +107,7 @@ def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
         figure.set_layout_engine("none")
     scenario = plan.scenario
     colors = vehicle_colors([v.name for v in scenario.vehicles], plan.sets)
-    draw_surroundings(axes, scenario, LabelBoard(axes), colors, moving=False)
+    draw_surroundings(axes, scenario, board_of(axes), colors, moving=False)
     actors = draw_actors(axes, plan, colors, frames_per_step)
     clock = _clock(axes)
 

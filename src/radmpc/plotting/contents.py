@@ -1,0 +1,77 @@
+"""All of a plan within axes that are settled, flat or in space."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+
+from radmpc.model.plan import Plan
+from radmpc.plotting.curves import ABOVE, Plane, confidence_ellipses, mean_path
+from radmpc.plotting.flat import Color, draw_trajectory, number_steps
+from radmpc.plotting.ghosts import draw_ghosts
+from radmpc.plotting.scenario import draw_surroundings, name_vehicles
+from radmpc.plotting.space import draw_trajectory_3d, number_steps_3d
+from radmpc.plotting.space_labels import Board, SpaceBoard, board_of
+from radmpc.plotting.style import MAX_LABELS, vehicle_colors, vehicle_dashes
+from radmpc.plotting.worst import draw_worst
+
+__all__ = ["draw_contents"]
+
+_SWEEP = 0.4  # strength of moving obstacles beside their ghosts
+
+
+def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE, *, is_numbered: bool = True) -> None:
+    """Draw surroundings, trajectories, ghosts of moving obstacles, names and the worst steps.
+
+    Parameters
+    ----------
+    ax : Axes
+        With limits and size.
+    plan : Plan
+        What to draw.
+    plane : (int, int)
+        Which coordinates flat axes show.
+    is_numbered : bool
+        Whether some steps have their numbers.
+    """
+    scenario, names = plan.scenario, [v.name for v in plan.scenario.vehicles]
+    colors = vehicle_colors(names, plan.sets)
+    board = board_of(ax)
+    _draw_trajectories(ax, plan, board, colors, plane)
+    strength = _SWEEP if plan.trajectories else 1.0
+    draw_surroundings(ax, scenario, board, colors, strength=strength, plane=plane)
+    name_vehicles(scenario, board, colors, plane)
+    draw_ghosts(ax, plan, board, colors, plane)
+    if is_numbered:
+        _number_steps(plan, board, colors, plane)
+    draw_worst(ax, plan, plane)
+
+
+def _draw_trajectories(
+    ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], plane: Plane
+) -> None:
+    """Draw where all vehicles go."""
+    scenario = plan.scenario
+    dashes = vehicle_dashes(list(colors), plan.sets)
+    for vehicle, trajectory in zip(scenario.vehicles, plan.trajectories, strict=False):
+        look = colors[vehicle.name], dashes[vehicle.name]
+        path = mean_path(vehicle, trajectory)
+        if isinstance(board, SpaceBoard):
+            draw_trajectory_3d(ax, vehicle, trajectory, scenario.dt, *look)
+            board.avoid(path[::2])
+            continue
+        draw_trajectory(ax, vehicle, trajectory, scenario.dt, *look, plane)
+        board.avoid(path[::2, list(plane)])
+        ellipses = confidence_ellipses(vehicle, trajectory, plane=plane)
+        board.avoid(*(outline[::4] for outline in ellipses))
+
+
+def _number_steps(plan: Plan, board: Board, colors: dict[str, Color], plane: Plane) -> None:
+    """Write step numbers on the paths, unless there are too many to read."""
+    if plan.scenario.num_vehicles > MAX_LABELS:
+        return
+    for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
+        color = colors[vehicle.name]
+        if isinstance(board, SpaceBoard):
+            number_steps_3d(vehicle, trajectory, color, board)
+        else:
+            number_steps(vehicle, trajectory, color, board, plane)
