@@ -10,7 +10,7 @@ from radmpc.plotting.flat import Color, draw_trajectory, number_steps
 from radmpc.plotting.ghosts import draw_ghosts
 from radmpc.plotting.scenario import draw_surroundings, name_vehicles
 from radmpc.plotting.space import draw_trajectory_3d, number_steps_3d
-from radmpc.plotting.space_labels import Board, SpaceBoard, board_of
+from radmpc.plotting.space_labels import Board, SpaceBoard, board_of, show_all
 from radmpc.plotting.style import MAX_LABELS, vehicle_colors, vehicle_dashes
 from radmpc.plotting.worst import draw_worst
 
@@ -19,7 +19,7 @@ __all__ = ["draw_contents"]
 _SWEEP = 0.4  # strength of moving obstacles beside their ghosts
 
 
-def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE, *, is_numbered: bool = True) -> None:
+def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:
     """Draw surroundings, trajectories, ghosts of moving obstacles, names and the worst steps.
 
     Parameters
@@ -30,8 +30,6 @@ def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE, *, is_numbered: bo
         What to draw.
     plane : (int, int)
         Which coordinates flat axes show.
-    is_numbered : bool
-        Whether some steps have their numbers.
     """
     scenario, names = plan.scenario, [v.name for v in plan.scenario.vehicles]
     colors = vehicle_colors(names, plan.sets)
@@ -41,9 +39,9 @@ def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE, *, is_numbered: bo
     draw_surroundings(ax, scenario, board, colors, strength=strength, plane=plane)
     name_vehicles(scenario, board, colors, plane)
     draw_ghosts(ax, plan, board, colors, plane)
-    if is_numbered:
-        _number_steps(plan, board, colors, plane)
+    _number_steps(plan, board, colors, plane)
     draw_worst(ax, plan, plane)
+    show_all(ax)
 
 
 def _draw_trajectories(

@@ -10,7 +10,7 @@ from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.clearances import closest_clearances
 from radmpc.plotting.figure import check_axes
-from radmpc.plotting.ledger_looks import new_column, say_nothing, settle_part
+from radmpc.plotting.ledger_looks import draw_key, new_column, say_nothing, settle_part
 from radmpc.plotting.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
 
 __all__ = ["plot_distances"]
@@ -82,10 +82,7 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     axes.set_ylabel("distance of hulls [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     axes.grid(axis="y", color="#E4E4E4", linewidth=0.4, zorder=0)
     if clearances:
-        axes.legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3, fontsize=TICK_SIZE,
-            frameon=False, handlelength=1.8, columnspacing=1.2, borderaxespad=0.0,
-        )  # fmt: skip
+        draw_key(axes, 3)
     else:
         axes.text(
             0.5, 0.5, "nothing near", transform=axes.transAxes, ha="center", color=MUTED,

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure, FigureBase
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
-from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arguments import told
 from radmpc.arrays import Matrix
@@ -27,6 +27,7 @@ __all__ = [
     "new_axes",
     "new_figure",
     "ratio_in_space",
+    "room_of",
     "settle_axes",
     "settle_layout",
     "zoom_to",
@@ -110,7 +111,7 @@ def check_figure(figure: object) -> None:
     ArgumentTypeError
         If it is neither a figure, a part of one, nor None.
     """
-    if figure is not None and not isinstance(figure, FigureBase):
+    if figure is not None and not isinstance(figure, Figure | SubFigure):
         raise ArgumentTypeError(
             f"figure must be one of matplotlib's Figure, SubFigure or None, got {told(figure)}"
         )
@@ -149,7 +150,7 @@ def settle_layout(ax: Axes) -> None:
 
 def fill(ax: Axes3D) -> None:
     """Zoom until box, ticks and labels in space fill the axes."""
-    drawn, room = drawn_box(ax), ax.bbox
+    drawn, room = drawn_box(ax), room_of(ax)
     center = 0.5 * np.array([room.x0 + room.x1, room.y0 + room.y1])
     # Zooming keeps the center: what counts is how far the drawing reaches from it.
     reach = np.abs(np.array([drawn.x0, drawn.y0, drawn.x1, drawn.y1]) - np.tile(center, 2))
@@ -161,7 +162,17 @@ def fill(ax: Axes3D) -> None:
 def drawn_box(ax: Axes3D) -> Bbox:
     """Return what box, ticks and labels in space cover [px]."""
     boxes = [axis.get_tightbbox() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
-    return Bbox.union([box for box in boxes if box is not None])
+    corners = np.array(np.meshgrid(ax.get_xlim(), ax.get_ylim(), ax.get_zlim())).reshape(3, -1)
+    x, y, _ = proj3d.proj_transform(*corners, ax.get_proj())
+    pixels = ax.transData.transform(np.column_stack([x, y]))
+    box = Bbox([pixels.min(axis=0), pixels.max(axis=0)])
+    return Bbox.union([box, *(box for box in boxes if box is not None)])
+
+
+def room_of(ax: Axes3D) -> Bbox:
+    """Return the room that a layout gave to axes in space [px]; they use a square of it."""
+    transform = ax.get_figure(root=True).transFigure
+    return Bbox(transform.transform(ax.get_position(original=True).get_points()))
 
 
 def zoom_to(ax: Axes3D, zoom: float) -> None:

@@ -29,9 +29,7 @@ __all__ = ["Color", "draw_ends", "draw_trajectory", "draw_workspace", "number_st
 Color = tuple[float, float, float]
 
 
-def draw_workspace(
-    ax: Axes, workspace: Workspace, board: LabelBoard, plane: Plane = ABOVE
-) -> None:
+def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard, plane: Plane = ABOVE) -> None:
     """Draw the outline of the workspace."""
     low, high = workspace.lower[list(plane)], workspace.upper[list(plane)]
     width, height = high - low

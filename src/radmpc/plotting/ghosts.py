@@ -11,6 +11,7 @@ from matplotlib.patches import Circle, Polygon
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
+from radmpc.arrays import Matrix, Vector
 from radmpc.facets import facets, surface
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
@@ -75,37 +76,31 @@ def nearest_ghosts(plan: Plan) -> tuple[Ghost, ...]:
     return tuple(found)
 
 
-def draw_ghosts(
-    ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], plane: Plane
-) -> None:
+def draw_ghosts(ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], plane: Plane) -> None:
     """Draw obstacle and hull at the nearest step in the vehicle's color, and the step's number."""
     for ghost in nearest_ghosts(plan):
         vehicle = plan.scenario.vehicles[ghost.index]
         color = colors[vehicle.name]
         place = positions(vehicle, plan.trajectories[ghost.index])[ghost.step]
-        name = f"{ghost.obstacle.name}:{vehicle.name}"
-        text, gid = f"step {ghost.step}", f"ghost-step:{name}"
+        name, text = f"{ghost.obstacle.name}:{vehicle.name}", f"step {ghost.step}"
         if isinstance(board, SpaceBoard):
-            _draw_solid(ax, ghost, color, f"ghost:{name}")
+            top = _draw_solid(ax, ghost, color, f"ghost:{name}")
             ax.plot(
                 *place[:, None], linestyle="none", marker="o", markersize=6.0, color=color,
                 markerfacecolor=(*color, 0.3), markeredgewidth=0.8, zorder=52, gid=f"near:{name}",
             )  # fmt: skip
-            corners = np.vstack([piece.vertices for piece in ghost.obstacle.at(ghost.step)])
-            top = corners[corners[:, 2].argmax()]
-            board.beside(text, top, color, size=NUMBER_SIZE, gid=gid)
+            board.beside(text, top, color, size=NUMBER_SIZE, gid=f"ghost-step:{name}")
             continue
         x, y = place[list(plane)]
-        ax.add_patch(
-            Circle(
-                (float(x), float(y)), vehicle.radius, facecolor=(*color, 0.25), edgecolor=color,
-                linewidth=0.9, zorder=5.2, gid=f"near:{name}",
-            )
+        hull = Circle(
+            (float(x), float(y)), vehicle.radius, facecolor=(*color, 0.25), edgecolor=color,
+            linewidth=0.9, zorder=5.2, gid=f"near:{name}",
         )  # fmt: skip
+        ax.add_patch(hull)
         corners = _draw_outline(ax, ghost, color, plane, f"ghost:{name}")
         board.avoid(along_lines(np.vstack([corners, corners[:1]])))
         middle, half = 0.5 * (corners.max(0) + corners.min(0)), 0.5 * np.ptp(corners, axis=0)
-        board.beside(text, middle, half, color, size=NUMBER_SIZE, gid=gid)
+        board.beside(text, middle, half, color, size=NUMBER_SIZE, gid=f"ghost-step:{name}")
 
 
 def _ghost(plan: Plan, index: int, obstacle: Obstacle) -> Ghost:
@@ -115,9 +110,7 @@ def _ghost(plan: Plan, index: int, obstacle: Obstacle) -> Ghost:
     return Ghost(obstacle, index, step, float(distances[step]))
 
 
-def _draw_outline(
-    ax: Axes, ghost: Ghost, color: Color, plane: Plane, gid: str
-) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def _draw_outline(ax: Axes, ghost: Ghost, color: Color, plane: Plane, gid: str) -> Matrix:
     """Draw an obstacle in the plane; return its corners, (c, 2) [m]."""
     outline = shapely.union_all([seen(p, plane) for p in ghost.obstacle.at(ghost.step)])
     if outline.area == 0.0:
@@ -134,8 +127,8 @@ def _draw_outline(
     return ring
 
 
-def _draw_solid(ax: Axes3D, ghost: Ghost, color: Color, gid: str) -> None:
-    """Draw an obstacle in space."""
+def _draw_solid(ax: Axes3D, ghost: Ghost, color: Color, gid: str) -> Vector:
+    """Draw an obstacle in space; return its highest corner, (3,) [m]."""
     for piece in ghost.obstacle.at(ghost.step):
         triangles = surface(piece.vertices)
         if len(triangles) > 0:
@@ -145,3 +138,5 @@ def _draw_solid(ax: Axes3D, ghost: Ghost, color: Color, gid: str) -> None:
         edges = piece.vertices[facets(piece.vertices).edges]
         width = 0.9 if len(triangles) > 0 else WALL_WIDTH
         ax.add_collection3d(Line3DCollection(edges, colors=[color], linewidths=width, gid=gid))
+    corners = np.vstack([piece.vertices for piece in ghost.obstacle.at(ghost.step)])
+    return np.asarray(corners[corners[:, 2].argmax()])

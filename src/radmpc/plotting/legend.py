@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import FigureBase
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
@@ -47,13 +47,14 @@ def draw_legend(ax: Axes, plan: Plan) -> None:
     _place(ax, _entries(plan))
 
 
-def draw_views_legend(figure: FigureBase, plan: Plan) -> None:
+def draw_views_legend(figure: Figure | SubFigure, plan: Plan) -> None:
     """Say below all panels what the signs mean that are drawn."""
     entries = _entries(plan, is_flat=True)
     root = figure.get_figure(root=True)
     is_laid_out = root is not None and isinstance(root.get_layout_engine(), ConstrainedLayoutEngine)
+    handles: list[Any] = list(entries.values())
     figure.legend(
-        list(entries.values()), list(entries), ncols=len(entries), fontsize=TICK_SIZE,
+        handles, list(entries), ncols=len(entries), fontsize=TICK_SIZE,
         loc="outside lower center" if is_laid_out else "lower center", **_LOOKS,
     )  # fmt: skip
 
@@ -109,7 +110,7 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     star = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
     entries["goal"] = (_sign("s", 6.0, "#55555540", MUTED, 0.7), star) if is_flat else star
     if nearest_ghosts(plan):
-        entries["moving obstacle and hull where nearest"] = (
+        entries["when nearest"] = (
             _sign("s", 7.5, OBSTACLE_FILL, MUTED, 0.9),
             _sign("o", 4.0, "#55555540", MUTED, 0.9),
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import NoneType
 
 from matplotlib.axes import Axes
-from matplotlib.figure import FigureBase
+from matplotlib.figure import Figure, SubFigure
 
 from radmpc.arguments import check_kind
 from radmpc.errors import ArgumentError
@@ -58,7 +58,8 @@ def plot_plan(
     check_axes(ax, plan.scenario.dimension)
     check_kind(title, (str, NoneType), "title", "text or None")
     if ax is None and plan.scenario.dimension == 3:
-        return _draw_views(plan, None, details=details, title=title).oblique
+        oblique: Axes = _draw_views(plan, None, details=details, title=title).oblique
+        return oblique
     extent = plan_extent(plan)
     lines = num_title_lines(plan, details=details) + num_legend_lines(plan)
     axes = new_axes(extent, lines) if ax is None else ax
@@ -71,7 +72,7 @@ def plot_plan(
     return axes
 
 
-def plot_views(plan: Plan, figure: FigureBase | None = None) -> FigureBase:
+def plot_views(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure | SubFigure:
     """Draw a plan in space in three panels: from above, from the side (x and z), and oblique.
 
     Parameters
@@ -94,14 +95,12 @@ def plot_views(plan: Plan, figure: FigureBase | None = None) -> FigureBase:
     check_plan(plan)
     check_figure(figure)
     if plan.scenario.dimension != 3:
-        raise ArgumentError(
-            f"plan must be in 3-D, got {plan.scenario.dimension}-D: use plot_plan"
-        )
+        raise ArgumentError(f"plan must be in 3-D, got {plan.scenario.dimension}-D: use plot_plan")
     return _draw_views(plan, figure).figure
 
 
 def _draw_views(
-    plan: Plan, figure: FigureBase | None, *, details: bool = True, title: str | None = None
+    plan: Plan, figure: Figure | SubFigure | None, *, details: bool = True, title: str | None = None
 ) -> Views:
     """Draw three panels."""
     lines = num_title_lines(plan, details=details) + 1

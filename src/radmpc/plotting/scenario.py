@@ -7,7 +7,6 @@ from matplotlib.axes import Axes
 
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_scenario
-from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.plotting.curves import ABOVE, Plane
 from radmpc.plotting.extent import scenario_extent
@@ -19,7 +18,7 @@ from radmpc.plotting.space import (
     draw_obstacle_3d,
     draw_workspace_3d,
 )
-from radmpc.plotting.space_labels import Board, SpaceBoard, board_of
+from radmpc.plotting.space_labels import Board, SpaceBoard, board_of, show_all
 from radmpc.plotting.style import MAX_LABELS, TITLE_SIZE, vehicle_colors
 from radmpc.plotting.title import draw_headline
 from radmpc.plotting.views import new_views, settle_views
@@ -52,7 +51,8 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
         settle_views(views)
         for axes, plane in views.panels:
             _draw(axes, scenario, plane)
-        return views.oblique
+        oblique: Axes = views.oblique
+        return oblique
     axes = new_axes(extent) if ax is None else ax
     settle_axes(axes, extent)
     axes.set_title(scenario.name, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
@@ -67,6 +67,7 @@ def _draw(ax: Axes, scenario: Scenario, plane: Plane) -> None:
     board = board_of(ax)
     draw_surroundings(ax, scenario, board, colors, plane=plane)
     name_vehicles(scenario, board, colors, plane)
+    show_all(ax)
 
 
 def draw_surroundings(
@@ -83,13 +84,14 @@ def draw_surroundings(
 
     Moving obstacles on request, with what strength is asked for.
     """
+    pale = {o.name: strength if o.is_moving else 1.0 for o in scenario.obstacles}
     is_named = max(len(scenario.obstacles), scenario.num_vehicles) <= MAX_LABELS
     obstacles = [o for o in scenario.obstacles if moving or not o.is_moving]
     if isinstance(board, SpaceBoard):
         if scenario.workspace is not None:
             draw_workspace_3d(ax, scenario.workspace)
         for obstacle in obstacles:
-            draw_obstacle_3d(ax, obstacle, board, is_named=is_named, strength=_of(obstacle, strength))
+            draw_obstacle_3d(ax, obstacle, board, is_named=is_named, strength=pale[obstacle.name])
         for vehicle in scenario.vehicles:
             draw_ends_3d(ax, vehicle, colors[vehicle.name])
         return
@@ -102,7 +104,7 @@ def draw_surroundings(
         board.avoid(_ring(start, vehicle.radius), _ring(goal, 0.5 * vehicle.radius))
     for obstacle in obstacles:
         draw_obstacle(
-            ax, obstacle, board, is_named=is_named, plane=plane, strength=_of(obstacle, strength)
+            ax, obstacle, board, is_named=is_named, plane=plane, strength=pale[obstacle.name]
         )
 
 
@@ -119,11 +121,6 @@ def name_vehicles(
         else:
             hull = np.full(2, vehicle.radius)
             board.beside(vehicle.name, vehicle.start_position[list(plane)], hull, color)
-
-
-def _of(obstacle: Obstacle, strength: float) -> float:
-    """Return how strongly an obstacle is drawn: what stands still always fully."""
-    return strength if obstacle.is_moving else 1.0
 
 
 def _ring(center: Matrix, radius: float) -> Matrix:

@@ -156,7 +156,7 @@ def draw_trajectory_3d(
     found = point_along(path, 0.5)
     if found is not None:
         point, direction = found
-        length = 0.08 * float(np.ptp(path, axis=0).max())
+        length = 0.05 * float(np.ptp(path, axis=0).max())
         ax.quiver(
             *(point - 0.5 * length * direction), *(length * direction),
             color=color, linewidth=1.1, arrow_length_ratio=0.9, gid=f"arrow:{name}",

@@ -12,10 +12,11 @@ from matplotlib.transforms import ScaledTranslation
 from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.plotting.figure import room_of
 from radmpc.plotting.labels import LETTER, LabelBoard, best_place
 from radmpc.plotting.style import LABEL_SIZE
 
-__all__ = ["Board", "SpaceBoard", "board_of"]
+__all__ = ["Board", "SpaceBoard", "board_of", "show_all"]
 
 _HALF_MARK = 4.0  # of a start's circle, and what a text keeps from a step's dot, too [pt]
 
@@ -55,13 +56,13 @@ class SpaceBoard:
         scale = self.axes.get_figure(root=True).dpi / 72.0
         half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
         center = self._seen(place[None, :])[0]
-        window = self.axes.bbox
+        window = room_of(self.axes)
         frame = np.array([window.x0, window.y0, window.x1, window.y1])
         mark = np.full(2, _HALF_MARK * scale * size / LABEL_SIZE)
         found = best_place(center, mark, half, self.points, self.boxes, frame)
         self.boxes.append(np.concatenate([found - half, found + half]))
-        inches = (found - center) / (72.0 * scale)
-        beside = ScaledTranslation(*inches, self.axes.get_figure(root=True).dpi_scale_trans)
+        right, up = (found - center) / (72.0 * scale)
+        beside = ScaledTranslation(right, up, self.axes.get_figure(root=True).dpi_scale_trans)
         self.axes.text(
             *(float(value) for value in place), text,
             transform=self.axes.transData + beside, color=to_rgba(color), fontsize=size,  # type: ignore[arg-type] # any color matplotlib knows
@@ -76,6 +77,13 @@ class SpaceBoard:
 
 
 Board = LabelBoard | SpaceBoard
+
+
+def show_all(axes: Axes) -> None:
+    """Show also what reaches out of the square that matplotlib clips pictures in space to."""
+    if isinstance(axes, Axes3D):
+        for artist in (*axes.lines, *axes.collections, *axes.texts):
+            artist.set_clip_on(False)
 
 
 def board_of(axes: Axes) -> Board:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, FigureBase
+from matplotlib.figure import Figure, SubFigure
 from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.arrays import Matrix
@@ -18,6 +18,7 @@ from radmpc.plotting.figure import (
     fill,
     new_figure,
     ratio_in_space,
+    room_of,
     settle_axes,
     zoom_to,
 )
@@ -27,9 +28,9 @@ __all__ = ["Views", "new_views", "settle_views"]
 
 _WIDTH = 2.0 * COLUMN_WIDTH  # [in]
 _BESIDE = 0.45  # ticks and label of the y axis, and the gap between the columns [in]
-_BELOW = 0.50  # heading, ticks and label of a flat panel [in]
+_BELOW = 0.56  # heading, ticks and label of a flat panel [in]
 _LINE = 0.135  # a line of text [in]
-_EDGES = 0.15  # above the first line and below the last [in]
+_EDGES = 0.40  # above the first line and below the last [in]
 _LEAST, _MOST = 0.25, 0.62  # share of the width that the flat panels get
 
 
@@ -47,7 +48,7 @@ class Views:
         In space.
     """
 
-    figure: FigureBase
+    figure: Figure | SubFigure
     top: Axes
     side: Axes
     oblique: Axes3D
@@ -58,7 +59,7 @@ class Views:
         return (self.top, ABOVE), (self.side, SIDE), (self.oblique, ABOVE)
 
 
-def new_views(extent: Matrix, num_lines: int, figure: FigureBase | None = None) -> Views:
+def new_views(extent: Matrix, num_lines: int, figure: Figure | SubFigure | None = None) -> Views:
     """Return three panels, with limits and headings, in shapes that fill the figure.
 
     Parameters
@@ -91,6 +92,7 @@ def new_views(extent: Matrix, num_lines: int, figure: FigureBase | None = None) 
             figure.add_subplot(grid[1, 0]),
             figure.add_subplot(grid[:, 1], projection="3d"),
         )
+    views.oblique.patch.set_visible(False)  # it reaches below the flat panels
     for (axes, plane), heading in zip(views.panels, ("top", "side", "oblique"), strict=True):
         settle_axes(axes, extent, plane)
         axes.set_title(heading, loc="left", fontsize=LABEL_SIZE, pad=2.0)
@@ -113,13 +115,16 @@ def settle_views(views: Views) -> None:
 
 def _center(ax: Axes3D) -> None:
     """Zoom and move axes in space until what is drawn fills the room they had."""
-    room, zoom = ax.bbox.frozen(), ZOOM
-    for _ in range(2):  # texts keep their size, so that one step does not do
+    room, zoom = room_of(ax), ZOOM
+    root = ax.get_figure(root=True)
+    for _ in range(3):  # texts keep their size, so that one step does not do
+        root.draw_without_rendering()  # which places the labels
         drawn = drawn_box(ax)
         zoom *= min(room.width / drawn.width, room.height / drawn.height)
         zoom_to(ax, zoom)
+        root.draw_without_rendering()
         drawn, where = drawn_box(ax), ax.bbox
         right = 0.5 * (room.x0 + room.x1 - drawn.x0 - drawn.x1)
         up = 0.5 * (room.y0 + room.y1 - drawn.y0 - drawn.y1)
         moved = where.translated(right, up)
-        ax.set_position(moved.transformed(ax.get_figure(root=True).transFigure.inverted()))
+        ax.set_position(moved.transformed(root.transFigure.inverted()))
