@@ -98,11 +98,11 @@ def test_nothing_in_space_is_cut_off(space_plan: Plan) -> None:
 def test_a_moving_obstacle_is_drawn_where_who_crosses_is_nearest(crossed_plan: Plan) -> None:
     ax = plot_plan(crossed_plan)
     ghosts = nearest_ghosts(crossed_plan)
-    assert [(ghost.index, ghost.step) for ghost in ghosts] == [(0, 1), (1, 1)]
+    assert [(ghost.index, ghost.step) for ghost in ghosts] == [(0, 2), (1, 1)]
     [outline], [hull] = artists(ax, "ghost:ferry:a"), artists(ax, "near:ferry:a")
-    assert outline.get_xy().min(axis=0) == pytest.approx([0.5, 4.5])
-    assert hull.center == pytest.approx(tuple(crossed_plan.trajectories[0].means[1, :2]))
-    assert [text.get_text() for text in artists(ax, "ghost-step:ferry:a")] == ["step 1"]
+    assert outline.get_xy().min(axis=0) == pytest.approx([-1.0, 4.5])
+    assert hull.center == pytest.approx(tuple(crossed_plan.trajectories[0].means[2, :2]))
+    assert [text.get_text() for text in artists(ax, "ghost-step:ferry:a")] == ["step 2"]
     names = [text.get_text() for text in ax.get_legend().get_texts()]
     assert "when nearest" in names
 

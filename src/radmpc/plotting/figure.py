@@ -148,9 +148,14 @@ def settle_layout(ax: Axes) -> None:
         fill(ax)
 
 
-def fill(ax: Axes3D) -> None:
-    """Zoom until box, ticks and labels in space fill the axes."""
-    drawn, room = drawn_box(ax), room_of(ax)
+def fill(ax: Axes3D, room: Bbox | None = None) -> None:
+    """Zoom until box, ticks and labels in space fill a room [px] around the axes' middle.
+
+    None is the square that the axes have themselves: what reaches beyond it, layouts count as the
+    axes' own.
+    """
+    drawn = drawn_box(ax)
+    room = ax.bbox if room is None else room
     center = 0.5 * np.array([room.x0 + room.x1, room.y0 + room.y1])
     # Zooming keeps the center: what counts is how far the drawing reaches from it.
     reach = np.abs(np.array([drawn.x0, drawn.y0, drawn.x1, drawn.y1]) - np.tile(center, 2))

@@ -106,7 +106,9 @@ def settle_views(views: Views) -> None:
         return
     root.draw_without_rendering()
     if not isinstance(views.figure, Figure):
-        fill(views.oblique)  # other panels of the user's figure may still move it
+        # Other panels of the user's figure may still move it, but its room is its own.
+        fill(views.oblique, room_of(views.oblique))
+        views.oblique.set_in_layout(False)
         return
     # Laid out once: from here on the oblique panel is moved by hand.
     root.set_layout_engine("none")
