@@ -1,6 +1,6 @@
 """Pictures of scenarios and plans: each takes ``ax=None`` and returns the axes."""
 
-from radmpc.plotting.animation import animate_plan
+from radmpc.plotting.animation import PlanAnimation, animate_plan
 from radmpc.plotting.couplings import plot_couplings
 from radmpc.plotting.distances import plot_distances
 from radmpc.plotting.films import FILM_SUFFIXES, check_film_path, save_animation
@@ -26,6 +26,7 @@ __all__ = [
     "FILM_SUFFIXES",
     "Chart",
     "Panel",
+    "PlanAnimation",
     "Spread",
     "animate_plan",
     "check_figure_path",
