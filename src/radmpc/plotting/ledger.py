@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import overload
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,6 +36,10 @@ _HEADLINES = 0.32  # name and certificate [in]
 _LINE = 0.14  # a line of the headlines [in]
 
 
+@overload
+def plot_ledger(plan: Plan, figure: None = None) -> Figure: ...
+@overload
+def plot_ledger(plan: Plan, figure: Figure | SubFigure) -> Figure | SubFigure: ...
 def plot_ledger(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure | SubFigure:
     """Draw the risk ledger: by cause and step above, shares of Δ by vehicle below.
 

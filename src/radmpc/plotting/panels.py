@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from matplotlib import rc_context
@@ -45,6 +46,10 @@ class Panel:
     outlines: Sequence[tuple[str, Sequence[Matrix]]] = ()
 
 
+@overload
+def plot_panels(panels: Sequence[Panel], figure: None = None) -> Figure: ...
+@overload
+def plot_panels(panels: Sequence[Panel], figure: Figure | SubFigure) -> Figure | SubFigure: ...
 def plot_panels(
     panels: Sequence[Panel], figure: Figure | SubFigure | None = None
 ) -> Figure | SubFigure:

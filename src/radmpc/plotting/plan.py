@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import NoneType
+from typing import overload
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
@@ -72,6 +73,10 @@ def plot_plan(
     return axes
 
 
+@overload
+def plot_views(plan: Plan, figure: None = None) -> Figure: ...
+@overload
+def plot_views(plan: Plan, figure: Figure | SubFigure) -> Figure | SubFigure: ...
 def plot_views(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure | SubFigure:
     """Draw a plan in space in three panels: from above, from the side (x and z), and oblique.
 

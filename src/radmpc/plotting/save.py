@@ -10,7 +10,6 @@ from io import BytesIO
 from pathlib import Path
 
 from matplotlib import rc_context
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -115,7 +114,7 @@ def save_ledger(plan: Plan, path: str | os.PathLike[str]) -> None:
     check_path(path)
     target = Path(path)
     check_figure_path(target)
-    _write(_root_of(plot_ledger(plan)), target)
+    _write(plot_ledger(plan), target)
 
 
 def save_panels(panels: Sequence[Panel], path: str | os.PathLike[str]) -> None:
@@ -136,7 +135,7 @@ def save_panels(panels: Sequence[Panel], path: str | os.PathLike[str]) -> None:
     check_path(path)
     target = Path(path)
     check_figure_path(target)
-    _write(_root_of(plot_panels(panels)), target)
+    _write(plot_panels(panels), target)
 
 
 def save_chart(chart: Chart, path: str | os.PathLike[str]) -> None:
@@ -163,12 +162,7 @@ def save_chart(chart: Chart, path: str | os.PathLike[str]) -> None:
 def _figure_of(axes: Axes) -> Figure:
     """Return the figure that axes stand in."""
     check_kind(axes, Axes, "axes", "one of matplotlib's Axes")
-    return _root_of(axes)
-
-
-def _root_of(part: Artist) -> Figure:
-    """Return the figure that a part of one stands in."""
-    figure = part.get_figure(root=True)
+    figure = axes.get_figure(root=True)
     if figure is None:
         raise RuntimeError("axes without a figure cannot be saved")
     return figure
