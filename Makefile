@@ -15,7 +15,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo coverage nightly check quick still format lint package types floors docs test clean
+.PHONY: help demo pictures coverage nightly check quick still format lint package types floors docs test clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -24,8 +24,7 @@ demo: $(INSTALLED) ## plan the shipped scenario; plan and picture go to out/
 	@$(BIN)/radmpc demo --out out
 	@echo "(here radmpc is $(BIN)/radmpc)"
 
-# What stands still is looked at side by side, each told in one piece; tests come after the site,
-# because they read what its build made of the examples.
+# What stands still is looked at side by side, each told in one piece.
 check: $(INSTALLED_DEV) ## everything that must hold before a commit
 	@$(MAKE) --jobs=$(WORKERS) --output-sync=target still
 	@$(MAKE) test
@@ -60,6 +59,9 @@ floors: $(INSTALLED_DEV) ## who may import whom
 docs: $(INSTALLED_DEV) ## the site, into site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "the site is in site/index.html"
+
+pictures: $(INSTALLED_DEV) ## the pictures in docs/images and the gallery's page, made anew
+	$(BIN)/python docs/hooks/figures.py
 
 nightly: coverage ## what takes too long for every check: coverage, all spoiled files, a longer hunt
 	RADMPC_THOROUGH=1 $(PYTEST) tests/cli/test_spoiled_files.py \

@@ -30,6 +30,7 @@ from radmpc import (
     to_xarray,
 )
 from radmpc.experiments.families import paper
+from radmpc.notebook import listed
 
 HARBOR = "src/radmpc/data/harbor.yaml"
 
@@ -148,6 +149,30 @@ def test_a_result_shows_a_summary_and_a_picture_in_a_notebook(result) -> None:
     image = Image.open(io.BytesIO(base64.b64decode(data)))
     assert image.format == "PNG"
     assert image.width > 400
+
+
+def test_scenario_certificate_and_simulation_show_their_facts_in_a_notebook(result) -> None:
+    scenario = replace(result.plan.scenario, name="<script>")
+    page = scenario._repr_html_()
+    assert page.startswith("<table><tr><th")
+    for told in ("&lt;script&gt;", "3: v", f"{scenario.risk_bound:g}", "obstacles"):
+        assert told in page
+    assert "<script>" not in page
+    judged = radmpc.certify(result.plan)
+    page = judged._repr_html_()
+    assert judged.summary in page
+    assert f"step {max(judged.ledger, key=lambda row: row.risk).step}" in page
+    wrong = replace(judged, problems=("a < b",))._repr_html_()
+    assert "a &lt; b" in wrong
+    flown = radmpc.simulate(result.plan, 2000, rng=0)
+    for told in ("2,000", f"{flown.rate:.3g}", f"to {flown.rate_high:.3g}"):
+        assert told in flown._repr_html_()
+
+
+def test_long_lists_are_cut_in_notebooks() -> None:
+    names = [f"b{i}" for i in range(10)]
+    assert listed(names).endswith("b7 and 2 more")
+    assert listed([]) == "none"
 
 
 def test_a_result_without_a_plan_shows_why() -> None:

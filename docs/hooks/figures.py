@@ -1,30 +1,35 @@
-"""Figures of the site, made by the build: the harbor, its ledger, and those of the examples.
+"""The pictures in docs/images, made anew by ``make pictures``: the harbor's and the examples'.
 
-In a page ``<!-- figure: ledger | Where the risk goes -->`` stands for the picture and its caption;
-on a code host the comment is not seen. The name of an example stands for the example's picture.
+They are kept small and committed: pages show them on a code host, too, and the site is built
+without any planning. The gallery's page is written along with them.
 """
 
 from __future__ import annotations
 
-import posixpath
-import re
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from mkdocs.exceptions import PluginError
-from mkdocs.structure.files import File
+import numpy as np
+from PIL import Image, ImageSequence
 
-from making import ROOT, code_digest, made
+from gallery import examples, page, picture
+from making import ROOT
 
-MARK = re.compile(r"<!-- figure: (?P<name>[\w-]+) \| (?P<caption>[^>]+?) -->")
+IMAGES = ROOT / "docs" / "images"
+
+_WIDTHS = 900, 1150  # of a picture of one column, of two [px]
+_ONE_COLUMN = 1500  # what is wider is two [px]
+_COLORS = 96  # of its palette
+_FILM_WIDTH, _FILM_COLORS, _EVERY = 420, 48, 2  # of a film, of which every second frame stays
 
 
 @cache
 def _harbor() -> Any:
     """Return the plan of the shipped scenario."""
-    import radmpc  # noqa: PLC0415 - only needed where a picture is missing
+    import radmpc  # noqa: PLC0415 - tests ask for names alone
 
     scenario = radmpc.load_scenario(ROOT / "src" / "radmpc" / "data" / "harbor.yaml")
     return radmpc.plan(scenario, rng=0).require()
@@ -55,7 +60,7 @@ def _film_harbor(path: Path) -> None:
     """Film the plan."""
     from radmpc.plotting import save_animation  # noqa: PLC0415 - as above
 
-    save_animation(_harbor(), path)
+    save_animation(_harbor(), path, frames_per_step=4)
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {
@@ -68,42 +73,50 @@ FIGURES: dict[str, Callable[[Path], None]] = {
 }
 
 
-def picture(name: str) -> Path:
-    """Return the file of a figure, made if it is not there."""
-    folder = made(
-        Path(name).stem,
-        code_digest(Path(__file__)),
-        lambda unfinished: FIGURES[name](unfinished / name),
+def write_small(source: Path, target: Path) -> None:
+    """Write a picture or film with few pixels and colors."""
+    with Image.open(source) as image:
+        if source.suffix == ".gif":
+            _write_film(image, target)
+            return
+        width = min(image.width, _WIDTHS[image.width > _ONE_COLUMN])
+        size = width, round(image.height * width / image.width)
+        small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+    small.quantize(_COLORS, dither=Image.Dither.NONE).save(target, optimize=True)
+
+
+def _write_film(image: Image.Image, target: Path) -> None:
+    """Write every second frame, for twice as long."""
+    size = _FILM_WIDTH, round(image.height * _FILM_WIDTH / image.width)
+    frames, durations = [], []
+    for number, frame in enumerate(ImageSequence.Iterator(image)):
+        if number % _EVERY == 0:
+            frames.append(frame.convert("RGB").resize(size, Image.Resampling.LANCZOS))
+            durations.append(_EVERY * frame.info["duration"])
+    palette = frames[len(frames) // 2].quantize(_FILM_COLORS)
+    frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    for frame in frames:
+        # As an average of its palette the paper would show on a white page.
+        colors = np.array(frame.getpalette(), dtype=np.uint8).reshape(-1, 3)
+        colors[np.asarray(frame)[0, 0]] = 255
+        frame.putpalette(colors.tobytes())
+    frames[0].save(
+        target, save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=True
     )
-    return folder / name
 
 
-def on_files(files: Any, config: Any) -> Any:
-    """Put the figures where pages show them; the harbor replaces the committed picture."""
-    for name in FIGURES:
-        uri = f"images/{name}"
-        there = files.get_file_from_path(uri)
-        if there is not None:
-            files.remove(there)
-        files.append(File.generated(config, uri, abs_src_path=str(picture(name))))
-    return files
+def main() -> None:
+    """Write all pictures, and the gallery's page."""
+    (IMAGES / "gallery").mkdir(exist_ok=True)
+    with TemporaryDirectory() as folder:
+        for name, draw in FIGURES.items():
+            draw(Path(folder) / name)
+            write_small(Path(folder) / name, IMAGES / name)
+    for example in examples():
+        made = picture(example)
+        write_small(made, IMAGES / "gallery" / made.name)
+    (ROOT / "docs" / "gallery.md").write_text(page(examples()), encoding="utf-8")
 
 
-def on_page_markdown(markdown: str, page: Any, files: Any, **_: Any) -> str:
-    """Show the figures that the page asks for."""
-    folder = posixpath.dirname(page.file.src_uri) or "."
-
-    def shown(match: re.Match[str]) -> str:
-        name = match["name"]
-        uris = [
-            f"images/{name}.png",
-            f"images/{name}.gif",
-            f"images/gallery/{name}.png",
-            f"images/gallery/{name}.gif",
-        ]
-        there = [uri for uri in uris if files.get_file_from_path(uri) is not None]
-        if not there:
-            raise PluginError(f"{page.file.src_uri}: no figure is called {name!r}")
-        return f"![{match['caption']}]({posixpath.relpath(there[0], folder)})"
-
-    return MARK.sub(shown, markdown)
+if __name__ == "__main__":
+    main()

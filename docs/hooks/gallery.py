@@ -1,4 +1,4 @@
-"""The gallery: every example with its picture, its text and its code.
+"""The gallery: every example with its picture and its text; on the site its code is folded away.
 
 An example is ``examples/NN_name.py``: the first line of its docstring is the title, the rest a
 paragraph; ``main(out)`` writes ``out/NN_name.png`` (or .gif) and returns the number to be checked.
@@ -17,11 +17,16 @@ from pathlib import Path
 from typing import Any
 
 from mkdocs.exceptions import PluginError
-from mkdocs.structure.files import File
 
 from making import ROOT, code_digest, made
 
-MARK = "<!-- gallery -->"
+HEAD = """\
+# Gallery
+
+Small programs, each with its picture and one number that a test checks. They stand in
+the folder `examples`, and each can be run by itself: `python examples/01_one_vehicle.py`.
+"""
+IMAGES = ROOT / "docs" / "images" / "gallery"
 SUFFIXES = (".png", ".gif")
 NUMBER = "number.json"
 
@@ -81,13 +86,30 @@ def read_example(path: Path) -> Example:
     return Example(path, title.rstrip("."), text.strip(), code)
 
 
+def link(example: Example) -> str:
+    """Return the line that leads to an example on a code host."""
+    return f"[examples/{example.path.name}](../examples/{example.path.name})"
+
+
 def section(example: Example, picture: str) -> str:
-    """Return an example's part of the page: title, picture, text, and the code folded away."""
-    code = "\n".join(f"    {line}".rstrip() for line in example.code.splitlines())
+    """Return an example's part of the page: title, picture, text, and where its code is."""
     return (
         f"## {example.title}\n\n![{example.title}]({picture})\n\n{example.text}\n\n"
-        f'??? example "examples/{example.path.name}"\n\n    ```python\n{code}\n    ```\n'
+        f"{link(example)}\n"
     )
+
+
+def page(of: list[Example]) -> str:
+    """Return the gallery's page as it is committed, with the pictures that are."""
+    names = {path.stem: path.name for path in IMAGES.iterdir()}
+    parts = [section(e, f"images/gallery/{names[e.path.stem]}") for e in of]
+    return "\n".join([HEAD, *parts])
+
+
+def folded(example: Example) -> str:
+    """Return an example's code, folded away."""
+    code = "\n".join(f"    {line}".rstrip() for line in example.code.splitlines())
+    return f'??? example "examples/{example.path.name}"\n\n    ```python\n{code}\n    ```'
 
 
 def folder_of(example: Example) -> Path:
@@ -129,18 +151,9 @@ def _run(path: Path, out: Path) -> None:
     (out / NUMBER).write_text(json.dumps(number), encoding="utf-8")
 
 
-def on_files(files: Any, config: Any) -> Any:
-    """Add the pictures."""
-    for example in examples():
-        path = picture(example)
-        uri = f"images/gallery/{path.name}"
-        files.append(File.generated(config, uri, abs_src_path=str(path)))
-    return files
-
-
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Fill the gallery's page."""
-    if MARK not in markdown:
-        return markdown
-    parts = [section(e, f"images/gallery/{picture(e).name}") for e in examples()]
-    return markdown.replace(MARK, "\n".join(parts))
+    """Put code in the place of links to it, on the gallery's page."""
+    if page.file.src_uri == "gallery.md":
+        for example in examples():
+            markdown = markdown.replace(link(example), folded(example))
+    return markdown

@@ -1,4 +1,4 @@
-"""Pictures made once: kept in build/figures until the code that makes them changes."""
+"""What examples make, kept in build/figures until the code that makes it changes."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ from io import BytesIO
 from radmpc.errors import NoPlanError
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Coupling, Plan, Status
+from radmpc.notebook import html_table
 from radmpc.planners.draft import Event, Step
 from radmpc.referee import Certificate
 
@@ -109,12 +110,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return a summary and, of a plan, its picture: what notebooks show."""
-        rows = "".join(
-            f'<tr><th style="text-align:left">{escape(name)}</th>'
-            f'<td style="text-align:left">{escape(text)}</td></tr>'
-            for name, text in _facts(self)
-        )
-        return f"<table>{rows}</table>{_picture(self.record)}"
+        return html_table(_facts(self)) + _picture(self.record)
 
 
 def _facts(result: Result) -> list[tuple[str, str]]:

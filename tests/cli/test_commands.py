@@ -140,9 +140,7 @@ def test_import_tells_its_warnings(
     run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     imported = ImportedScenario(load_scenario(crossing), {"dt": "1 s"}, ("no cars here",))
-    monkeypatch.setattr(
-        "radmpc.importing.formats.import_scenario", lambda source, options: imported
-    )
+    monkeypatch.setattr("radmpc.importing.import_scenario", lambda source, options: imported)
     result = run("import", "any", "-o", "mine.yaml")
     assert "warning: no cars here" in result.stdout
 

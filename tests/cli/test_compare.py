@@ -6,11 +6,11 @@ import io
 import json
 
 import pytest
-from radmpc.io.scenario_file import load_scenario
 from rich.console import Console
 
 from radmpc.console.reports.comparison_table import comparison_table
 from radmpc.experiments.comparing import compare
+from radmpc.io.native.scenario_file import load_scenario
 
 
 def test_compare_prints_a_line_per_planner(run, crossing):

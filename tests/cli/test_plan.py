@@ -51,6 +51,26 @@ def test_a_ledger_without_a_plan_is_still_drawn(run: Run, hopeless: Path) -> Non
     assert Path("risk.png").exists()
 
 
+@pytest.mark.parametrize("words", [(), ("--json",)])
+def test_ctrl_c_while_filming_leaves_report_and_plan(
+    run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("radmpc.console.commands.planning.write_film", interrupt)
+    result = run("plan", crossing, "-o", "a.json", "--animation", "a.gif", *words)
+    assert (result.exit_code, result.stderr) == (1, "radmpc: interrupted\n")
+    assert "certified" in result.stdout
+    assert "film written" not in result.stdout
+    assert Path("a.json").exists()
+
+
+def test_files_are_told_below_the_report_after_one_empty_line(run: Run, crossing: Path) -> None:
+    lines = run("plan", crossing, "--figure", "a.svg", "--ledger", "b.svg").stdout.splitlines()
+    assert lines[-3:] == ["", "picture written to a.svg", "risk ledger written to b.svg"]
+
+
 def test_json_is_the_plan_without_vehicles_and_nothing_else(run: Run, crossing: Path) -> None:
     result = run("plan", crossing, "--json", "-o", "a.json")
     content = json.loads(result.stdout)

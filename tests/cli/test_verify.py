@@ -4,7 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from radmpc.io.scenario_file import load_scenario, save_scenario
+
+from radmpc.io.native.scenario_file import load_scenario, save_scenario
 
 from .conftest import Run, assert_one_line
 

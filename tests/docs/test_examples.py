@@ -8,6 +8,7 @@ import runpy
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 from pages import ROOT
 from PIL import Image
@@ -16,6 +17,7 @@ FOLDER = ROOT / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
 MOST_LINES = 59
 LEAST_PIXELS = 400
+MOST_CHANGE = 3.0  # of 255 gray levels: what is made anew has up to 0.6, other looks 4 and more
 
 
 def loaded(path: Path) -> ModuleType:
@@ -26,6 +28,12 @@ def loaded(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def glimpse(path: Path) -> np.ndarray:
+    """What a picture, or a film's first frame, looks like from afar."""
+    with Image.open(path) as image:
+        return np.asarray(image.convert("L").resize((48, 48)), dtype=float)
 
 
 @pytest.fixture(params=EXAMPLES, ids=lambda path: path.stem)
@@ -61,7 +69,6 @@ def test_no_example_imports_a_private_name_or_another_example(example):
 
 @pytest.mark.slow
 def test_every_example_gives_its_number_and_its_picture(example, hooks):
-    # Run by the site's build, if that was just done with the same code, or else now.
     gallery = importlib.import_module("gallery")
     made = gallery.read_example(example)
     module, number = loaded(example), gallery.number(made)
@@ -74,6 +81,8 @@ def test_every_example_gives_its_number_and_its_picture(example, hooks):
         assert min(image.size) >= LEAST_PIXELS
         is_film = getattr(image, "n_frames", 1) > 1
     assert picture.suffix == (".gif" if is_film else ".png")
+    difference = np.abs(glimpse(picture) - glimpse(gallery.IMAGES / picture.name)).mean()
+    assert difference < MOST_CHANGE, "the committed picture is another one: make pictures"
 
 
 def test_an_example_run_as_a_program_prints_its_number(tmp_path, monkeypatch, capsys):

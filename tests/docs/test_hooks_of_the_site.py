@@ -3,10 +3,14 @@ from __future__ import annotations
 import importlib
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from mkdocs.exceptions import PluginError
-from pages import PAGES, ROOT
+from pages import ROOT
+from PIL import Image
+
+IMAGES = ROOT / "docs" / "images"
 
 EXAMPLE = '''\
 """A title.
@@ -74,7 +78,7 @@ def test_an_example_is_its_title_text_and_code(hook, example: Path) -> None:
     assert found.code.startswith("from pathlib")
     text = hook("gallery").section(found, "a.png")
     assert text.startswith("## A title\n\n![A title](a.png)\n\nWhat it shows.")
-    assert "\n    def main(out: Path) -> float:\n" in text
+    assert "\n    def main(out: Path) -> float:\n" in hook("gallery").folded(found)
 
 
 def test_an_example_without_a_text_is_refused(hook, example: Path) -> None:
@@ -119,13 +123,54 @@ def test_a_picture_that_failed_is_not_kept(hook, cache: Path) -> None:
     assert not (cache / "name" / "digest").exists()
 
 
-def test_every_figure_of_a_page_is_one_that_the_build_makes(hook) -> None:
-    figures = hook("figures")
-    known = {Path(name).stem for name in figures.FIGURES}
-    known |= {example.path.stem for example in hook("gallery").examples()}
-    for page in PAGES:
-        asked = {m["name"] for m in figures.MARK.finditer(page.read_text(encoding="utf-8"))}
-        assert asked <= known, page.name
+def test_every_committed_picture_is_one_that_is_made_anew_and_is_small(hook) -> None:
+    stems = {example.path.stem for example in hook("gallery").examples()}
+    assert {path.name for path in IMAGES.iterdir() if path.is_file()} == set(
+        hook("figures").FIGURES
+    )
+    assert {path.stem for path in (IMAGES / "gallery").iterdir()} == stems
+    pictures = [*IMAGES.glob("*.*"), *(IMAGES / "gallery").iterdir()]
+    assert max(path.stat().st_size for path in pictures) < 150_000
+    assert sum(path.stat().st_size for path in pictures) < 1_000_000
+
+
+def test_the_gallery_is_what_the_examples_say_of_themselves(hook) -> None:
+    gallery = hook("gallery")
+    committed = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    assert committed == gallery.page(gallery.examples()), "make pictures"
+
+
+def test_the_site_folds_code_where_a_code_host_has_links(hook) -> None:
+    gallery = hook("gallery")
+    shown = gallery.on_page_markdown(
+        (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8"),
+        page=SimpleNamespace(file=SimpleNamespace(src_uri="gallery.md")),
+    )
+    assert shown.count("??? example") == len(gallery.examples())
+    assert "](../examples/" not in shown
+
+
+def test_small_pictures_keep_shape_white_paper_and_length(hook, tmp_path: Path) -> None:
+    frames = [Image.new("RGB", (840, 400), "white") for _ in range(4)]
+    for number, frame in enumerate(frames):
+        frame.paste((200, 30, 30), (100 * number, 50, 100 * number + 80, 200))
+    frames[0].save(tmp_path / "a.gif", save_all=True, append_images=frames[1:], duration=100)
+    frames[0].resize((2100, 1000)).save(tmp_path / "a.png")
+    for name in ("a.gif", "a.png"):
+        hook("figures").write_small(tmp_path / name, tmp_path / f"small-{name}")
+    with Image.open(tmp_path / "small-a.gif") as film:
+        assert (film.size, film.n_frames, film.info["duration"]) == ((420, 200), 2, 200)
+        assert film.convert("RGB").getpixel((0, 0)) == (255, 255, 255)
+    with Image.open(tmp_path / "small-a.png") as picture:
+        assert picture.size == (1150, 548)
+
+
+def test_the_search_needs_no_server() -> None:
+    settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert "\n  - offline" in settings
+    (script,) = re.findall(r"polyfills:\n    - (\S+)", settings)
+    assert "iframe-worker" in script  # else the plugin adds one from the network
+    assert (ROOT / "docs" / script).is_file()
 
 
 def test_formulas_become_mathml(hook) -> None:
@@ -136,6 +181,12 @@ def test_formulas_become_mathml(hook) -> None:
     assert "<mo>&#x0223C;</mo>" in drawn
     assert "\N{MATHEMATICAL SCRIPT CAPITAL N}" in drawn
     assert 'display="block"' in hook("mathematics").formula("a &lt; b", "block")
+
+
+def test_the_bars_of_a_norm_are_equally_high(hook) -> None:
+    drawn = hook("mathematics").formula(r"\sum_k \lVert \bar u_i^k \rVert_1", "block")
+    bars = re.findall(r"<mo([^>]*)>&#x02016;</mo>", drawn)
+    assert bars == [' stretchy="false" form="prefix"', ' stretchy="false" form="postfix"']
 
 
 def test_formulas_of_docstrings_become_those_of_pages(hook) -> None:

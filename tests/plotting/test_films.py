@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import shutil
+from base64 import b64decode
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,7 @@ from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
 from radmpc.planners.paper.temporal import make_temporal_obstacle
 from radmpc.plotting import animate_plan, save_animation
-from radmpc.plotting.film.interpolation import moving_outline, way_of
+from radmpc.plotting.interpolation import moving_outline, way_of
 
 from .conftest import HORIZON
 
@@ -99,6 +101,17 @@ def test_a_film_is_drawn_on_given_axes(flat_plan: Plan) -> None:
     ax = figure.add_subplot()
     film = animate_plan(flat_plan, ax, frames_per_step=1)
     assert drawn(film, 0) is ax
+
+
+def test_a_notebook_shows_a_film_and_a_name_is_no_html(flat_plan: Plan) -> None:
+    named = replace(flat_plan, scenario=replace(flat_plan.scenario, name='<b>&"'))
+    film = animate_plan(named, frames_per_step=1)
+    dpi = film._fig.dpi
+    page = film._repr_html_()
+    assert page.startswith('<img alt="&lt;b&gt;&amp;&quot;" src="data:image/gif;base64,')
+    with Image.open(BytesIO(b64decode(page.split("base64,")[1].split('"')[0]))) as image:
+        assert image.n_frames == HORIZON + 1
+    assert film._fig.dpi == dpi
 
 
 def test_a_gif_holds_every_frame_and_lasts_as_long_as_it_should(

@@ -16,6 +16,7 @@ from radmpc.model.numbers import check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.workspace import Workspace
+from radmpc.notebook import html_table, listed
 
 __all__ = ["Avoidance", "Scenario", "Workspace"]
 
@@ -102,6 +103,25 @@ class Scenario:
             f"Scenario({self.name!r}, {len(self.vehicles)} vehicles, {len(self.obstacles)} "
             f"obstacles, {self.horizon} steps of {self.dt:g} s, risk bound {self.risk_bound:g})"
         )
+
+    def _repr_html_(self) -> str:
+        """Return its facts: what notebooks show."""
+        seconds = self.dt * self.horizon
+        facts = [
+            ("scenario", self.name),
+            ("vehicles", listed([vehicle.name for vehicle in self.vehicles])),
+            ("obstacles", listed([obstacle.name for obstacle in self.obstacles])),
+            ("time", f"{self.horizon} steps of {self.dt:g} s, {seconds:g} s"),
+            ("risk bound", f"{self.risk_bound:g}"),
+            (
+                "collisions count",
+                "along intervals" if self.avoidance == "intervals" else "at steps",
+            ),
+        ]
+        if self.workspace is not None:
+            corners = zip(self.workspace.lower, self.workspace.upper, strict=True)
+            facts.append(("workspace", " × ".join(f"[{a:g}, {b:g}]" for a, b in corners) + " m"))
+        return html_table(facts)
 
     def _check_kinds(self) -> None:
         """Refuse parts of another kind; make numbers Python's and sequences tuples."""

@@ -3,10 +3,10 @@
 from radmpc.plotting.chart import Chart, Spread, plot_chart
 from radmpc.plotting.couplings import plot_couplings
 from radmpc.plotting.distances import plot_distances
-from radmpc.plotting.film.animation import animate_plan
+from radmpc.plotting.film.animation import PlanAnimation, animate_plan
 from radmpc.plotting.film.films import FILM_SUFFIXES, check_film_path, save_animation
 from radmpc.plotting.panels import Panel, plot_panels
-from radmpc.plotting.plan import plot_plan
+from radmpc.plotting.plan import plot_plan, plot_views
 from radmpc.plotting.risk.ledger import plot_ledger, plot_risk_map
 from radmpc.plotting.risk.ledger_shares import plot_risk_shares
 from radmpc.plotting.risk.risk_steps import plot_risk
@@ -26,6 +26,7 @@ __all__ = [
     "FILM_SUFFIXES",
     "Chart",
     "Panel",
+    "PlanAnimation",
     "Spread",
     "animate_plan",
     "check_figure_path",
@@ -40,6 +41,7 @@ __all__ = [
     "plot_risk_map",
     "plot_risk_shares",
     "plot_scenario",
+    "plot_views",
     "save_animation",
     "save_axes",
     "save_chart",

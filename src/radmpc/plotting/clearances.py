@@ -14,10 +14,10 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.geometry import Polytope, hull, planar
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
-from radmpc.plotting.curves import mean_path
-from radmpc.plotting.film.interpolation import moving_outline
+from radmpc.plotting.curves import mean_path, positions
+from radmpc.plotting.interpolation import moving_outline
 
-__all__ = ["Clearance", "closest_clearances"]
+__all__ = ["Clearance", "closest_clearances", "distances_at_steps", "touches_way"]
 
 _NEAR = 12.0
 """Standard deviations beyond which a pair is not looked at."""
@@ -115,6 +115,26 @@ def _fine_noise(plan: Plan, index: int, count: int) -> Tensor:
     low = np.minimum(share.astype(int), len(coarse) - 2)
     part = (share - low)[:, None, None]
     return np.asarray((1.0 - part) * coarse[low] + part * coarse[low + 1])
+
+
+def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
+    """Return the distances between a vehicle's hull and an obstacle at the steps, (T+1,) [m]."""
+    vehicle = plan.scenario.vehicles[i]
+    places = positions(vehicle, plan.trajectories[i])
+    found = [_nearest(places[k : k + 1], obstacle.at(k))[0][0] for k in range(len(places))]
+    return np.array(found) - vehicle.radius
+
+
+def touches_way(plan: Plan, i: int, obstacle: Obstacle) -> bool:
+    """Whether a vehicle's swept hull touches what a moving obstacle sweeps, at whatever times."""
+    vehicle = plan.scenario.vehicles[i]
+    path = mean_path(vehicle, plan.trajectories[i])
+    # From faces alone: at corners a little early, for pictures near enough.
+    return any(
+        (path @ piece.normals.T - piece.offsets).max(axis=1).min() <= vehicle.radius
+        for pieces in obstacle.steps
+        for piece in pieces
+    )
 
 
 def _near_pairs(plan: Plan, ways: Tensor, noise: Tensor) -> list[tuple[int, int]]:

@@ -10,7 +10,22 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["confidence_ellipses", "ellipsoid_rings", "mean_path", "point_along", "positions"]
+__all__ = [
+    "ABOVE",
+    "SIDE",
+    "Plane",
+    "confidence_ellipses",
+    "ellipsoid_rings",
+    "mean_path",
+    "point_along",
+    "positions",
+]
+
+Plane = tuple[int, int]
+"""The two coordinates that a flat picture shows; the others are looked along."""
+
+ABOVE: Plane = (0, 1)
+SIDE: Plane = (0, 2)
 
 _POINTS_PER_STEP = 10
 _POINTS_PER_RING = 48
@@ -53,13 +68,16 @@ def mean_path(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
 
 
 def confidence_ellipses(
-    vehicle: Vehicle, trajectory: Trajectory, sigmas: float = 3.0
+    vehicle: Vehicle, trajectory: Trajectory, sigmas: float = 3.0, plane: Plane = ABOVE
 ) -> tuple[Matrix, ...]:
-    """Return the outline of the position's confidence ellipse at every step, each (p, 2) [m]."""
+    """Return the outline of the position's confidence ellipse at every step, each (p, 2) [m].
+
+    In space it is the outline of the ellipsoid as it is seen along the third coordinate.
+    """
     angles = np.linspace(0.0, 2.0 * np.pi, _POINTS_PER_RING, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)])
-    roots = _roots(vehicle, trajectory)
-    centers = positions(vehicle, trajectory)
+    roots = _roots(vehicle, trajectory, plane)
+    centers = positions(vehicle, trajectory)[:, list(plane)]
     return tuple(
         center + sigmas * (root @ circle).T for center, root in zip(centers, roots, strict=True)
     )
@@ -71,7 +89,7 @@ def ellipsoid_rings(
     """Return the three principal rings of the confidence ellipsoid at every step [m]."""
     angles = np.linspace(0.0, 2.0 * np.pi, _POINTS_PER_RING)
     circle = np.stack([np.cos(angles), np.sin(angles)])
-    roots = _roots(vehicle, trajectory)
+    roots = _roots(vehicle, trajectory, (0, 1, 2))
     return tuple(
         center + sigmas * (root[:, list(plane)] @ circle).T
         for center, root in zip(positions(vehicle, trajectory), roots, strict=True)
@@ -100,9 +118,9 @@ def point_along(path: Matrix, share: float) -> tuple[Vector, Vector] | None:
     return point, direction
 
 
-def _roots(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
-    """Return square roots of the position covariances, principal axes as columns, (T+1, d, d)."""
-    axes = list(vehicle.system.position)
+def _roots(vehicle: Vehicle, trajectory: Trajectory, coordinates: tuple[int, ...]) -> Matrix:
+    """Return square roots of the position covariances, principal axes as columns, (T+1, c, c)."""
+    axes = [vehicle.system.position[i] for i in coordinates]
     covariances = trajectory.covariances[:, axes][:, :, axes]
     values, vectors = np.linalg.eigh(covariances)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :])

@@ -10,8 +10,8 @@ from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
-from radmpc.plotting.clearances import closest_clearances
-from radmpc.plotting.risk.ledger_looks import new_column, say_nothing, settle_part
+from radmpc.plotting.clearances import Clearance, closest_clearances
+from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing, settle_part
 
 __all__ = ["plot_distances"]
 
@@ -54,20 +54,7 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
         return say_nothing(axes, plan)
     clearances = closest_clearances(plan, min(most, len(PALETTE)))
     for number, (clearance, color) in enumerate(zip(clearances, PALETTE, strict=False)):
-        times, distance = clearance.times, clearance.distance
-        axes.plot(
-            times, distance, color=color, linewidth=1.1, label=clearance.name, zorder=4,
-            linestyle=("solid", (0, (5, 1.2)), (0, (2, 1)))[number % 3],
-            gid=f"distance:{clearance.name}",
-        )  # fmt: skip
-        axes.plot(
-            clearance.at_steps(times), clearance.at_steps(distance), linestyle="none", marker=".",
-            markersize=3.6, color=color, zorder=5, gid=f"steps:{clearance.name}",
-        )  # fmt: skip
-        axes.fill_between(
-            times, distance - _SIGMAS * clearance.sigma, distance, color=color, alpha=0.15,
-            linewidth=0.0, zorder=2, gid=f"band:{clearance.name}",
-        )  # fmt: skip
+        _draw_clearance(axes, clearance, color, number)
     axes.axhline(0.0, color=ALERT, linewidth=0.8, zorder=3, gid="allowed")
     axes.annotate(
         "hulls touch", (1.0, 0.0), xycoords=("axes fraction", "data"), xytext=(-2.0, -2.0),
@@ -82,16 +69,31 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
     axes.set_ylabel("distance of hulls [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     axes.grid(axis="y", color="#E4E4E4", linewidth=0.4, zorder=0)
     if clearances:
-        axes.legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3, fontsize=TICK_SIZE,
-            frameon=False, handlelength=1.8, columnspacing=1.2, borderaxespad=0.0,
-        )  # fmt: skip
+        draw_key(axes, 3)
     else:
         axes.text(
             0.5, 0.5, "nothing near", transform=axes.transAxes, ha="center", color=MUTED,
             fontsize=LABEL_SIZE,
         )  # fmt: skip
     return axes
+
+
+def _draw_clearance(ax: Axes, clearance: Clearance, color: str, number: int) -> None:
+    """Draw one encounter: line, dots at steps, and band."""
+    times, distance = clearance.times, clearance.distance
+    ax.plot(
+        times, distance, color=color, linewidth=1.1, label=clearance.name, zorder=4,
+        linestyle=("solid", (0, (5, 1.2)), (0, (2, 1)))[number % 3],
+        gid=f"distance:{clearance.name}",
+    )  # fmt: skip
+    ax.plot(
+        clearance.at_steps(times), clearance.at_steps(distance), linestyle="none", marker=".",
+        markersize=3.6, color=color, zorder=5, gid=f"steps:{clearance.name}",
+    )  # fmt: skip
+    ax.fill_between(
+        times, distance - _SIGMAS * clearance.sigma, distance, color=color, alpha=0.15,
+        linewidth=0.0, zorder=2, gid=f"band:{clearance.name}",
+    )  # fmt: skip
 
 
 def _settle_view(ax: Axes, plan: Plan, bands: list[tuple[np.ndarray, np.ndarray]]) -> None:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Polygon
 
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.extent import plan_extent
-from radmpc.plotting.canvas.figure import DPI
+from radmpc.plotting.canvas.figure import check_figure, new_figure
 from radmpc.plotting.canvas.style import TITLE_SIZE, vehicle_colors
 from radmpc.plotting.canvas.title import num_title_lines
 from radmpc.plotting.plan import plot_plan
@@ -51,19 +51,28 @@ class Panel:
         check_plan(self.plan)
 
 
-def plot_panels(panels: Sequence[Panel]) -> Figure:
+@overload
+def plot_panels(panels: Sequence[Panel], figure: None = None) -> Figure: ...
+@overload
+def plot_panels(panels: Sequence[Panel], figure: Figure | SubFigure) -> Figure | SubFigure: ...
+def plot_panels(
+    panels: Sequence[Panel], figure: Figure | SubFigure | None = None
+) -> Figure | SubFigure:
     """Draw plans side by side at the same scale, at most three in a row.
 
     Parameters
     ----------
     panels : sequence of Panel
         At least one; all of one dimension.
+    figure : Figure, SubFigure or None
+        Where, beside whatever it holds already. None makes one that belongs to no window.
 
     Returns
     -------
-    Figure
-        Belongs to no window; nothing is shown and nothing saved.
+    Figure or SubFigure
+        The figure drawn on; nothing is shown and nothing saved.
     """
+    check_figure(figure)
     extents = [plan_extent(panel.plan) for panel in panels]
     extent = np.stack([np.min(extents, axis=0)[0], np.max(extents, axis=0)[1]])
     columns = 2 if len(panels) == 4 else min(len(panels), _MOST_COLUMNS)
@@ -73,8 +82,8 @@ def plot_panels(panels: Sequence[Panel]) -> Figure:
     ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else 0.8
     lines = max(num_title_lines(panel.plan) for panel in panels)
     inches = rows * ((_WIDTH - 0.3) * ratio + 0.35 + _LINE * lines)
-    figure = Figure(figsize=(columns * _WIDTH, inches), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
+    if figure is None:
+        figure = new_figure(columns * _WIDTH, inches)
     with rc_context({"grid.color": "#D0D0D0", "grid.linewidth": 0.4}):
         all_axes = [
             figure.add_subplot(rows, columns, i + 1, projection=None if is_flat else "3d")

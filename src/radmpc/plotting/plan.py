@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 from types import NoneType
+from typing import overload
 
 from matplotlib.axes import Axes
-from mpl_toolkits.mplot3d import Axes3D
+from matplotlib.figure import Figure, SubFigure
 
 from radmpc.arguments import check_kind
+from radmpc.errors import ArgumentError
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
-from radmpc.plotting.artists.flat import Color, draw_trajectory, number_steps
-from radmpc.plotting.artists.highlights import draw_worst
-from radmpc.plotting.artists.legend import draw_legend, num_legend_lines
-from radmpc.plotting.artists.space import draw_trajectory_3d, number_steps_3d
+from radmpc.plotting.artists.legend import draw_legend, draw_views_legend, num_legend_lines
 from radmpc.plotting.canvas.extent import plan_extent
-from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.canvas.labels import LabelBoard
-from radmpc.plotting.canvas.style import MAX_LABELS, vehicle_colors, vehicle_dashes
-from radmpc.plotting.canvas.title import draw_title, num_title_lines
-from radmpc.plotting.curves import confidence_ellipses, mean_path
-from radmpc.plotting.scenario import draw_surroundings, name_vehicles
+from radmpc.plotting.canvas.figure import (
+    check_axes,
+    check_figure,
+    new_axes,
+    settle_axes,
+    settle_layout,
+)
+from radmpc.plotting.canvas.title import draw_headlines, draw_title, num_title_lines
+from radmpc.plotting.contents import draw_contents
+from radmpc.plotting.views import Views, new_views, settle_views
 
-__all__ = ["plot_plan"]
+__all__ = ["plot_plan", "plot_views"]
 
 
 def plot_plan(
@@ -30,15 +33,18 @@ def plot_plan(
 ) -> Axes:
     """Draw a plan in its scenario: mean paths, 3σ ellipses, hulls, one hue per set.
 
-    Some steps have their numbers: paths that cross at other times do not meet. Where the
-    certificate exceeds the bound, red rings show the steps that risk the most.
+    Some steps have their numbers: paths that cross at other times do not meet. Where a vehicle
+    crosses the way of a moving obstacle, both are drawn at the step at which they are nearest.
+    Where the certificate exceeds the bound, red rings show the steps that risk the most.
 
     Parameters
     ----------
     plan : Plan
         What to draw; without trajectories the scenario alone, and why.
     ax : Axes or None
-        Where; three-dimensional for a scenario in space. None makes a figure of one column.
+        Where; three-dimensional for a scenario in space. None makes a figure of one column, or in
+        space what `radmpc.plotting.plot_views` draws. Names are placed for the size that the axes
+        have now: in a figure of several axes draw the plan last.
     details : bool
         Whether run time and planner are told.
     title : str or None
@@ -47,11 +53,14 @@ def plot_plan(
     Returns
     -------
     Axes
-        The axes drawn on; nothing is shown and nothing saved.
+        The axes drawn on, of several the oblique ones; nothing is shown and nothing saved.
     """
     check_plan(plan)
     check_axes(ax, plan.scenario.dimension)
     check_kind(title, (str, NoneType), "title", "text or None")
+    if ax is None and plan.scenario.dimension == 3:
+        oblique: Axes = _draw_views(plan, None, details=details, title=title).oblique
+        return oblique
     extent = plan_extent(plan)
     lines = num_title_lines(plan, details=details) + num_legend_lines(plan)
     axes = new_axes(extent, lines) if ax is None else ax
@@ -60,38 +69,50 @@ def plot_plan(
     if ax is None:
         draw_legend(axes, plan)
     settle_layout(axes)
-    scenario, names = plan.scenario, [v.name for v in plan.scenario.vehicles]
-    colors = vehicle_colors(names, plan.sets)
-    board = LabelBoard(axes)
-    _draw_trajectories(axes, plan, board, colors)
-    draw_surroundings(axes, scenario, board, colors)
-    name_vehicles(axes, scenario, board, colors)
-    _number_steps(axes, plan, board, colors)
-    draw_worst(axes, plan)
+    draw_contents(axes, plan)
     return axes
 
 
-def _draw_trajectories(ax: Axes, plan: Plan, board: LabelBoard, colors: dict[str, Color]) -> None:
-    """Draw where all vehicles go."""
-    scenario = plan.scenario
-    dashes = vehicle_dashes(list(colors), plan.sets)
-    for vehicle, trajectory in zip(scenario.vehicles, plan.trajectories, strict=False):
-        look = colors[vehicle.name], dashes[vehicle.name]
-        if isinstance(ax, Axes3D):
-            draw_trajectory_3d(ax, vehicle, trajectory, scenario.dt, *look)
-        else:
-            draw_trajectory(ax, vehicle, trajectory, scenario.dt, *look)
-            board.avoid(mean_path(vehicle, trajectory)[::2])
-            board.avoid(*(outline[::4] for outline in confidence_ellipses(vehicle, trajectory)))
+@overload
+def plot_views(plan: Plan, figure: None = None) -> Figure: ...
+@overload
+def plot_views(plan: Plan, figure: Figure | SubFigure) -> Figure | SubFigure: ...
+def plot_views(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure | SubFigure:
+    """Draw a plan in space in three panels: from above, from the side (x and z), and oblique.
+
+    Parameters
+    ----------
+    plan : Plan
+        In space.
+    figure : Figure, SubFigure or None
+        Where, beside whatever it holds already. None makes a figure of two columns.
+
+    Returns
+    -------
+    Figure or SubFigure
+        The figure drawn on; nothing is shown and nothing saved.
+
+    Raises
+    ------
+    ArgumentError
+        If the plan is flat.
+    """
+    check_plan(plan)
+    check_figure(figure)
+    if plan.scenario.dimension != 3:
+        raise ArgumentError(f"plan must be in 3-D, got {plan.scenario.dimension}-D: use plot_plan")
+    return _draw_views(plan, figure).figure
 
 
-def _number_steps(ax: Axes, plan: Plan, board: LabelBoard, colors: dict[str, Color]) -> None:
-    """Write step numbers on the paths, unless there are too many to read."""
-    if plan.scenario.num_vehicles > MAX_LABELS:
-        return
-    for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
-        color = colors[vehicle.name]
-        if isinstance(ax, Axes3D):
-            number_steps_3d(ax, vehicle, trajectory, color)
-        else:
-            number_steps(vehicle, trajectory, color, board)
+def _draw_views(
+    plan: Plan, figure: Figure | SubFigure | None, *, details: bool = True, title: str | None = None
+) -> Views:
+    """Draw three panels."""
+    lines = num_title_lines(plan, details=details) + 1
+    views = new_views(plan_extent(plan), lines, figure)
+    draw_headlines(views.figure, plan, details=details, headline=title)
+    draw_views_legend(views.figure, plan)
+    settle_views(views)
+    for axes, plane in views.panels:
+        draw_contents(axes, plan, plane)
+    return views

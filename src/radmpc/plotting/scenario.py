@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.arrays import Matrix
 from radmpc.model.given import check_scenario
@@ -13,14 +12,16 @@ from radmpc.plotting.artists.flat import Color, draw_ends, draw_workspace
 from radmpc.plotting.artists.obstacles import draw_obstacle
 from radmpc.plotting.artists.space import (
     draw_ends_3d,
-    draw_name_3d,
     draw_obstacle_3d,
     draw_workspace_3d,
 )
 from radmpc.plotting.canvas.extent import scenario_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.space_labels import Board, SpaceBoard, board_of, show_all
 from radmpc.plotting.canvas.style import MAX_LABELS, TITLE_SIZE, vehicle_colors
+from radmpc.plotting.canvas.title import draw_headline
+from radmpc.plotting.curves import ABOVE, Plane
+from radmpc.plotting.views import new_views, settle_views
 
 __all__ = ["draw_surroundings", "name_vehicles", "plot_scenario"]
 
@@ -33,69 +34,93 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
     scenario : Scenario
         What to draw.
     ax : Axes or None
-        Where; three-dimensional for a scenario in space. None makes a figure of one column.
+        Where; three-dimensional for a scenario in space. None makes a figure of one column, or in
+        space of two columns with three panels: from above, from the side, and oblique.
 
     Returns
     -------
     Axes
-        The axes drawn on; nothing is shown and nothing saved.
+        The axes drawn on, of several the oblique ones; nothing is shown and nothing saved.
     """
     check_scenario(scenario)
     check_axes(ax, scenario.dimension)
     extent = scenario_extent(scenario)
+    if ax is None and scenario.dimension == 3:
+        views = new_views(extent, 1)
+        draw_headline(views.figure, scenario.name)
+        settle_views(views)
+        for axes, plane in views.panels:
+            _draw(axes, scenario, plane)
+        oblique: Axes = views.oblique
+        return oblique
     axes = new_axes(extent) if ax is None else ax
     settle_axes(axes, extent)
     axes.set_title(scenario.name, loc="left", fontsize=TITLE_SIZE, fontweight="bold", pad=3.0)
     settle_layout(axes)
-    colors = vehicle_colors([v.name for v in scenario.vehicles], [])
-    board = LabelBoard(axes)
-    draw_surroundings(axes, scenario, board, colors)
-    name_vehicles(axes, scenario, board, colors)
+    _draw(axes, scenario, ABOVE)
     return axes
+
+
+def _draw(ax: Axes, scenario: Scenario, plane: Plane) -> None:
+    """Draw all of a scenario within axes that are settled."""
+    colors = vehicle_colors([v.name for v in scenario.vehicles], [])
+    board = board_of(ax)
+    draw_surroundings(ax, scenario, board, colors, plane=plane)
+    name_vehicles(scenario, board, colors, plane)
+    show_all(ax)
 
 
 def draw_surroundings(
     ax: Axes,
     scenario: Scenario,
-    board: LabelBoard,
+    board: Board,
     colors: dict[str, Color],
     *,
     moving: bool = True,
+    strength: float = 1.0,
+    plane: Plane = ABOVE,
 ) -> None:
-    """Draw everything but trajectories and the names of vehicles; moving obstacles on request."""
+    """Draw everything but trajectories and the names of vehicles.
+
+    Moving obstacles on request, with what strength is asked for.
+    """
+    pale = {o.name: strength if o.is_moving else 1.0 for o in scenario.obstacles}
     is_named = max(len(scenario.obstacles), scenario.num_vehicles) <= MAX_LABELS
     obstacles = [o for o in scenario.obstacles if moving or not o.is_moving]
-    if isinstance(ax, Axes3D):
+    if isinstance(board, SpaceBoard):
         if scenario.workspace is not None:
             draw_workspace_3d(ax, scenario.workspace)
         for obstacle in obstacles:
-            draw_obstacle_3d(ax, obstacle, is_named=is_named)
+            draw_obstacle_3d(ax, obstacle, board, is_named=is_named, strength=pale[obstacle.name])
         for vehicle in scenario.vehicles:
             draw_ends_3d(ax, vehicle, colors[vehicle.name])
         return
+    seen = list(plane)
     if scenario.workspace is not None:
-        draw_workspace(ax, scenario.workspace, board)
+        draw_workspace(ax, scenario.workspace, board, plane)
     for vehicle in scenario.vehicles:
-        draw_ends(ax, vehicle, colors[vehicle.name])
-        start = vehicle.start_position
-        board.avoid(_ring(start, vehicle.radius), _ring(vehicle.goal.center, 0.5 * vehicle.radius))
+        draw_ends(ax, vehicle, colors[vehicle.name], plane)
+        start, goal = vehicle.start_position[seen], vehicle.goal.center[seen]
+        board.avoid(_ring(start, vehicle.radius), _ring(goal, 0.5 * vehicle.radius))
     for obstacle in obstacles:
-        draw_obstacle(ax, obstacle, board, is_named=is_named)
+        draw_obstacle(
+            ax, obstacle, board, is_named=is_named, plane=plane, strength=pale[obstacle.name]
+        )
 
 
 def name_vehicles(
-    ax: Axes, scenario: Scenario, board: LabelBoard, colors: dict[str, Color]
+    scenario: Scenario, board: Board, colors: dict[str, Color], plane: Plane = ABOVE
 ) -> None:
     """Write every vehicle's name beside its start, unless there are too many to read."""
     if scenario.num_vehicles > MAX_LABELS:
         return
     for vehicle in scenario.vehicles:
         color = colors[vehicle.name]
-        if isinstance(ax, Axes3D):
-            draw_name_3d(ax, vehicle.name, vehicle.start_position, color)
+        if isinstance(board, SpaceBoard):
+            board.beside(vehicle.name, vehicle.start_position, color)
         else:
             hull = np.full(2, vehicle.radius)
-            board.beside(vehicle.name, vehicle.start_position, hull, color)
+            board.beside(vehicle.name, vehicle.start_position[list(plane)], hull, color)
 
 
 def _ring(center: Matrix, radius: float) -> Matrix:

@@ -81,7 +81,7 @@ def check_compare(request: CompareRequest) -> None:
 
 
 def run_compare(scenario: Scenario, request: CompareRequest) -> int:
-    """Plan with every planner, write the picture and report.
+    """Plan with every planner, report and write the picture.
 
     Returns
     -------
@@ -107,14 +107,15 @@ def run_compare(scenario: Scenario, request: CompareRequest) -> int:
             )
         )
         was_interrupted = is_stopped()
-    if request.figure is not None:
-        _write_panels(found, request.figure)
     if request.as_json:
         show_json({"scenario": scenario.name, "planners": [_as_json(one) for one in found]})
     else:
         show(Text(scenario_line(scenario), style="bold"), comparison_table(found, width()))
         _show_reasons(found)
-        if request.figure is not None:
+    if request.figure is not None:
+        # After the report: whoever interrupts the picture keeps the comparison.
+        _write_panels(found, request.figure)
+        if not request.as_json:
             show(f"picture written to {request.figure}")
     if was_interrupted:
         note("interrupted: planners that had not begun are left out")

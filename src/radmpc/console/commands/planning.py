@@ -124,7 +124,9 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             found=progress.found,
         )
         was_interrupted = is_stopped()
-    _write(result.record, request)
+    if request.output is not None:
+        with writing(request.output):
+            save_plan(result.record, request.output)
     if request.as_json:
         show_json(encode_plan(result.record, with_vehicles=False))
     else:
@@ -134,35 +136,31 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             len(result.events),
             bounds_risk=parse_planner(request.planner).bounds_risk,
         )
-        show(*report, *_written(request))
+        show(*report, *_written("plan", request.output))
+    # Films take longer than many a plan: whoever interrupts one has read the report.
+    _draw(result.record, request)
     return _conclude(result, was_interrupted, not request.as_json)
 
 
-def _write(record: Plan, request: Request) -> None:
-    """Write the files that were asked for."""
-    if request.output is not None:
-        with writing(request.output):
-            save_plan(record, request.output)
-    if request.figure is not None:
-        write_picture(record, request.figure)
-    if request.ledger is not None:
-        write_ledger(record, request.ledger)
-    if request.animation is not None:
-        write_film(record, request.animation)
+def _draw(record: Plan, request: Request) -> None:
+    """Write the pictures and the film that were asked for, each told once it is there."""
+    is_first = request.output is None
+    for name, path, write in (
+        ("picture", request.figure, write_picture),
+        ("risk ledger", request.ledger, write_ledger),
+        ("film", request.animation, write_film),
+    ):
+        if path is None:
+            continue
+        write(record, path)
+        if not request.as_json:
+            show(*_written(name, path)[0 if is_first else 1 :])
+        is_first = False
 
 
-def _written(request: Request) -> list[str]:
-    """Return lines about the files."""
-    lines = [""]
-    if request.output is not None:
-        lines.append(f"plan written to {request.output}")
-    if request.figure is not None:
-        lines.append(f"picture written to {request.figure}")
-    if request.ledger is not None:
-        lines.append(f"risk ledger written to {request.ledger}")
-    if request.animation is not None:
-        lines.append(f"film written to {request.animation}")
-    return lines if len(lines) > 1 else []
+def _written(name: str, path: Path | None) -> list[str]:
+    """Return an empty line and one about a file; nothing without a file."""
+    return [] if path is None else ["", f"{name} written to {path}"]
 
 
 def _no_plan(record: Plan, is_reported: bool) -> str:

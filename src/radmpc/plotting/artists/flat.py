@@ -15,19 +15,27 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.obstacles import along_lines
 from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import MUTED, NUMBER_SIZE, STAR_SIZE, Dashes, numbered_steps
-from radmpc.plotting.curves import confidence_ellipses, mean_path, point_along, positions
+from radmpc.plotting.curves import (
+    ABOVE,
+    Plane,
+    confidence_ellipses,
+    mean_path,
+    point_along,
+    positions,
+)
 
 __all__ = ["Color", "draw_ends", "draw_trajectory", "draw_workspace", "number_steps"]
 
 Color = tuple[float, float, float]
 
 
-def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard) -> None:
+def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard, plane: Plane = ABOVE) -> None:
     """Draw the outline of the workspace."""
-    width, height = workspace.upper - workspace.lower
+    low, high = workspace.lower[list(plane)], workspace.upper[list(plane)]
+    width, height = high - low
     ax.add_patch(
         Rectangle(
-            (float(workspace.lower[0]), float(workspace.lower[1])),
+            (float(low[0]), float(low[1])),
             float(width),
             float(height),
             fill=False,
@@ -38,14 +46,14 @@ def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard) -> None:
             gid="workspace",
         )
     )
-    low, high = workspace.lower, workspace.upper
     corners = np.array([low, (high[0], low[1]), high, (low[0], high[1]), low])
     board.avoid(along_lines(corners, 60))
 
 
-def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
+def draw_ends(ax: Axes, vehicle: Vehicle, color: Color, plane: Plane = ABOVE) -> None:
     """Draw the hull at the start as an open circle, the goal as a box with a star."""
-    x, y = vehicle.start_position
+    seen = list(plane)
+    x, y = vehicle.start_position[seen]
     ax.add_patch(
         Circle(
             (float(x), float(y)),
@@ -57,7 +65,7 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
             gid=f"start:{vehicle.name}",
         )
     )
-    lower, size = vehicle.goal.lower, vehicle.goal.upper - vehicle.goal.lower
+    lower, size = vehicle.goal.lower[seen], (vehicle.goal.upper - vehicle.goal.lower)[seen]
     ax.add_patch(
         Rectangle(
             (float(lower[0]), float(lower[1])),
@@ -71,7 +79,7 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color) -> None:
         )
     )
     ax.plot(
-        *vehicle.goal.center[:, None],
+        *vehicle.goal.center[seen, None],
         marker="*",
         markersize=STAR_SIZE,
         markeredgewidth=0.4,
@@ -89,9 +97,10 @@ def draw_trajectory(
     dt: float,
     color: Color,
     dashes: Dashes = "solid",
+    plane: Plane = ABOVE,
 ) -> None:
     """Draw the swept hull, the 3σ ellipses, the mean path, its steps and its direction."""
-    name, path = vehicle.name, mean_path(vehicle, trajectory)
+    name, path = vehicle.name, mean_path(vehicle, trajectory)[:, list(plane)]
     swept = shapely.LineString(path).buffer(vehicle.radius)
     ax.add_patch(
         Polygon(
@@ -104,7 +113,7 @@ def draw_trajectory(
     )
     ax.add_collection(
         PolyCollection(
-            confidence_ellipses(vehicle, trajectory),
+            confidence_ellipses(vehicle, trajectory, plane=plane),
             facecolors=[(*color, 0.20)],
             edgecolors=[(*color, 0.45)],
             linewidths=0.35,
@@ -114,7 +123,7 @@ def draw_trajectory(
         autolim=False,
     )
     ax.plot(*path.T, color=color, linewidth=1.1, linestyle=dashes, zorder=5, gid=f"path:{name}")
-    steps = positions(vehicle, trajectory)[1:]
+    steps = positions(vehicle, trajectory)[1:, list(plane)]
     ax.plot(
         *steps.T, linestyle="none", marker=".", markersize=3.2, color=color, zorder=5.5,
         gid=f"steps:{name}",
@@ -123,9 +132,15 @@ def draw_trajectory(
         _draw_arrow(ax, path, share, color, name)
 
 
-def number_steps(vehicle: Vehicle, trajectory: Trajectory, color: Color, board: LabelBoard) -> None:
+def number_steps(
+    vehicle: Vehicle,
+    trajectory: Trajectory,
+    color: Color,
+    board: LabelBoard,
+    plane: Plane = ABOVE,
+) -> None:
     """Write the numbers of some steps beside their dots, unless the vehicle stays."""
-    places = positions(vehicle, trajectory)
+    places = positions(vehicle, trajectory)[:, list(plane)]
     if np.ptp(places, axis=0).max() <= vehicle.radius:
         return
     for k in numbered_steps(len(places) - 1):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.model.plan import LedgerRow, Plan
 from radmpc.plotting.canvas.style import ALERT
-from radmpc.plotting.curves import positions
+from radmpc.plotting.curves import ABOVE, Plane, positions
 
 __all__ = ["draw_worst", "worst_rows"]
 
@@ -35,7 +36,7 @@ def worst_rows(plan: Plan) -> tuple[LedgerRow, ...]:
     return tuple(sorted(large, key=lambda row: row.risk, reverse=True)[:_MOST_ROWS])
 
 
-def draw_worst(ax: Axes, plan: Plan) -> None:
+def draw_worst(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:
     """Draw a red ring around the means at the worst rows' steps, a line between a pair's two."""
     places = {
         trajectory.name: positions(vehicle, trajectory)
@@ -46,6 +47,8 @@ def draw_worst(ax: Axes, plan: Plan) -> None:
         if row.cause == "pair" and row.other is not None:
             names.append(row.other)
         points = np.array([places[name][row.step] for name in names])
+        if not isinstance(ax, Axes3D):
+            points = points[:, list(plane)]
         # In space, too, lines take as many coordinates as there are.
         ax.plot(
             *points.T,

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -11,13 +15,24 @@ from matplotlib.transforms import ScaledTranslation
 from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.model.plan import Plan
+from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.artists.highlights import worst_rows
-from radmpc.plotting.canvas.style import ALERT, MUTED, STAR_SIZE, TICK_SIZE
+from radmpc.plotting.canvas.style import ALERT, MUTED, OBSTACLE_FILL, STAR_SIZE, TICK_SIZE
 
-__all__ = ["draw_film_legend", "draw_legend", "num_legend_lines"]
+__all__ = ["draw_film_legend", "draw_legend", "draw_views_legend", "num_legend_lines"]
 
 _DROP = 0.27  # from the axes' lower edge, past ticks and label [in]
 _MOST_COLUMNS = 5
+
+_LOOKS: dict[str, Any] = {
+    "handler_map": {tuple: HandlerTuple(ndivide=1)},
+    "frameon": False,
+    "handlelength": 1.4,
+    "handletextpad": 0.4,
+    "columnspacing": 1.0,
+    "borderaxespad": 0.0,
+    "borderpad": 0.1,
+}
 
 Handle = Artist | tuple[Artist, ...]
 
@@ -30,6 +45,18 @@ def num_legend_lines(plan: Plan) -> int:
 def draw_legend(ax: Axes, plan: Plan) -> None:
     """Say below the axes what the signs mean that are drawn."""
     _place(ax, _entries(plan))
+
+
+def draw_views_legend(figure: Figure | SubFigure, plan: Plan) -> None:
+    """Say below all panels what the signs mean that are drawn."""
+    entries = _entries(plan, is_flat=True)
+    root = figure.get_figure(root=True)
+    is_laid_out = root is not None and isinstance(root.get_layout_engine(), ConstrainedLayoutEngine)
+    handles: list[Any] = list(entries.values())
+    figure.legend(
+        handles, list(entries), ncols=len(entries), fontsize=TICK_SIZE,
+        loc="outside lower center" if is_laid_out else "lower center", **_LOOKS,
+    )  # fmt: skip
 
 
 def draw_film_legend(ax: Axes, plan: Plan) -> None:
@@ -63,20 +90,14 @@ def _place(ax: Axes, entries: dict[str, Handle]) -> None:
         bbox_to_anchor=(0.5, 0.0),
         bbox_transform=ax.transAxes + below,
         ncols=-(-len(entries) // lines),
-        handler_map={tuple: HandlerTuple(ndivide=1)},
         fontsize=TICK_SIZE,
-        frameon=False,
-        handlelength=1.4,
-        handletextpad=0.4,
-        columnspacing=1.0,
-        borderaxespad=0.0,
-        borderpad=0.1,
+        **_LOOKS,
     )
 
 
-def _entries(plan: Plan) -> dict[str, Handle]:
-    """Return the legend's handles by what they mean."""
-    is_flat = plan.scenario.dimension == 2
+def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
+    """Return the legend's handles by what they mean; None is whether the scenario is flat."""
+    is_flat = plan.scenario.dimension == 2 if is_flat is None else is_flat
     entries: dict[str, Handle] = {"start": _sign("o", 5.5, "none", MUTED, 0.9)}
     if plan.trajectories:
         line = Line2D([], [], color=MUTED, linewidth=1.1, marker=".", markersize=4)
@@ -88,6 +109,11 @@ def _entries(plan: Plan) -> dict[str, Handle]:
             entries["3σ"] = _sign("o", 7.0, "none", "#55555580", 0.4)
     star = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
     entries["goal"] = (_sign("s", 6.0, "#55555540", MUTED, 0.7), star) if is_flat else star
+    if nearest_ghosts(plan):
+        entries["when nearest"] = (
+            _sign("s", 7.5, OBSTACLE_FILL, MUTED, 0.9),
+            _sign("o", 4.0, "#55555540", MUTED, 0.9),
+        )
     if worst_rows(plan):
         entries["most risk"] = _sign("o", 6.5, "none", ALERT, 1.0)
     return entries

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from radmpc.arrays import Matrix
-from radmpc.geometry import planar
+from radmpc.geometry import Polytope, planar
 from radmpc.model.obstacle import Obstacle
 from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import (
@@ -22,30 +22,38 @@ from radmpc.plotting.canvas.style import (
     WALL_WIDTH,
     numbered_steps,
 )
+from radmpc.plotting.curves import ABOVE, Plane
 
-__all__ = ["along_lines", "draw_obstacle"]
+__all__ = ["along_lines", "draw_obstacle", "ring_of", "seen"]
 
 
 def draw_obstacle(
-    ax: Axes, obstacle: Obstacle, board: LabelBoard, *, is_named: bool = True
+    ax: Axes,
+    obstacle: Obstacle,
+    board: LabelBoard,
+    *,
+    is_named: bool = True,
+    plane: Plane = ABOVE,
+    strength: float = 1.0,
 ) -> None:
     """Draw an obstacle and, unless there are too many to read, its name.
 
     A moving one fades in from its first step to its last, with an arrow along its way, the
-    numbers of some steps, and its name where it is first.
+    numbers of some steps, and its name where it is first. A strength below 1 makes it paler.
     """
     last = len(obstacle.steps) - 1
-    outlines = [shapely.union_all([planar(p) for p in pieces]) for pieces in obstacle.steps]
+    outlines = [shapely.union_all([seen(p, plane) for p in pieces]) for pieces in obstacle.steps]
     for step, outline in enumerate(outlines):
-        alpha = 1.0 if last == 0 else 0.12 + 0.58 * (step / last) ** 2
+        alpha = strength * (1.0 if last == 0 else 0.12 + 0.58 * (step / last) ** 2)
         if outline.area == 0.0:
             for piece in obstacle.at(step):
-                _draw_wall(ax, obstacle.name, piece.vertices, alpha)
-                board.avoid(along_lines(np.vstack([piece.vertices, piece.vertices[:1]])))
+                ends = shapely.get_coordinates(seen(piece, plane))
+                _draw_wall(ax, obstacle.name, ends, alpha)
+                board.avoid(along_lines(np.vstack([ends, ends[:1]])))
             continue
         ax.add_patch(
             Polygon(
-                _ring(outline),
+                ring_of(outline),
                 facecolor=OBSTACLE_FILL,
                 edgecolor=OBSTACLE_EDGE,
                 linewidth=0.6,
@@ -54,9 +62,9 @@ def draw_obstacle(
                 gid=f"obstacle:{obstacle.name}",
             )
         )
-        board.avoid(along_lines(_ring(outline)))
+        board.avoid(along_lines(ring_of(outline)))
     if is_named:
-        _name_obstacle(obstacle, board)
+        _name_obstacle(obstacle, board, plane)
     if last > 0:
         _draw_way(ax, obstacle.name, np.array([_center(outline) for outline in outlines]), board)
 
@@ -100,12 +108,13 @@ def _draw_way(ax: Axes, name: str, centers: Matrix, board: LabelBoard) -> None:
         )
 
 
-def _name_obstacle(obstacle: Obstacle, board: LabelBoard) -> None:
+def _name_obstacle(obstacle: Obstacle, board: LabelBoard, plane: Plane) -> None:
     """Write the name inside the first step's largest piece, upright or turned, else beside it."""
-    largest = max(obstacle.steps[0], key=lambda p: (planar(p).area, planar(p).length))
-    width, height = np.ptp(largest.vertices, axis=0)
-    center = largest.vertices.mean(axis=0)
-    has_room = len(obstacle.steps) == 1 and len(largest.vertices) > 2
+    largest = max(obstacle.steps[0], key=lambda p: (seen(p, plane).area, seen(p, plane).length))
+    corners = largest.vertices[:, list(plane)]
+    width, height = np.ptp(corners, axis=0)
+    center = corners.mean(axis=0)
+    has_room = len(obstacle.steps) == 1 and len(corners) > 2
     if has_room and board.fits(obstacle.name, width, height):
         board.put(obstacle.name, center, MUTED)
     elif has_room and board.fits(obstacle.name, height, width):
@@ -119,7 +128,14 @@ def _center(outline: shapely.Geometry) -> tuple[float, float]:
     return float(outline.centroid.x), float(outline.centroid.y)
 
 
-def _ring(polygon: shapely.Geometry) -> Matrix:
+def seen(piece: Polytope, plane: Plane) -> shapely.Geometry:
+    """Return a convex piece as a flat picture shows it; in space, what hides behind its outline."""
+    if piece.vertices.shape[1] == 2:
+        return planar(piece)
+    return shapely.MultiPoint(piece.vertices[:, list(plane)]).convex_hull
+
+
+def ring_of(polygon: shapely.Geometry) -> Matrix:
     """Return the outer corners of a polygon."""
     outline = polygon if polygon.geom_type == "Polygon" else polygon.convex_hull
     return np.asarray(outline.exterior.coords)

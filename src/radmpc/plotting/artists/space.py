@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
-from matplotlib.patheffects import withStroke
-from matplotlib.text import Text
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
@@ -17,8 +13,8 @@ from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
+from radmpc.plotting.canvas.space_labels import SpaceBoard
 from radmpc.plotting.canvas.style import (
-    LABEL_SIZE,
     MUTED,
     NUMBER_SIZE,
     OBSTACLE_EDGE,
@@ -33,7 +29,6 @@ from radmpc.plotting.curves import ellipsoid_rings, mean_path, point_along, posi
 
 __all__ = [
     "draw_ends_3d",
-    "draw_name_3d",
     "draw_obstacle_3d",
     "draw_trajectory_3d",
     "draw_workspace_3d",
@@ -57,18 +52,28 @@ def draw_workspace_3d(ax: Axes3D, workspace: Workspace) -> None:
     )
 
 
-def draw_obstacle_3d(ax: Axes3D, obstacle: Obstacle, *, is_named: bool = True) -> None:
-    """Draw an obstacle and, if wanted, its name; a moving one fades in from first to last step."""
+def draw_obstacle_3d(
+    ax: Axes3D,
+    obstacle: Obstacle,
+    board: SpaceBoard,
+    *,
+    is_named: bool = True,
+    strength: float = 1.0,
+) -> None:
+    """Draw an obstacle and, if wanted, its name; a moving one fades in from first to last step.
+
+    A strength below 1 makes a moving one paler.
+    """
     last = len(obstacle.steps) - 1
     for step, pieces in enumerate(obstacle.steps):
-        alpha = 0.45 if last == 0 else 0.03 + 0.3 * (step / last) ** 2
+        alpha = 0.45 if last == 0 else strength * (0.03 + 0.3 * (step / last) ** 2)
         for piece in pieces:
             _draw_piece_3d(ax, obstacle.name, piece.vertices, alpha)
     if not is_named:
         return
     top = np.vstack([piece.vertices for piece in obstacle.steps[-1]])
     place = (*top.mean(axis=0)[:2], float(top[:, 2].max()))
-    draw_name_3d(ax, obstacle.name, np.asarray(place), MUTED)
+    board.beside(obstacle.name, np.asarray(place), MUTED)
 
 
 def _draw_piece_3d(ax: Axes3D, name: str, corners: Matrix, alpha: float) -> None:
@@ -151,30 +156,20 @@ def draw_trajectory_3d(
     found = point_along(path, 0.5)
     if found is not None:
         point, direction = found
-        length = 0.08 * float(np.ptp(path, axis=0).max())
+        length = 0.05 * float(np.ptp(path, axis=0).max())
         ax.quiver(
             *(point - 0.5 * length * direction), *(length * direction),
             color=color, linewidth=1.1, arrow_length_ratio=0.9, gid=f"arrow:{name}",
         )  # fmt: skip
 
 
-def number_steps_3d(ax: Axes3D, vehicle: Vehicle, trajectory: Trajectory, color: Color) -> None:
-    """Write the numbers of some steps above their dots."""
+def number_steps_3d(
+    vehicle: Vehicle, trajectory: Trajectory, color: Color, board: SpaceBoard
+) -> None:
+    """Write the numbers of some steps beside their dots, unless the vehicle stays."""
     places = positions(vehicle, trajectory)
+    if np.ptp(places, axis=0).max() <= vehicle.radius:
+        return
     for k in numbered_steps(len(places) - 1):
-        draw_name_3d(ax, str(k), places[k], color, size=NUMBER_SIZE).set_gid(
-            f"step:{vehicle.name}:{k}"
-        )
-
-
-def draw_name_3d(
-    ax: Axes3D, name: str, place: Matrix, color: object, size: float = LABEL_SIZE
-) -> Text:
-    """Write a name above a point."""
-    text: Text = ax.text(
-        float(place[0]), float(place[1]), float(place[2]), f"{name}\n",
-        color=cast("str", color), fontsize=size, linespacing=0.7, ha="center", va="bottom",
-        zorder=56, path_effects=[withStroke(linewidth=1.4, foreground="white")],
-    )  # fmt: skip
-    text.set_gid(f"label:{name}")
-    return text
+        gid = f"step:{vehicle.name}:{k}"
+        board.beside(str(k), places[k], color, size=NUMBER_SIZE, gid=gid)

@@ -6,17 +6,32 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
-from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from radmpc.arguments import told
 from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentError, ArgumentTypeError
 from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, TICK_SIZE
+from radmpc.plotting.curves import ABOVE, Plane
 
-__all__ = ["DPI", "check_axes", "new_axes", "settle_axes", "settle_layout"]
+__all__ = [
+    "DPI",
+    "ZOOM",
+    "check_axes",
+    "check_figure",
+    "drawn_box",
+    "fill",
+    "new_axes",
+    "new_figure",
+    "ratio_in_space",
+    "room_of",
+    "settle_axes",
+    "settle_layout",
+    "zoom_to",
+]
 
 DPI = 300  # of files and of the layout
 
@@ -24,7 +39,7 @@ _BESIDE_AXES = 0.32  # ticks and label of the y axis [in]
 _BELOW_AXES = 0.30  # ticks and label of the x axis [in]
 _LINE = 0.135  # a line of text [in]
 _AZIMUTH, _ELEVATION = -60.0, 30.0  # of the view in space, matplotlib's own [°]
-_ZOOM = 0.95  # of scenes in space, before they are made to fill the axes
+ZOOM = 0.95  # of scenes in space, before they are made to fill the axes
 _EDGES = 0.12  # above the first line and below the last [in]
 
 
@@ -47,13 +62,19 @@ def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
     """
     width, height = (extent[1] - extent[0])[:2]
     is_flat = extent.shape[1] == 2
-    ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else _ratio_in_space(extent)
+    ratio = float(np.clip(height / width, 0.3, 1.6)) if is_flat else ratio_in_space(extent)
     inches = (COLUMN_WIDTH - _BESIDE_AXES) * ratio + _BELOW_AXES + _LINE * num_lines + _EDGES
-    figure = Figure(figsize=(COLUMN_WIDTH, inches), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(COLUMN_WIDTH, inches)
     # Axes in space read the grid's looks only when they are made.
     with rc_context({"grid.color": "#D0D0D0", "grid.linewidth": 0.4}):
         return figure.add_subplot(projection=None if is_flat else "3d")
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return a figure [in] that belongs to no window and to no list of figures."""
+    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def check_axes(ax: object, dimension: int | None = None) -> None:
@@ -82,12 +103,27 @@ def check_axes(ax: object, dimension: int | None = None) -> None:
         raise ArgumentError(f"ax must be {wanted} for a scenario in {dimension}-D")
 
 
-def settle_axes(ax: Axes, extent: Matrix) -> None:
-    """Set limits, equal aspect and the axes' labels."""
-    ax.set_xlim(*extent[:, 0])
-    ax.set_ylim(*extent[:, 1])
-    ax.set_xlabel("x [m]", fontsize=LABEL_SIZE, labelpad=1.0)
-    ax.set_ylabel("y [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+def check_figure(figure: object) -> None:
+    """Refuse what holds no axes.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is neither a figure, a part of one, nor None.
+    """
+    if figure is not None and not isinstance(figure, Figure | SubFigure):
+        raise ArgumentTypeError(
+            f"figure must be one of matplotlib's Figure, SubFigure or None, got {told(figure)}"
+        )
+
+
+def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
+    """Set limits, equal aspect and the axes' labels; flat axes show two coordinates."""
+    across, up = plane
+    ax.set_xlim(*extent[:, across])
+    ax.set_ylim(*extent[:, up])
+    ax.set_xlabel(f"{'xyz'[across]} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+    ax.set_ylabel(f"{'xyz'[up]} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     if isinstance(ax, Axes3D):
         ax.set_zlim(*extent[:, 2])
@@ -95,7 +131,7 @@ def settle_axes(ax: Axes, extent: Matrix) -> None:
         ax.zaxis.set_major_locator(MaxNLocator(int(np.clip(9.0 * sides[2] / sides.max(), 2, 9))))
         ax.set_zlabel("z [m]", fontsize=LABEL_SIZE, labelpad=-8.0)
         ax.tick_params(pad=-2.0)
-        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=_ZOOM)
+        ax.set_box_aspect(tuple(extent[1] - extent[0]), zoom=ZOOM)
         return
     ax.set_aspect("equal", adjustable="box")
     for spine in ax.spines.values():
@@ -109,25 +145,48 @@ def settle_layout(ax: Axes) -> None:
         return
     figure.draw_without_rendering()
     if isinstance(ax, Axes3D):
-        _fill(ax)
+        fill(ax)
 
 
-def _fill(ax: Axes3D) -> None:
-    """Zoom until box, ticks and labels in space fill the axes."""
-    boxes = [axis.get_tightbbox() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
-    drawn = Bbox.union([box for box in boxes if box is not None])
-    room = ax.bbox
+def fill(ax: Axes3D, room: Bbox | None = None) -> None:
+    """Zoom until box, ticks and labels in space fill a room [px] around the axes' middle.
+
+    None is the square that the axes have themselves: what reaches beyond it, layouts count as the
+    axes' own.
+    """
+    drawn = drawn_box(ax)
+    room = ax.bbox if room is None else room
     center = 0.5 * np.array([room.x0 + room.x1, room.y0 + room.y1])
     # Zooming keeps the center: what counts is how far the drawing reaches from it.
     reach = np.abs(np.array([drawn.x0, drawn.y0, drawn.x1, drawn.y1]) - np.tile(center, 2))
     half = 0.5 * np.array([room.width, room.height])
     zoom = float(np.min(np.tile(half, 2) / np.maximum(reach, 1.0)))
-    (low_x, high_x), (low_y, high_y) = ax.get_xlim(), ax.get_ylim()
-    (low_z, high_z) = ax.get_zlim()
-    ax.set_box_aspect((high_x - low_x, high_y - low_y, high_z - low_z), zoom=_ZOOM * zoom)
+    zoom_to(ax, ZOOM * zoom)
 
 
-def _ratio_in_space(extent: Matrix) -> float:
+def drawn_box(ax: Axes3D) -> Bbox:
+    """Return what box, ticks and labels in space cover [px]."""
+    boxes = [axis.get_tightbbox() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
+    corners = np.array(np.meshgrid(ax.get_xlim(), ax.get_ylim(), ax.get_zlim())).reshape(3, -1)
+    x, y, _ = proj3d.proj_transform(*corners, ax.get_proj())
+    pixels = ax.transData.transform(np.column_stack([x, y]))
+    box = Bbox([pixels.min(axis=0), pixels.max(axis=0)])
+    return Bbox.union([box, *(box for box in boxes if box is not None)])
+
+
+def room_of(ax: Axes3D) -> Bbox:
+    """Return the room that a layout gave to axes in space [px]; they use a square of it."""
+    transform = ax.get_figure(root=True).transFigure
+    return Bbox(transform.transform(ax.get_position(original=True).get_points()))
+
+
+def zoom_to(ax: Axes3D, zoom: float) -> None:
+    """Draw the box in space by a factor larger than matplotlib does, at equal scales."""
+    limits = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
+    ax.set_box_aspect(tuple(np.ptp(limits, axis=1)), zoom=zoom)
+
+
+def ratio_in_space(extent: Matrix) -> float:
     """Return height over width of a box as it is looked at."""
     azimuth, elevation = np.radians([_AZIMUTH, _ELEVATION])
     x, y, z = extent[1] - extent[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,10 +13,10 @@ from matplotlib.patheffects import withStroke
 from radmpc.arrays import Matrix, Vector
 from radmpc.plotting.canvas.style import LABEL_SIZE
 
-__all__ = ["LabelBoard"]
+__all__ = ["LETTER", "LabelBoard", "best_place"]
 
 # Width and height of a letter in units of the font size: rough, and always a little too wide.
-_LETTER = (0.62, 1.25)
+LETTER = (0.62, 1.25)
 _DIRECTIONS = [
     (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0),
     (0.75, 0.75), (-0.75, 0.75), (0.75, -0.75), (-0.75, -0.75),
@@ -51,7 +51,7 @@ class LabelBoard:
         window = self.axes.get_window_extent()
         left, right = self.axes.get_xlim()
         scale = (right - left) / (max(window.width, 1.0) / pixels_per_point)
-        return np.array([_LETTER[0] * len(text), _LETTER[1]]) * size * scale
+        return np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
 
     def fits(self, text: str, width: float, height: float) -> bool:
         """Whether a text has room in a box of this size [m]."""
@@ -85,19 +85,12 @@ class LabelBoard:
         gid : str or None
             Id of the text; None for ``label:`` and the text.
         """
-        half = 0.5 * self.size(text, size)
-        obstacles = np.vstack(self.points) if self.points else np.empty((0, 2))
-        best: tuple[float, Vector] | None = None
-        for gap in (0.5, 1.5, 3.0):
-            for i, direction in enumerate(_DIRECTIONS):
-                place = center + np.asarray(direction) * (half + half_size + gap * half[1])
-                box = np.concatenate([place - half, place + half])
-                # Ties go to the nearer and earlier candidate: pictures stay the same.
-                badness = self._badness(box, obstacles) + 0.6 * gap + 0.01 * i
-                if best is None or badness < best[0]:
-                    best = (badness, place)
-        if best is not None:
-            self.put(text, best[1], color, size=size, gid=gid)
+        (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
+        place = best_place(
+            center, half_size, 0.5 * self.size(text, size), self.points, self.boxes,
+            np.array([left, low, right, high]),
+        )  # fmt: skip
+        self.put(text, place, color, size=size, gid=gid)
 
     def put(
         self,
@@ -129,21 +122,52 @@ class LabelBoard:
             path_effects=[withStroke(linewidth=1.4, foreground="white")],
         )
 
-    def _badness(self, box: Vector, points: Matrix) -> float:
-        """Return how much a text in this box would cover."""
-        inside = np.all((points >= box[:2]) & (points <= box[2:]), axis=1)
-        covered = sum(_overlap(box, other) for other in self.boxes)
-        area = float(np.prod(box[2:] - box[:2]))
-        return float(inside.sum()) + 30.0 * covered / area + 50.0 * self._outside(box)
 
-    def _outside(self, box: Vector) -> bool:
-        """Whether a text would leave the picture."""
-        (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
-        return bool(box[0] < left or box[2] > right or box[1] < low or box[3] > high)
+def best_place(
+    center: Vector,
+    half_size: Vector,
+    half_text: Vector,
+    points: Sequence[Matrix],
+    boxes: Sequence[Vector],
+    frame: Vector,
+) -> Vector:
+    """Return where a text next to a thing covers the least, (2,); all in one unit.
+
+    Parameters
+    ----------
+    center, half_size : (2,) array
+        Middle of the thing, and half the width and height of the box around it.
+    half_text : (2,) array
+        Half the width and height of the text.
+    points : sequence of (p, 2) array
+        What it should not cover.
+    boxes : sequence of (4,) array
+        Texts placed so far: x0, y0, x1, y1.
+    frame : (4,) array
+        What it should not leave.
+    """
+    cloud = np.vstack(points) if points else np.empty((0, 2))
+    found: list[tuple[float, Vector]] = []
+    for gap in (0.5, 1.5, 3.0):
+        for i, direction in enumerate(_DIRECTIONS):
+            place = center + np.asarray(direction) * (half_text + half_size + gap * half_text[1])
+            box = np.concatenate([place - half_text, place + half_text])
+            # Ties go to the nearer and earlier candidate: pictures stay the same.
+            found.append((_badness(box, cloud, boxes, frame) + 0.6 * gap + 0.01 * i, place))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _badness(box: Vector, points: Matrix, boxes: Sequence[Vector], frame: Vector) -> float:
+    """Return how much a text in this box would cover; leaving the frame counts most."""
+    inside = np.all((points >= box[:2]) & (points <= box[2:]), axis=1)
+    covered = sum(_overlap(box, other) for other in boxes)
+    area = float(np.prod(box[2:] - box[:2]))
+    is_outside = bool(np.any(box[:2] < frame[:2]) or np.any(box[2:] > frame[2:]))
+    return float(inside.sum()) + 30.0 * covered / area + 50.0 * is_outside
 
 
 def _overlap(first: Vector, second: Vector) -> float:
-    """Return the area two boxes share [m²]."""
+    """Return the area that two boxes share."""
     sides: Iterable[float] = np.minimum(first[2:], second[2:]) - np.maximum(first[:2], second[:2])
     width, height = sides
     return max(width, 0.0) * max(height, 0.0)

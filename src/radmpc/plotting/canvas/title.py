@@ -5,16 +5,27 @@ from __future__ import annotations
 import textwrap
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.transforms import ScaledTranslation
 
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TITLE_SIZE
 
-__all__ = ["alert_text", "draw_title", "num_title_lines", "subtitle"]
+__all__ = [
+    "alert_text",
+    "draw_headline",
+    "draw_headlines",
+    "draw_title",
+    "num_title_lines",
+    "subtitle",
+]
 
 _LINE_CHARACTERS = 62  # of a line of facts in one column
 _ALERT_CHARACTERS = 48  # must fit beside narrow axes, too
 _MOST_LINES = 5  # of an explanation
+_LEFT = 0.01  # where headlines above several panels begin, share of the figure
+_ABOVE = 3.0  # what a layout keeps free above them [pt]
 
 
 def num_title_lines(plan: Plan, *, details: bool = True) -> int:
@@ -79,6 +90,28 @@ def draw_title(ax: Axes, plan: Plan, *, details: bool = True, headline: str | No
             gid=gid,
         )
         offset += 1.35 * LABEL_SIZE * len(text.splitlines())
+
+
+def draw_headline(figure: Figure | SubFigure, text: str) -> None:
+    """Write a text above all panels of a figure."""
+    figure.suptitle(text, x=_LEFT, ha="left", fontsize=TITLE_SIZE, fontweight="bold")
+
+
+def draw_headlines(
+    figure: Figure | SubFigure, plan: Plan, *, details: bool = True, headline: str | None = None
+) -> None:
+    """Write the same above all panels of a figure."""
+    first = plan.scenario.name if headline is None else headline
+    below = "\n" * (num_title_lines(plan, details=details) - 1)
+    draw_headline(figure, first + below)
+    drop = _ABOVE + 1.35 * TITLE_SIZE
+    for gid, text, color in _blocks(plan, details=details):
+        lower = ScaledTranslation(0.0, -drop / 72.0, figure.dpi_scale_trans)
+        figure.text(
+            _LEFT, 1.0, text, fontsize=LABEL_SIZE, color=color, va="top", gid=gid,
+            transform=figure.transSubfigure + lower,
+        )  # fmt: skip
+        drop += 1.35 * LABEL_SIZE * len(text.splitlines())
 
 
 def _blocks(plan: Plan, *, details: bool) -> list[tuple[str, str, str]]:

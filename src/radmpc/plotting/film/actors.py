@@ -24,7 +24,7 @@ from radmpc.plotting.canvas.style import (
     OBSTACLE_FILL,
     WALL_WIDTH,
 )
-from radmpc.plotting.film.interpolation import Way, moving_outline, way_of
+from radmpc.plotting.interpolation import Way, moving_outline, way_of
 
 __all__ = ["Actor", "draw_actors"]
 

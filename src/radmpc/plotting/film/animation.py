@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Callable
 from dataclasses import dataclass
+from html import escape
+from io import BytesIO
 
 from matplotlib.animation import FuncAnimation
 from matplotlib.artist import Artist
@@ -18,13 +21,21 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.artists.legend import draw_film_legend
 from radmpc.plotting.canvas.extent import plan_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
-from radmpc.plotting.canvas.labels import LabelBoard
+from radmpc.plotting.canvas.space_labels import board_of
 from radmpc.plotting.canvas.style import LABEL_SIZE, MUTED, vehicle_colors
 from radmpc.plotting.canvas.title import draw_title, num_title_lines
 from radmpc.plotting.film.actors import draw_actors
+from radmpc.plotting.film.gif import write_gif
 from radmpc.plotting.scenario import draw_surroundings
 
-__all__ = ["FRAMES_PER_STEP", "SECONDS_PER_STEP", "Film", "animate_plan", "make_film"]
+__all__ = [
+    "FRAMES_PER_STEP",
+    "SECONDS_PER_STEP",
+    "Film",
+    "PlanAnimation",
+    "animate_plan",
+    "make_film",
+]
 
 FRAMES_PER_STEP = 5
 SECONDS_PER_STEP = 0.5  # of the film
@@ -50,9 +61,41 @@ class Film:
     num_frames: int
 
 
+class PlanAnimation(FuncAnimation):
+    """A film in matplotlib's form that shows itself in notebooks.
+
+    Parameters
+    ----------
+    film : Film
+        What to show.
+    milliseconds : int
+        From frame to frame.
+    name : str
+        What it is called where it cannot be shown.
+    """
+
+    def __init__(self, film: Film, milliseconds: int, name: str) -> None:
+        super().__init__(
+            film.figure, film.show, frames=film.num_frames, init_func=list, repeat_delay=1000,
+            interval=milliseconds,
+        )  # fmt: skip
+        self._shown = film, milliseconds, name
+
+    def _repr_html_(self) -> str:
+        """Return the film as part of a page."""
+        film, milliseconds, name = self._shown
+        self._draw_was_started = True  # else matplotlib warns that nobody has looked at it
+        content, dpi = BytesIO(), film.figure.dpi
+        write_gif(film, content, milliseconds)
+        film.figure.set_dpi(dpi)
+        film.show(0)
+        data = b64encode(content.getvalue()).decode("ascii")
+        return f'<img alt="{escape(name)}" src="data:image/gif;base64,{data}"/>'
+
+
 def animate_plan(
     plan: Plan, ax: Axes | None = None, *, frames_per_step: int = FRAMES_PER_STEP
-) -> FuncAnimation:
+) -> PlanAnimation:
     """Return a plan as a film: every hull, its 3σ region and its temporal obstacle as they move.
 
     Trails show where everyone has been; moving obstacles move. A step takes half a second.
@@ -68,9 +111,9 @@ def animate_plan(
 
     Returns
     -------
-    FuncAnimation
-        Not started and not saved: `save_animation` writes files, ``to_jshtml()`` shows it in a
-        notebook.
+    PlanAnimation
+        Not started and not saved: `save_animation` writes files. A notebook shows it by itself,
+        as a GIF, and with buttons after ``to_jshtml()``.
 
     Raises
     ------
@@ -80,10 +123,8 @@ def animate_plan(
         If an argument is of another kind.
     """
     film = make_film(plan, ax, frames_per_step)
-    return FuncAnimation(
-        film.figure, film.show, frames=film.num_frames, init_func=list, repeat_delay=1000,
-        interval=round(1000.0 * SECONDS_PER_STEP / frames_per_step),
-    )  # fmt: skip
+    milliseconds = round(1000.0 * SECONDS_PER_STEP / frames_per_step)
+    return PlanAnimation(film, milliseconds, plan.scenario.name)
 
 
 def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
@@ -107,7 +148,7 @@ def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
         figure.set_layout_engine("none")
     scenario = plan.scenario
     colors = vehicle_colors([v.name for v in scenario.vehicles], plan.sets)
-    draw_surroundings(axes, scenario, LabelBoard(axes), colors, moving=False)
+    draw_surroundings(axes, scenario, board_of(axes), colors, moving=False)
     actors = draw_actors(axes, plan, colors, frames_per_step)
     clock = _clock(axes)
 

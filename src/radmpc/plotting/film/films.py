@@ -5,22 +5,18 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import numpy as np
 from matplotlib.animation import FFMpegWriter
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from PIL import Image
 
 from radmpc.arguments import check_path
 from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
 from radmpc.plotting.film.animation import FRAMES_PER_STEP, SECONDS_PER_STEP, Film, make_film
+from radmpc.plotting.film.gif import FILM_DPI, write_gif
 from radmpc.plotting.save import beside
 
 __all__ = ["FILM_SUFFIXES", "check_film_path", "save_animation"]
 
 FILM_SUFFIXES = (".gif", ".mp4")
-
-_DPI = 160
 
 
 def check_film_path(path: Path) -> None:
@@ -68,45 +64,19 @@ def save_animation(
     target = Path(path)
     check_film_path(target)
     film = make_film(plan, None, frames_per_step)
-    film.figure.set_dpi(_DPI)
+    film.figure.set_dpi(FILM_DPI)
     milliseconds = round(1000.0 * SECONDS_PER_STEP / frames_per_step)
     with beside(target) as name:
         if target.suffix.lower() == ".gif":
-            _write_gif(film, name, milliseconds)
+            write_gif(film, name, milliseconds)
         else:
             _write_mp4(film, name, milliseconds)
-
-
-def _write_gif(film: Film, name: str, milliseconds: int) -> None:
-    """Write a GIF that starts over after a second."""
-    canvas = FigureCanvasAgg(film.figure)
-    images = []
-    for frame in range(film.num_frames):
-        film.show(frame)
-        canvas.draw()  # type: ignore[no-untyped-call]
-        # matplotlib's own writer would draw every frame three times.
-        pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-        images.append(Image.fromarray(pixels).convert("RGB"))
-    # One palette for all: colors that change from frame to frame would flicker.
-    palette = images[len(images) // 2].quantize(255)
-    images = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    for image in images:
-        _whiten(image)
-    durations = [milliseconds] * (len(images) - 1) + [1000]
-    images[0].save(name, save_all=True, append_images=images[1:], duration=durations, loop=0)
-
-
-def _whiten(image: Image.Image) -> None:
-    """Make the paper white again: as an average of its palette it would show on a white page."""
-    colors = np.array(image.getpalette(), dtype=np.uint8).reshape(-1, 3)
-    colors[np.asarray(image)[0, 0]] = 255
-    image.putpalette(colors.tobytes())
 
 
 def _write_mp4(film: Film, name: str, milliseconds: int) -> None:
     """Write an MP4 through ``ffmpeg``."""
     writer = FFMpegWriter(fps=max(1, round(1000.0 / milliseconds)))
-    with writer.saving(film.figure, name, dpi=_DPI):
+    with writer.saving(film.figure, name, dpi=FILM_DPI):
         for frame in range(film.num_frames):
             film.show(frame)
             writer.grab_frame()

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import overload
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
 from radmpc.model.given import check_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
-from radmpc.plotting.canvas.figure import check_axes
+from radmpc.plotting.canvas.figure import check_axes, check_figure
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, TICK_SIZE, TITLE_SIZE
 from radmpc.plotting.risk.ledger_looks import (
     ROW,
+    has_layout,
     new_column,
     percent,
     say_nothing,
@@ -34,22 +36,30 @@ _HEADLINES = 0.32  # name and certificate [in]
 _LINE = 0.14  # a line of the headlines [in]
 
 
-def plot_ledger(plan: Plan) -> Figure:
+@overload
+def plot_ledger(plan: Plan, figure: None = None) -> Figure: ...
+@overload
+def plot_ledger(plan: Plan, figure: Figure | SubFigure) -> Figure | SubFigure: ...
+def plot_ledger(plan: Plan, figure: Figure | SubFigure | None = None) -> Figure | SubFigure:
     """Draw the risk ledger: by cause and step above, shares of Δ by vehicle below.
 
     Parameters
     ----------
     plan : Plan
         With a certificate; without one the figure says so.
+    figure : Figure, SubFigure or None
+        Where, beside whatever it holds already. None makes a figure of one column.
 
     Returns
     -------
-    Figure
-        One column wide, with two axes and a color bar; nothing is shown and nothing saved.
+    Figure or SubFigure
+        With two axes and a color bar; nothing is shown and nothing saved.
     """
     check_plan(plan)
+    check_figure(figure)
     heights = [_map_height(plan), shares_height(plan)]
-    figure = new_column(sum(heights) + _HEADLINES)
+    if figure is None:
+        figure = new_column(sum(heights) + _HEADLINES)
     upper, lower = figure.subplots(2, 1, height_ratios=heights)
     _write_headlines(figure, plan)
     plot_risk_map(plan, upper)
@@ -114,7 +124,7 @@ def _map_height(plan: Plan) -> float:
     return _MAP_FRAME + ROW * max(2, len(map_rows(plan, _DECADES)[0]))
 
 
-def _write_headlines(figure: Figure, plan: Plan) -> None:
+def _write_headlines(figure: Figure | SubFigure, plan: Plan) -> None:
     """Write the scenario's name and its certificate against Δ, in red if that is above."""
     # The empty line makes room for the smaller one, which no layout engine would see.
     headline = figure.suptitle(
@@ -129,7 +139,7 @@ def _write_headlines(figure: Figure, plan: Plan) -> None:
         text, color = f"risk at most {bound_text(certified)}: ABOVE Δ = {bound:g}", ALERT
     figure.text(
         0.02,
-        headline.get_position()[1] - _LINE / figure.get_figheight(),
+        headline.get_position()[1] - _LINE * figure.dpi / figure.bbox.height,
         text,
         fontsize=LABEL_SIZE,
         color=color,
@@ -143,7 +153,9 @@ def _add_color_bar(ax: Axes, mesh: ScalarMappable) -> None:
     figure = ax.get_figure(root=True)
     if figure is None:
         return
-    bar = figure.colorbar(mesh, ax=ax, location="bottom", aspect=40, pad=0.02, shrink=0.9)
+    # Where nothing makes room for ticks and label between the two, the bar keeps away itself.
+    pad = 0.02 if has_layout(ax) else 0.22
+    bar = figure.colorbar(mesh, ax=ax, location="bottom", aspect=40, pad=pad, shrink=0.9)
     bar.set_label("log₁₀ of the risk per step [-]; blank: less", fontsize=LABEL_SIZE, labelpad=1.0)
     bar.ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
     bar.locator = MaxNLocator(integer=True)

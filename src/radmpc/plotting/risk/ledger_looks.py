@@ -5,12 +5,24 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import DPI
 from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE, MUTED, TICK_SIZE
 
-__all__ = ["ROW", "new_column", "percent", "say_nothing", "settle_part", "write_beside"]
+__all__ = [
+    "ROW",
+    "draw_key",
+    "has_layout",
+    "new_column",
+    "percent",
+    "say_nothing",
+    "settle_part",
+    "write_beside",
+]
+
+_DROP = 0.30  # of a legend below the axes, past ticks and label [in]
 
 ROW = 0.125  # height of a row of the map, of a bar [in]
 
@@ -42,6 +54,25 @@ def say_nothing(ax: Axes, plan: Plan) -> Axes:
     ax.set_xticks([])
     ax.set_yticks([])
     return ax
+
+
+def has_layout(ax: Axes) -> bool:
+    """Whether something makes room for what stands around the axes."""
+    figure = ax.get_figure(root=True)
+    return figure is not None and figure.get_layout_engine() is not None
+
+
+def draw_key(ax: Axes, columns: int) -> None:
+    """Say what lines and bars mean: below the axes, or within where nothing makes room there."""
+    figure = ax.get_figure(root=True)
+    if figure is None or not has_layout(ax):
+        ax.legend(fontsize=TICK_SIZE, loc="upper right", frameon=True, framealpha=0.85)
+        return
+    ax.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, fontsize=TICK_SIZE,
+        bbox_transform=ax.transAxes + ScaledTranslation(0.0, -_DROP, figure.dpi_scale_trans),
+        frameon=False, handlelength=1.8, columnspacing=1.2, borderaxespad=0.0,
+    )  # fmt: skip
 
 
 def write_beside(ax: Axes, row: float, text: str, gid: str) -> None:

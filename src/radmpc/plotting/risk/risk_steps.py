@@ -12,7 +12,7 @@ from radmpc.model.ledger import CAUSES
 from radmpc.model.plan import Plan
 from radmpc.plotting.canvas.figure import check_axes
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED, PALETTE, TICK_SIZE, TITLE_SIZE
-from radmpc.plotting.risk.ledger_looks import new_column, say_nothing, settle_part
+from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing, settle_part
 
 __all__ = ["plot_risk"]
 
@@ -70,10 +70,7 @@ def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
     axes.set_ylim(0.0, 1.08 * max(bound, float(sums[-1])))
     axes.set_ylabel("probability [-]", fontsize=LABEL_SIZE, labelpad=1.0)
     axes.yaxis.set_major_locator(MaxNLocator(5))
-    axes.legend(
-        loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4, fontsize=TICK_SIZE, frameon=False,
-        handlelength=1.2, columnspacing=1.2, borderaxespad=0.0,
-    )  # fmt: skip
+    draw_key(axes, 4)
     return axes
 
 

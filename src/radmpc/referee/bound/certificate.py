@@ -10,6 +10,7 @@ from radmpc.model.given import plan_under
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Cause, LedgerRow, Plan
 from radmpc.model.scenario import Avoidance, Scenario
+from radmpc.notebook import html_table
 from radmpc.referee.bound.bounds import step_risks
 from radmpc.referee.bound.ledger import Account, total_risk
 from radmpc.referee.bound.workspace import workspace_risks
@@ -23,6 +24,8 @@ __all__ = ["Certificate", "certify"]
 
 # A stated certificate may be below the recomputed one by rounding on another machine only.
 _STATED_TOL = 1e-6
+
+_MOST_ROWS = 3  # of the ledger in a notebook
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +73,21 @@ class Certificate:
             return f"{'holds' if self.holds else 'does not hold'}: {risk}"
         count = len(self.problems)
         return f"does not hold: {count} problem{'s' if count > 1 else ''}; {risk}"
+
+    def _repr_html_(self) -> str:
+        """Return the verdict, what is wrong, and where most risk goes: what notebooks show."""
+        facts = [("certificate", self.summary)]
+        facts += [("problem", problem) for problem in self.problems]
+        largest = sorted(self.ledger, key=lambda row: row.risk, reverse=True)[:_MOST_ROWS]
+        facts += [
+            (
+                f"{row.cause}, step {row.step}",
+                f"{row.vehicle} – {row.other or row.cause}: {row.risk:.3g}",
+            )
+            for row in largest
+        ]
+        saturation = f"at most {bound_text(self.saturation)} on top, where controls saturate"
+        return html_table([*facts, ("saturation", saturation)])
 
 
 def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:

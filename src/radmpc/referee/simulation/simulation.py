@@ -14,6 +14,7 @@ from radmpc.arguments import check_callable, check_integer, check_rng
 from radmpc.model.given import plan_under
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Avoidance
+from radmpc.notebook import html_table
 from radmpc.referee.simulation.preparation import prepare
 
 __all__ = ["Simulation", "simulate"]
@@ -89,6 +90,21 @@ class Simulation:
     def saturation_rate(self) -> float:
         """Share of flights in which a control exceeds its limit."""
         return self.saturated / self.samples
+
+    def _repr_html_(self) -> str:
+        """Return rates with their interval: what notebooks show."""
+        interval = f"95 %: {self.rate_low:.3g} to {self.rate_high:.3g}"
+        return html_table(
+            [
+                ("flights", f"{self.samples:,}"),
+                ("collide", f"{self.rate:.3g} ({interval})"),
+                ("of them pairs", f"{self.pair_rate:.3g}"),
+                ("of them obstacles", f"{self.obstacle_rate:.3g}"),
+                ("of them leave the workspace", f"{self.workspace_rate:.3g}"),
+                ("controls saturate", f"{self.saturation_rate:.3g}"),
+                ("too unlikely to be tested", f"at most {self.overlooked:.3g}"),
+            ]
+        )
 
 
 def simulate(

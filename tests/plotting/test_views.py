@@ -1,0 +1,162 @@
+"""Pictures in space, moving obstacles beside those who pass, and figures that users made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+
+from radmpc.errors import ArgumentError, ArgumentTypeError
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Plan
+from radmpc.plotting import (
+    Panel,
+    plot_distances,
+    plot_ledger,
+    plot_panels,
+    plot_plan,
+    plot_risk,
+    plot_scenario,
+    plot_views,
+)
+from radmpc.plotting.artists.ghosts import nearest_ghosts
+from radmpc.plotting.canvas.figure import drawn_box
+
+from .conftest import HORIZON
+
+CUBE = np.array(np.meshgrid([0.0, 1.0], [0.0, 1.0], [0.0, 1.0])).reshape(3, -1).T
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+
+def artists(ax: Axes, start: str) -> list[object]:
+    return [child for child in ax.get_children() if (child.get_gid() or "").startswith(start)]
+
+
+def moving(name: str, shape: np.ndarray, places: list[list[float]]) -> Obstacle:
+    return Obstacle.moving(name, [shape + np.array(place) for place in places])
+
+
+def with_obstacles(plan: Plan, *obstacles: Obstacle) -> Plan:
+    return replace(plan, scenario=replace(plan.scenario, obstacles=obstacles))
+
+
+@pytest.fixture
+def crossed_plan(flat_plan: Plan) -> Plan:
+    """The ferry passes behind a, which goes up from (1, 1) to (1, 9), and far from c."""
+    places = [[2.0 - 1.5 * k, 4.5] for k in range(HORIZON + 1)]
+    return with_obstacles(flat_plan, moving("ferry", SQUARE, places))
+
+
+def test_space_is_seen_from_above_from_the_side_and_oblique(space_plan: Plan) -> None:
+    for ax in (plot_plan(space_plan), plot_scenario(space_plan.scenario)):
+        top, side, oblique = ax.figure.axes
+        assert ax is oblique
+        assert isinstance(oblique, Axes3D)
+        assert (top.get_xlabel(), top.get_ylabel()) == ("x [m]", "y [m]")
+        assert (side.get_xlabel(), side.get_ylabel()) == ("x [m]", "z [m]")
+        assert ax.figure.get_suptitle().strip() == "sky"
+
+
+def test_flat_panels_show_the_coordinates_they_name(space_plan: Plan) -> None:
+    _, side, _ = plot_plan(space_plan).figure.axes
+    [steps] = artists(side, "steps:down")
+    means = space_plan.trajectories[1].means[1:]
+    np.testing.assert_allclose(steps.get_xydata(), means[:, [0, 2]])
+    [tower] = artists(side, "obstacle:tower")
+    assert np.ptp(tower.get_xy(), axis=0) == pytest.approx([1.0, 8.0])
+
+
+def test_the_oblique_panel_fills_its_room_in_one_direction(space_plan: Plan) -> None:
+    ax = plot_plan(space_plan)
+    ax.figure.draw_without_rendering()
+    drawn, room = drawn_box(ax), ax.figure.axes[0].get_window_extent()
+    width, height = ax.figure.bbox.width, ax.figure.bbox.height
+    free = width - room.x1
+    assert drawn.width > 0.8 * free or drawn.height > 0.8 * height
+    assert drawn.x0 > room.x1
+    assert drawn.x1 <= width
+
+
+def test_names_in_space_do_not_overlap_each_other(space_plan: Plan) -> None:
+    ax = plot_plan(space_plan)
+    ax.figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in artists(ax, "label:") + artists(ax, "step:")]
+    assert len(boxes) > 4
+    for i, first in enumerate(boxes):
+        assert not any(first.overlaps(second) for second in boxes[i + 1 :])
+
+
+def test_nothing_in_space_is_cut_off(space_plan: Plan) -> None:
+    ax = plot_plan(space_plan)
+    assert not any(artist.get_clip_on() for artist in (*ax.lines, *ax.collections))
+
+
+def test_a_moving_obstacle_is_drawn_where_who_crosses_is_nearest(crossed_plan: Plan) -> None:
+    ax = plot_plan(crossed_plan)
+    ghosts = nearest_ghosts(crossed_plan)
+    assert [(ghost.index, ghost.step) for ghost in ghosts] == [(0, 2), (1, 1)]
+    [outline], [hull] = artists(ax, "ghost:ferry:a"), artists(ax, "near:ferry:a")
+    assert outline.get_xy().min(axis=0) == pytest.approx([-1.0, 4.5])
+    assert hull.center == pytest.approx(tuple(crossed_plan.trajectories[0].means[2, :2]))
+    assert [text.get_text() for text in artists(ax, "ghost-step:ferry:a")] == ["step 2"]
+    names = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "when nearest" in names
+
+
+def test_where_nobody_crosses_the_nearest_alone_gets_a_ghost(flat_plan: Plan) -> None:
+    far = moving("ferry", SQUARE, [[8.0, 1.0 + 0.1 * k] for k in range(HORIZON + 1)])
+    assert len(nearest_ghosts(with_obstacles(flat_plan, far))) == 1
+
+
+def test_what_stands_still_has_no_ghost(flat_plan: Plan, empty_plan: Plan) -> None:
+    still = with_obstacles(flat_plan, *(o for o in flat_plan.scenario.obstacles if not o.is_moving))
+    for plan in (still, empty_plan):
+        ax = plot_plan(plan)
+        assert artists(ax, "ghost:") == []
+        assert "when nearest" not in [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_ghosts_are_drawn_in_space_and_without_thickness(space_plan: Plan) -> None:
+    rope = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0]])
+    places = [[3.0 + 0.5 * k, 3.0, 3.0] for k in range(HORIZON + 1)]
+    solids = moving("balloon", CUBE, places), moving("rope", rope, places)
+    for ax in plot_plan(with_obstacles(space_plan, *solids)).figure.axes:
+        assert artists(ax, "ghost:balloon:up")
+        assert artists(ax, "ghost:rope:up")
+
+
+def test_whole_figures_stand_in_parts_of_the_users_figure(
+    flat_plan: Plan, space_plan: Plan
+) -> None:
+    figure = Figure(figsize=(7.0, 12.0), layout="constrained")
+    first, second, third = figure.subfigures(3, 1)
+    assert plot_views(space_plan, first) is first
+    assert plot_ledger(flat_plan, second) is second
+    assert plot_panels([Panel("one", flat_plan)], third) is third
+    assert len(figure.axes) == 3 + 2 + 1
+    figure.draw_without_rendering()
+
+
+def test_three_views_of_a_flat_plan_and_other_figures_are_refused(
+    flat_plan: Plan, space_plan: Plan
+) -> None:
+    with pytest.raises(ArgumentError, match="plan must be in 3-D, got 2-D"):
+        plot_views(flat_plan)
+    with pytest.raises(ArgumentTypeError, match="figure must be one of matplotlib's Figure"):
+        plot_views(space_plan, Figure().add_subplot())
+
+
+@pytest.mark.parametrize("layout", ["constrained", None])
+def test_stacked_axes_do_not_cover_each_others_legends(flat_plan: Plan, layout: str | None) -> None:
+    figure = Figure(figsize=(3.5, 5.0), layout=layout)
+    upper, lower = figure.subplots(2, 1)
+    plot_distances(flat_plan, upper)
+    plot_risk(flat_plan, lower)
+    figure.draw_without_rendering()
+    legend = upper.get_legend().get_window_extent()
+    assert not legend.overlaps(lower.get_window_extent())
+    assert legend.overlaps(upper.get_window_extent()) == (layout is None)
