@@ -71,19 +71,31 @@ def test_a_start_close_to_a_wall_is_paid_first_also_under_intervals(sigmas, plan
 
 
 def test_a_stop_at_any_moment_is_a_limit_and_never_called_infeasible():
-    for count in range(1, 12):
+    scenario, found = paper(2, 1), []
+    for count in range(1, 6):
         calls = iter(range(10**6))
-        result = plan(paper(2, 1), stop=lambda calls=calls, n=count: next(calls) >= n)
-        assert result.status is not Status.INFEASIBLE
+        result = plan(scenario, stop=lambda calls=calls, n=count: next(calls) >= n)
+        assert result.plan is None or result.is_certified
+        assert (result.plan is None) == (result.status is Status.LIMIT)
+        found.append(result.status)
+    # The first moment is before any plan, the last after its proof; infeasible is never said.
+    assert found[0] is Status.LIMIT
+    assert Status.FEASIBLE in found
+    assert found[-1] is Status.OPTIMAL
+    assert set(found) == {Status.LIMIT, Status.FEASIBLE, Status.OPTIMAL}
 
 
 def test_a_node_limit_is_a_limit_and_never_called_infeasible():
     for planner in (
         Planner(Pool(), Branch(1), Receding()),
         Planner(Ira(), Branch(1), Couplings()),
-        Planner(Ira(), Branch(1), Centralized()),
     ):
-        assert plan(paper(2, 4), planner).status is not Status.INFEASIBLE
+        result = plan(paper(3, 0), planner)
+        assert result.status is Status.LIMIT
+        assert "the searches ended at their limits of nodes" in result.explanation
+    together = plan(paper(3, 0), Planner(Ira(), Branch(1), Centralized()))
+    assert together.status is Status.FEASIBLE
+    assert together.is_certified
 
 
 def test_an_explanation_that_ran_out_of_time_says_so():
