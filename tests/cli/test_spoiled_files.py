@@ -37,12 +37,12 @@ def test_a_spoiled_file_is_read_or_refused_in_one_line(
         (tmp_path / "room.scen").write_bytes(WHOLE["room.scen"])
         content = spoiled(WHOLE[name], Path(name).suffix, rng)
         (tmp_path / name).write_bytes(content)
-        begun = time.perf_counter()
+        begun = time.process_time()
         for words in commands(name, rng):
             result = run(*words)
             assert_answer_or_line(result, name, content)
             num_refused += result.exit_code == 2
-        assert time.perf_counter() - begun < 20.0, content[:2000]
+        assert time.process_time() - begun < 20.0, content[:2000]
     assert num_refused > num_cases // 2
 
 

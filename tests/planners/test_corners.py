@@ -70,6 +70,7 @@ def test_a_start_close_to_a_wall_is_paid_first_also_under_intervals(sigmas, plan
     assert 0.002 < result.certificate.certified <= 0.05
 
 
+@pytest.mark.slow
 def test_a_stop_at_any_moment_is_a_limit_and_never_called_infeasible():
     scenario, found = paper(2, 1), []
     for count in range(1, 6):
@@ -85,6 +86,7 @@ def test_a_stop_at_any_moment_is_a_limit_and_never_called_infeasible():
     assert set(found) == {Status.LIMIT, Status.FEASIBLE, Status.OPTIMAL}
 
 
+@pytest.mark.slow
 def test_a_node_limit_is_a_limit_and_never_called_infeasible():
     for planner in (
         Planner(Pool(), Branch(1), Receding()),
@@ -103,6 +105,7 @@ def test_an_explanation_that_ran_out_of_time_says_so():
     assert "a limit ended the search for the reason" in text
 
 
+@pytest.mark.slow
 def test_vehicles_that_meet_within_the_first_interval_are_coupled():
     common = {
         "radius": 0.25,
@@ -163,6 +166,7 @@ def test_an_obstacle_nobody_can_steer_around_yet_is_no_crash():
     assert result.status is Status.INFEASIBLE
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_has_arrived_leaves_the_pool_to_those_that_travel():
     noise = np.diag([1e-3, 1e-3, 1e-4, 1e-4])
     calm = {"initial_covariance": noise, "disturbance_covariance": noise}
@@ -206,7 +210,7 @@ def test_a_set_that_waited_for_a_worker_does_not_restart_the_clock(tmp_path):
 def test_a_stop_reaches_sets_that_are_planned_elsewhere():
     task = SetTask(replace(circle(10), avoidance="intervals"), Ira(), Branch(), 1e-3, "sets")
     begun = time.monotonic()
-    limits = Limits(is_stopped=lambda: time.monotonic() > begun + 1.0)
+    limits = Limits(is_stopped=lambda: time.monotonic() > begun + 0.3)
     with ThreadPoolExecutor(1) as executor:
         [answer] = run_sets([task], limits, executor, lambda done, total: None)
     assert answer.outcome in {Outcome.LIMIT, Outcome.FEASIBLE}
@@ -271,6 +275,7 @@ def test_more_deviations_than_programmes_keep_are_refused():
         Sigmas(8.0)
 
 
+@pytest.mark.slow
 def test_intervals_catch_what_steps_do_not():
     wall = Obstacle.box("wall", [3.9, -0.6], [4.1, 0.6])
     vehicle = _vehicle("a", (0, 0), (8, 0), radius=0.1, disturbance_covariance=1e-6)

@@ -68,6 +68,7 @@ def test_multi_vehicle_plans_hold_before_the_referee(avoidance, seed):
     assert sorted(name for s in result.sets for name in s) == ["v1", "v2", "v3", "v4"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_cost_of_ira_never_rises_and_its_allocation_never_exceeds_the_bound(avoidance, seed):
@@ -142,6 +143,7 @@ def test_the_same_seed_gives_the_same_plan_and_another_may_not():
     assert (first.record.seed, other.record.seed, drawn.record.seed) == (7, 8, None)
 
 
+@pytest.mark.slow
 def test_sets_planned_on_an_executor_give_the_same_plan():
     scenario = paper(4, 3)
     here = plan(scenario, "multi-vehicle")
@@ -158,6 +160,7 @@ def test_vehicles_that_never_meet_are_planned_apart_and_crossing_ones_together()
     assert plan(far, "multi-vehicle").sets == (("a",), ("b",))
 
 
+@pytest.mark.slow
 def test_a_coupling_threshold_of_one_couples_nobody_and_the_excess_is_not_hidden():
     scenario = paper(3, 4)
     assert plan(scenario, "multi-vehicle").is_certified

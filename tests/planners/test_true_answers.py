@@ -179,6 +179,7 @@ def test_a_limit_is_named(limits, words):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_what_is_called_infeasible_is_planned_by_nobody(seed):
     rng = np.random.default_rng(seed)

@@ -101,6 +101,7 @@ def test_a_film_is_drawn_on_given_axes(flat_plan: Plan) -> None:
     assert drawn(film, 0) is ax
 
 
+@pytest.mark.slow
 def test_a_gif_holds_every_frame_and_lasts_as_long_as_it_should(
     flat_plan: Plan, tmp_path: Path
 ) -> None:

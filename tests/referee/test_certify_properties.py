@@ -178,6 +178,7 @@ def test_along_intervals_every_pair_is_charged_what_it_collides_at_any_step(seed
         assert charged.get((f"v{i}", f"v{j}"), 0.0) >= rate - noise
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, AVOIDANCES)
 def test_the_index_only_adds_its_cutoff(seed, avoidance):
