@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from sampling import IS_THOROUGH, SEED, drawn
 
 

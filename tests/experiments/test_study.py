@@ -245,9 +245,7 @@ def test_missed_couplings_are_pairs_of_different_sets_that_may_collide():
     # Planned one at a time these two seem to miss each other; their final plans do not.
     task = replace(small().tasks()[0], method="alone", vehicles=3, seed=5)
     found = {
-        threshold: run_task(
-            replace(task, planner=Planner(Ira(), Branch(), Couplings(threshold)))
-        )
+        threshold: run_task(replace(task, planner=Planner(Ira(), Branch(), Couplings(threshold))))
         for threshold in (0.3, 1.0)
     }
     assert all(row.sets == (("v1",), ("v2",), ("v3",)) for row in found.values())
