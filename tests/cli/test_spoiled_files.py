@@ -18,8 +18,8 @@ WHOLE = whole_files()
 # A sample; all of them with RADMPC_THOROUGH=1, as `make nightly` does.
 IS_THOROUGH = bool(os.environ.get("RADMPC_THOROUGH"))
 SHARES = 2
-CASES = 570 if IS_THOROUGH else 40  # of each file
-SLOW = 150 if IS_THOROUGH else 20  # the same where one takes long
+CASES = 570 if IS_THOROUGH else 24  # of each file
+SLOW = 150 if IS_THOROUGH else 12  # the same where one takes long
 EXPORTS = ("qgc", "waypoints", "geojson", "kml", "csv")
 
 
