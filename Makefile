@@ -71,7 +71,7 @@ nightly: coverage oldest ## what takes too long for every check: all cases, cove
 # releases of others have deprecated since. Only uv resolves to the lowest.
 oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies allowed, in a new environment
 	$(PIP) install --quiet -c constraints.txt uv
-	$(BIN)/uv venv --quiet --clear --python $(BIN)/python $(OLDEST)
+	$(BIN)/uv venv --quiet --seed --clear --python $(BIN)/python $(OLDEST)
 	$(BIN)/uv pip install --quiet --python $(OLDEST)/bin/python --resolution lowest-direct -e '.[dev]'
 	$(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
 	    -W default::DeprecationWarning -W default::PendingDeprecationWarning
