@@ -6,6 +6,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 WORKERS ?= 2
+OLDEST ?= .venv-oldest
 INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 
@@ -15,7 +16,8 @@ export OPENBLAS_NUM_THREADS ?= 1
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo pictures coverage nightly check quick still format lint package types floors docs test clean
+.PHONY: help demo pictures coverage nightly oldest check quick still format lint package types \
+    floors docs test clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -63,19 +65,27 @@ docs: $(INSTALLED_DEV) ## the site, into site/
 pictures: $(INSTALLED_DEV) ## the pictures in docs/images and the gallery's page, made anew
 	$(BIN)/python docs/hooks/figures.py
 
-nightly: coverage ## what takes too long for every check: coverage, all spoiled files, a longer hunt
-	RADMPC_THOROUGH=1 $(PYTEST) tests/cli/test_spoiled_files.py \
-	    tests/cli/test_interrupts.py tests/benchmarks/test_hunt.py
+nightly: export RADMPC_THOROUGH = 1
+nightly: coverage oldest ## what takes too long for every check: all cases, coverage, oldest, a hunt
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
-test: $(INSTALLED_DEV) ## all tests
+# The lowest versions that pyproject.toml allows of what it names; they may warn of what newer
+# releases of others have deprecated since. Only uv resolves to the lowest.
+oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies allowed, in a new environment
+	$(PIP) install --quiet -c constraints.txt uv
+	$(BIN)/uv venv --quiet --seed --clear --python $(BIN)/python $(OLDEST)
+	$(BIN)/uv pip install --quiet --python $(OLDEST)/bin/python --resolution lowest-direct -e '.[dev]'
+	$(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
+	    -W default::DeprecationWarning -W default::PendingDeprecationWarning
+
+test: $(INSTALLED_DEV) ## all tests, and of long lists of cases a sample
 	$(PYTEST)
 
 coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third longer
 	$(PYTEST) --cov --cov-fail-under=90
 
 clean: ## remove the environment and everything made
-	rm -rf $(VENV) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
+	rm -rf $(VENV) $(OLDEST) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
 	    .pytest_cache .hypothesis .import_linter_cache
 
 # The stamps make a second run quick; they go stale when a requirement changes.

@@ -174,7 +174,9 @@ def _flat_corners(normals: Matrix, offsets: Vector, point: Vector) -> Matrix:
     tight = np.array(lowest) >= offsets - _THIN * (1.0 + np.abs(offsets))
     across, along = frame(normals[tight], _TURNED)
     # A solver's point misses the faces by its tolerance.
-    fitted, *_ = np.linalg.lstsq(normals[tight], offsets[tight] - normals[tight] @ point)
+    fitted, *_ = np.linalg.lstsq(
+        normals[tight], offsets[tight] - normals[tight] @ point, rcond=None
+    )
     point = point + across.T @ (across @ fitted)
     slopes, left = normals[~tight] @ along.T, offsets[~tight] - normals[~tight] @ point
     lengths = np.linalg.norm(slopes, axis=1)

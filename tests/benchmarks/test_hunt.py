@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import os
 import sys
 import warnings
 from dataclasses import replace
@@ -34,7 +33,8 @@ SURE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("chunk", range(25 if os.environ.get("RADMPC_THOROUGH") else 5))
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("chunk", range(25))
 def test_nothing_is_caught_in_small_nasty_scenes(chunk: int):
     caught = [run_scene(SEED, i, EFFORT) for i in range(chunk * CHUNK, (chunk + 1) * CHUNK)]
     wrong = [f"{c.index}: {c.notes}" for c in caught if SURE & set(c.kinds.split())]
@@ -73,6 +73,7 @@ def busy() -> tuple[Result, Plan]:
     raise AssertionError("no plan collides")
 
 
+@pytest.mark.slow
 def test_plain_flights_collide_as_often_as_simulated_ones(busy: tuple[Result, Plan]):
     flown = simulate(busy[1], 8_000, rng=1).rate
     plain = plain_collisions(busy[1], 8_000, 1) / 8_000

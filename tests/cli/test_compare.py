@@ -56,6 +56,7 @@ def test_compare_gives_the_numbers_as_json(run, crossing):
     assert found["distance(3)"]["sets"] == [["east", "west"]]
 
 
+@pytest.mark.slow
 def test_compare_draws_a_panel_per_planner(run, crossing, tmp_path):
     result = run(
         "compare", crossing, "--planners", "dlp,certified", "--samples", 100, "--figure", "c.svg"

@@ -88,6 +88,7 @@ def test_southern_latitudes_can_be_typed(run: Run, plan_file: Path) -> None:
     assert "-33.8" in Path("s.json").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

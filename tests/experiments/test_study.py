@@ -43,6 +43,11 @@ def small(seeds=3, samples=2_000, **changes):
     return Study((2, 3), methods, samples, 20.0, **{"shown": {2: 0}, **changes})
 
 
+def smallest(seeds=1, **changes):
+    """Return the study of one method, for what its rows hold does not matter to."""
+    return small(seeds, **changes).only(["certified"])
+
+
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("study") / "rows.jsonl"
@@ -79,40 +84,40 @@ def test_a_row_says_what_planning_and_flying_alone_say(rows):
 def test_a_second_run_does_nothing_and_a_larger_study_only_what_is_new(tmp_path):
     path = tmp_path / "rows.jsonl"
     with Journal.opened(path) as journal:
-        run_study(small(seeds=1), journal)
+        run_study(smallest(seeds=1), journal)
     before = path.read_bytes()
     with Journal.opened(path) as journal:
-        run_study(small(seeds=1), journal)
+        run_study(smallest(seeds=1), journal)
     assert path.read_bytes() == before
     with Journal.opened(path) as journal:
-        run_study(small(seeds=2), journal)
+        run_study(smallest(seeds=2), journal)
     assert path.read_bytes().startswith(before)
-    assert len(read_rows(path)) == len(small(seeds=2).tasks())
+    assert len(read_rows(path)) == len(smallest(seeds=2).tasks())
 
 
 @pytest.mark.slow
 def test_other_settings_are_other_tasks(tmp_path):
     path = tmp_path / "rows.jsonl"
     with Journal.opened(path) as journal:
-        run_study(small(seeds=1), journal)
-        run_study(small(seeds=1, samples=500), journal)
-    assert len(read_rows(path)) == 2 * len(small(seeds=1).tasks())
+        run_study(smallest(seeds=1), journal)
+        run_study(smallest(seeds=1, samples=500), journal)
+    assert len(read_rows(path)) == 2 * len(smallest(seeds=1).tasks())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("left", [1, 30])
 def test_a_line_that_a_kill_cut_off_is_done_again(tmp_path, left):
     path = tmp_path / "rows.jsonl"
-    study = small(seeds=1)
+    study = smallest(seeds=1)
     with Journal.opened(path) as journal:
         run_study(study, journal)
-    whole = path.read_bytes()
+    whole, before = path.read_bytes(), answers(read_rows(path))
     start = whole.rstrip(b"\n").rfind(b"\n") + 1
     path.write_bytes(whole[: start + left])
     assert len(read_rows(path)) == len(study.tasks()) - 1
     with Journal.opened(path) as journal:
         run_study(study, journal)
-    assert answers(read_rows(path))
+    assert answers(read_rows(path)) == before
     assert [row.key for row in read_rows(path)] == [task.key for task in study.tasks()]
 
 
@@ -137,21 +142,21 @@ def test_two_runs_do_not_write_to_one_journal(tmp_path):
 def test_processes_give_the_same_rows(rows, tmp_path):
     path = tmp_path / "rows.jsonl"
     with ProcessPoolExecutor(2) as pool, Journal.opened(path) as journal:
-        run_study(small(), journal, executor=pool, workers=2)
-    assert answers(read_rows(path)) == answers(rows)
+        run_study(small(seeds=1), journal, executor=pool, workers=2)
+    assert answers(read_rows(path)) == answers([row for row in rows if row.seed == 0])
 
 
 @pytest.mark.slow
 def test_a_method_ends_with_its_budget(tmp_path):
     path = tmp_path / "rows.jsonl"
-    study = small()
+    study = small(seeds=2)
     costly = replace(study.methods[0], budget=1e-6)
     study = replace(study, methods=(costly, *study.methods[1:]))
     for _ in range(2):
         with Journal.opened(path) as journal:
             run_study(study, journal)
     assert sum(row.method == "ira" for row in read_rows(path)) == 1
-    assert sum(row.method == "certified" for row in read_rows(path)) == 6
+    assert sum(row.method == "certified" for row in read_rows(path)) == 4
 
 
 @pytest.mark.slow
@@ -164,8 +169,8 @@ def test_what_is_stopped_leaves_no_row(tmp_path):
         count = done
 
     with Journal.opened(path) as journal:
-        run_study(small(), journal, progress=told, stop=lambda: count >= 4)
-    assert len(read_rows(path)) == 4
+        run_study(smallest(3), journal, progress=told, stop=lambda: count >= 4)
+    assert len(read_rows(path)) == 4 < len(smallest(3).tasks())
 
 
 SCRIPT = """
@@ -173,9 +178,9 @@ import sys
 from pathlib import Path
 sys.path.insert(0, {folder!r})
 from radmpc.experiments.study import Journal, run_study
-from test_study import small
+from test_study import smallest
 with Journal.opened(Path(sys.argv[1])) as journal:
-    run_study(small(seeds=3, samples=1000), journal)
+    run_study(smallest(4, samples=1000), journal)
 """
 
 
@@ -185,7 +190,7 @@ def test_killed_again_and_again_it_loses_nothing_and_does_nothing_twice(tmp_path
     script = SCRIPT.format(folder=os.path.dirname(__file__))
     command = [sys.executable, "-c", script, str(path)]
     seen = b""
-    for _ in range(3):
+    for _ in range(2):
         process = subprocess.Popen(command)
         want = len(read_rows(path)) + 2
         deadline = time.monotonic() + 60.0
@@ -200,7 +205,7 @@ def test_killed_again_and_again_it_loses_nothing_and_does_nothing_twice(tmp_path
         seen = kept
     assert subprocess.run(command, check=False, timeout=120).returncode == 0
     keys = [row.key for row in read_rows(path)]
-    assert keys == [task.key for task in small(seeds=3, samples=1000).tasks()]
+    assert keys == [task.key for task in smallest(4, samples=1000).tasks()]
 
 
 def test_summaries_count_what_the_rows_say(rows):
@@ -235,17 +240,19 @@ def test_capped_runs_count_at_the_cap_and_make_lower_bounds(rows):
     assert speedup(rows, "nobody", "certified", 3) is None
 
 
-@pytest.mark.slow
 def test_missed_couplings_are_pairs_of_different_sets_that_may_collide():
-    # No threshold lets this pair through: everybody is planned alone, whoever meets.
-    alone = Planner(Ira(), Branch(), Couplings(1.0))
-    task = replace(small().tasks()[0], method="alone", planner=alone, vehicles=8, seed=4)
-    row = run_task(task)
-    assert all(len(members) == 1 for members in row.sets)
-    strict = replace(task, planner=replace(alone, decomposition=Couplings(1e-6)))
-    assert len(run_task(strict).missed) <= len(run_task(strict).sets) ** 2
-    assert row.missed == ()
-    assert row.certified > 0.0
+    # Planned one at a time these two seem to miss each other; their final plans do not.
+    task = replace(small().tasks()[0], method="alone", vehicles=3, seed=5)
+    found = {
+        threshold: run_task(replace(task, planner=Planner(Ira(), Branch(), Couplings(threshold))))
+        for threshold in (0.3, 1.0)
+    }
+    assert all(row.sets == (("v1",), ("v2",), ("v3",)) for row in found.values())
+    [missed] = found[0.3].missed
+    assert (missed.one, missed.other) == ("v2", "v3")
+    assert 0.3 < missed.risk <= found[0.3].certified
+    # No pair risks more than all.
+    assert found[1.0].missed == ()
 
 
 @pytest.mark.slow
@@ -270,6 +277,7 @@ def test_the_figures_show_the_medians(rows):
     assert axes.get_yscale() == "log"
 
 
+@pytest.mark.slow
 def test_the_shipped_studies_are_what_the_paper_asks():
     full = full_study()
     assert full.sizes == (2, 3, 4, 5, 6, 7, 8)

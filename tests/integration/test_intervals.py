@@ -138,6 +138,7 @@ def test_plans_along_intervals_keep_the_bound_on_the_true_path(question, planner
     assert certify(kept).certified <= 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("question", "planner"), QUESTIONS)
 def test_what_holds_along_intervals_holds_at_steps_and_costs_no_less(question, planner):
     kept = planned(question(), "intervals", planner)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.geometry import convex_pieces, halfspaces
@@ -111,10 +111,9 @@ def test_no_more_of_a_file_is_read_than_it_may_have(tmp_path: Path) -> None:
 
 def test_a_long_thin_room_is_imported_in_a_moment(tmp_path: Path) -> None:
     room = {**DYNOBENCH["environment"], "max": [999_999_999, 9]}
-    begun = time.perf_counter()
+    # Laid out in cells, it would not fit into any memory.
     imported = import_scenario(written(tmp_path, DYNOBENCH | {"environment": room}))
     assert imported.scenario.num_vehicles == 1
-    assert time.perf_counter() - begun < 5.0
 
 
 def test_more_vehicles_than_a_scenario_may_have_are_not_imported(tmp_path: Path) -> None:
@@ -163,13 +162,15 @@ def test_a_map_that_is_not_there_is_told_with_the_line_that_names_it(tmp_path: P
         import_scenario(path)
 
 
-def test_a_polygon_of_many_corners_is_split_in_a_moment() -> None:
+def test_a_polygon_of_many_corners_is_split_in_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    joined, union = [], shapely.union
+    monkeypatch.setattr(shapely, "union", lambda a, b: joined.append(1) or union(a, b))
     angles = np.linspace(0.0, 2.0 * np.pi, 1000, endpoint=False)
     radii = np.where(np.arange(1000) % 2, 6.0, 5.0)
     star = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
-    begun = time.perf_counter()
     assert len(convex_pieces(star)) == 501
-    assert time.perf_counter() - begun < 6.0
+    # A few per corner, where asking every pair again after each would be a million.
+    assert len(joined) <= 3 * len(star)
 
 
 def test_a_normal_too_short_to_scale_is_refused() -> None:

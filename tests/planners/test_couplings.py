@@ -18,6 +18,7 @@ def components(scenario, couplings):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("planner", ["multi-vehicle", "certified", "distance(6)"])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_the_couplings_connect_the_vehicles_of_every_set_and_no_others(planner, seed):
@@ -35,6 +36,7 @@ def test_a_fleets_couplings_connect_its_sets():
     assert components(scenario, result.couplings) == {frozenset(s) for s in result.sets}
 
 
+@pytest.mark.slow
 def test_couplings_tell_the_risk_that_exceeds_the_threshold():
     result = plan(paper(5, seed=3), "multi-vehicle(1e-4)", rng=0)
     told = [c.value for c in result.couplings if c.reason == "risk"]

@@ -9,11 +9,17 @@ import pytest
 
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
+from radmpc.model.dynamics import double_integrator
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import Couplings, Distance, Ira, Planner, Pool, Receding
 from radmpc.planners.distance import close_pairs
+from radmpc.planners.paper.algorithm_2_radmpc import approximate
 from radmpc.planning import plan
 from radmpc.referee import certify
 from radmpc.solvers.branch.branch import Branch
+from running import silent_run
 
 
 def nearest(one, two):
@@ -23,6 +29,25 @@ def nearest(one, two):
         np.linalg.norm((a + shares * (b - a)) - (c + shares * (d - c)), axis=1).min()
         for a, b, c, d in zip(one[:-1], one[1:], two[:-1], two[1:], strict=True)
     )
+
+
+def passing_walls_beside_one_at_rest():
+    """Return two vehicles far apart, each with a wall to pass, and one that is in its goal."""
+    noise = np.diag([1e-3, 1e-3, 1e-4, 1e-4])
+
+    def vehicle(name, start, goal):
+        box = Goal(np.array(goal) - 0.2, np.array(goal) + 0.2, np.full(2, 0.05))
+        system = double_integrator(1.0, 2)
+        start = np.array([*start, 0.0, 0.0])
+        return Vehicle(name, system, start, box, 0.4, np.full(2, 2.0), noise, noise)
+
+    vehicles = (
+        vehicle("a", (0, 0), (6, 2.2)),
+        vehicle("b", (0, 20), (6, 22.2)),
+        vehicle("c", (0, 40), (0, 40)),
+    )
+    walls = (Obstacle.box("o", [2, 0.5], [3, 5]), Obstacle.box("p", [2, 20.5], [3, 25]))
+    return Scenario("walls", 1.0, 8, 0.05, vehicles, walls, avoidance="steps")
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -77,13 +102,38 @@ def test_a_distance_that_is_none_is_refused(meters):
         ({"sigmas": 3.44}, "receding(3.44 sigmas)"),
     ],
 )
-def test_other_readings_of_the_paper_are_options_and_plan(options, text):
+def test_other_readings_of_the_paper_are_options_told_by_the_planner(options, text):
     receding = Receding(**options)
     assert str(receding) == text
-    result = plan(paper(3, 4), Planner(Pool(), Branch(), receding))
-    assert result.plan is not None
     coupled = Planner(Ira(), Branch(), Couplings(approximation=receding))
-    assert plan(paper(3, 4), coupled).plan is not None
+    assert text in str(Planner(Pool(), Branch(), receding))
+    assert ("couplings(1e-06)" if receding == Receding() else text) in str(coupled)
+
+
+def test_a_controller_that_is_trusted_to_measure_plans_at_less_cost_and_more_risk():
+    trusting, careful = (
+        plan(paper(3, 4), Planner(Pool(), Branch(), Receding(covariances)))
+        for covariances in ("reset", "schedule")
+    )
+    assert trusting.cost < 0.9 * careful.cost
+    assert trusting.certificate.certified > 2.0 * careful.certificate.certified
+
+
+def test_larger_obstacles_of_the_approximation_find_smaller_couplings():
+    near, far = (
+        plan(paper(3, 4), Planner(Ira(), Branch(), Couplings(approximation=Receding(sigmas=s))))
+        for s in (3.0, 6.0)
+    )
+    assert far.couplings[0].value < 0.9 * near.couplings[0].value
+
+
+def test_who_counts_again_at_every_step_that_somebody_has_arrived_spends_the_pool_sooner():
+    left = {}
+    for arrivals in ("once", "every_step"):
+        planner = Planner(Pool(), Branch(), Receding(arrivals=arrivals))
+        run = approximate(passing_walls_beside_one_at_rest(), planner, silent_run())
+        left[arrivals] = run.pool[-1]
+    assert 0.0 <= left["every_step"] < 0.9 * left["once"]
 
 
 @pytest.mark.slow

@@ -35,6 +35,7 @@ def scene(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     ("name", "others"),
     [

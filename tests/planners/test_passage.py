@@ -56,6 +56,7 @@ def risks_along(problem, way):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_a_way_leads_from_start_to_goal_past_everything(seed):
     problem = problem_of(clutter(1, 80, seed))
@@ -95,6 +96,7 @@ def test_where_a_wall_shuts_the_way_there_is_none():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("seed", "number"), [(2, 1), (2, 9), (0, 6)])
 def test_passages_are_found_where_branching_takes_long(seed, number):
     problem = problem_of(clutter(10, 100, seed), number)

@@ -123,6 +123,7 @@ def test_a_plan_that_needs_more_faces_says_so_and_what_else_would_help():
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_feedback_that_keeps_back_most_of_the_control_is_told_with_a_softer_one_that_does():
     problem = scene("soft-gain-is-the-cure.yaml")
     text = why_not(problem, Limits()).explanation
@@ -179,6 +180,7 @@ def test_a_limit_is_named(limits, words):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_what_is_called_infeasible_is_planned_by_nobody(seed):
     rng = np.random.default_rng(seed)

@@ -114,6 +114,7 @@ def test_a_notebook_shows_a_film_and_a_name_is_no_html(flat_plan: Plan) -> None:
     assert film._fig.dpi == dpi
 
 
+@pytest.mark.slow
 def test_a_gif_holds_every_frame_and_lasts_as_long_as_it_should(
     flat_plan: Plan, tmp_path: Path
 ) -> None:

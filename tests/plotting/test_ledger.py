@@ -171,6 +171,7 @@ def test_long_names_leave_room(flat_plan: Plan) -> None:
     assert names == ["a, the-old-lig…"]
 
 
+@pytest.mark.slow
 def test_a_ledger_is_saved_as_the_suffix_says(spent: Plan, tmp_path: Path) -> None:
     save_ledger(spent, tmp_path / "risk.pdf")
     assert (tmp_path / "risk.pdf").read_bytes().startswith(b"%PDF")

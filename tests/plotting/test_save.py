@@ -11,6 +11,7 @@ from radmpc.plotting import check_figure_path, save_figure
 SIGNATURES = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SIGNATURES)
 def test_the_suffix_decides_the_format(flat_plan: Plan, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"plan{suffix}"
@@ -19,6 +20,7 @@ def test_the_suffix_decides_the_format(flat_plan: Plan, tmp_path: Path, suffix: 
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
 
 
+@pytest.mark.slow
 def test_the_same_plan_gives_the_same_file(flat_plan: Plan, tmp_path: Path) -> None:
     for name in ("a.svg", "b.svg"):
         save_figure(flat_plan, tmp_path / name)

@@ -25,6 +25,7 @@ def _program(seed=0, num_vehicles=2, avoidance="steps"):
     return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 10**6))

@@ -51,6 +51,7 @@ def test_the_bound_is_never_below_and_within_two_percent():
     assert (found <= true * 1.016 + lost)[seen].all()
 
 
+@pytest.mark.slow
 def test_the_bound_is_within_three_permille_where_correlation_is_high():
     rng = np.random.default_rng(2)
     a, b = rng.uniform(0.5, 6.0, (2, 1000))

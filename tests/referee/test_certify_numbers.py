@@ -46,6 +46,7 @@ def test_a_deviation_that_persists_is_charged_once():
     assert certify(resting_pair(6, 0.0)).certified >= each
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("growth", [0.01, 0.03, 0.05])
 def test_fresh_noise_is_charged_between_the_union_and_the_sum_over_steps(growth):
     steps = np.arange(7)

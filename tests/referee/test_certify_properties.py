@@ -17,8 +17,9 @@ from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
 from radmpc.referee.bound.bounds import window_halfspaces
 from radmpc.referee.encounters import Encounters
+from sampling import IS_THOROUGH
 
-QUICK = settings(max_examples=25, deadline=None, derandomize=True)
+QUICK = settings(max_examples=25 if IS_THOROUGH else 10, deadline=None, derandomize=True)
 AVOIDANCES = st.sampled_from(["steps", "intervals"])
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -178,6 +179,7 @@ def test_along_intervals_every_pair_is_charged_what_it_collides_at_any_step(seed
         assert charged.get((f"v{i}", f"v{j}"), 0.0) >= rate - noise
 
 
+@pytest.mark.slow
 @QUICK
 @given(SEEDS, AVOIDANCES)
 def test_the_index_only_adds_its_cutoff(seed, avoidance):

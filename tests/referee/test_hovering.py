@@ -48,6 +48,7 @@ def beside_a_wall(name: str) -> Scenario:
     return Scenario("hover", 1.0, 12, BOUND, (vehicle,), (wall,))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FEEDBACKS)
 def test_hovering_that_is_safe_at_the_steps_is_charged_for_what_happens_between(name):
     scenario = beside_a_wall(name)

@@ -263,6 +263,7 @@ def test_an_obstacle_that_swells_is_met_half_way(x, rate):
     assert simulate(plan, 200, rng=0).rate == rate
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["steps", "intervals"]), st.sampled_from([2, 3]))
 def test_the_certificate_is_never_below_what_flights_show(seed, avoidance, dimension):

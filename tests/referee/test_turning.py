@@ -43,6 +43,7 @@ def least_gap(begin: Matrix, end: Matrix, bow: Matrix, before: Matrix, after: Ma
     return min(gaps)
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([2, 3]), st.booleans(), st.booleans())
 def test_what_hits_a_turning_solid_is_what_comes_near_it(

@@ -26,6 +26,7 @@ def _paper(num_vehicles, seed):
     return program, margins_of(program, uniform_allocation(program, program.budget))
 
 
+@pytest.mark.slow
 def test_a_node_limit_leaves_a_solution_with_an_honest_gap():
     program, margins = _paper(8, 0)
     full = Branch().solve(program, margins, gap=1e-3, limits=Limits())
@@ -36,6 +37,7 @@ def test_a_node_limit_leaves_a_solution_with_an_honest_gap():
     assert cut.gap > 1e-3
 
 
+@pytest.mark.slow
 def test_the_same_node_limit_gives_the_same_solution_twice():
     program, margins = _paper(6, 4)
     first, second = (

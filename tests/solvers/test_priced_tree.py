@@ -113,6 +113,7 @@ def least_by_enumeration(program, unit, price=None, *, is_bounded=False):
     return best
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("price", [0.02, 0.3])
 def test_the_priced_search_finds_what_enumeration_finds(seed, price):
@@ -195,6 +196,7 @@ def test_a_program_without_a_solution_has_an_infinite_bound():
     assert tree.bound == np.inf
 
 
+@pytest.mark.slow
 def test_a_node_limit_leaves_a_bound_and_a_way_to_go_on():
     program = program_of(paper(8, 0).subset((0, 3, 6), 0.05))
     tree = RiskTree(program, 0.05, 0.2, gap=GAP, scale=1e-3, limits=Limits())
