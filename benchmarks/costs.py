@@ -33,7 +33,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner
 from radmpc.planners.presets import PRESETS, parse_planner
 from radmpc.planning import plan
-from radmpc.program.build import build_program, controls_of, whole_subjects
+from radmpc.program.build import build_program, condensed_models, controls_of
 from radmpc.result import Result
 from radmpc.solvers.priced.rating import Rater
 
@@ -50,8 +50,8 @@ class Judge:
     """The joint program of a scenario, which rates any plan of it."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.subjects = whole_subjects(scenario)
-        self.program = build_program(scenario, self.subjects, risk_bound=scenario.risk_bound)
+        self.models = condensed_models(scenario)
+        self.program = build_program(scenario, self.models, risk_bound=scenario.risk_bound)
         self.rater = Rater(self.program, _MOST_UNIT)
 
     def point_of(self, controls: Sequence[Matrix]) -> Vector:
@@ -61,7 +61,7 @@ class Judge:
             flat = one.ravel()
             parts += [np.maximum(flat, 0.0), np.maximum(-flat, 0.0)]
         z = np.concatenate(parts)
-        for one, back in zip(controls, controls_of(self.subjects, z), strict=True):
+        for one, back in zip(controls, controls_of(self.models, z), strict=True):
             np.testing.assert_array_equal(one, back)
         return z
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.gaussian import tail_probability
 from radmpc.model.plan import Plan
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 
 __all__ = ["simple_bounds"]
 
@@ -19,7 +19,7 @@ def simple_bounds(record: Plan) -> float:
     At least what the best sides together cost; inf where some avoidance has no side left.
     """
     scenario = record.scenario
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    program = build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
     controls = [t.controls.ravel() for t in record.trajectories]
     z = np.concatenate([part for u in controls for part in (u.clip(min=0.0), (-u).clip(min=0.0))])
     chances = tail_probability(program.clearances(z))

@@ -25,7 +25,7 @@ from rich.table import Table
 from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
 from radmpc.program.allocation import margins_of, uniform_allocation
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 from radmpc.solvers.solution import Limits, Outcome, Solution
@@ -99,7 +99,7 @@ def _row(
 ) -> list[str]:
     """Solve one program by everything; return the cells."""
     scenario = replace(paper(n, seed), avoidance=avoidance)
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    program = build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
     margins = margins_of(program, uniform_allocation(program, program.budget))
 
     def ours() -> Solution:

@@ -16,7 +16,7 @@ from radmpc import plan
 from radmpc.experiments.families import paper
 from radmpc.planners import Centralized, Ira, Planner, Pool, Receding, Uniform
 from radmpc.program.allocation import Spread
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 
 NUM_VEHICLES = 6
@@ -36,8 +36,10 @@ def main(num_seeds: int) -> None:
     """Print a table."""
     scenarios = [paper(NUM_VEHICLES, seed) for seed in range(num_seeds)]
     for seed, scenario in enumerate(scenarios):
-        program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
-        left, settled = program.num_avoidances, program.num_settled
+        program = build_program(
+            scenario, condensed_models(scenario), risk_bound=scenario.risk_bound
+        )
+        left, settled = program.num_avoidances, program.num_presolved
         print(f"seed {seed}: reach leaves {left} of {left + settled} avoidances")
     print("planner  spread    plans  mean effort  median certificate")
     for name in planners("reached"):

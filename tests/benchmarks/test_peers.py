@@ -26,7 +26,7 @@ from radmpc.model.scenario import Workspace
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.program.allocation import uniform_allocation
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 
 ASKED = Request("paper", 2, 0, cap=20.0, gap=1e-3)
@@ -304,7 +304,7 @@ def test_the_big_m_peer_and_radmpc_agree_at_the_same_allocation(monkeypatch):
     pytest.importorskip("gurobipy")
     with_gurobi = importlib.import_module("peers.with_gurobi")
     scenario, gap = paper(3, 1), 1e-6
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    program = build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
     allocation = uniform_allocation(program, scenario.risk_bound - program.initial_risk)
     share = float(allocation.max())
     assert allocation.min() == share

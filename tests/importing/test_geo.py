@@ -208,8 +208,8 @@ def test_unknown_properties_and_heights_are_told(tmp_path: Path) -> None:
     content["features"][1]["geometry"]["coordinates"].append(25.0)
     result = import_scenario(written(tmp_path, content))
     assert result.warnings == (
-        "properties passed over: raduis (did you mean radius?)",
-        "drawn heights are passed over: vehicles move at 0 m",
+        "properties ignored: raduis (did you mean radius?)",
+        "drawn heights are ignored: vehicles move at 0 m",
     )
 
 
@@ -239,7 +239,7 @@ def test_lines_become_walls_without_thickness(tmp_path: Path) -> None:
     )
     _, fence, *booms = scenario.obstacles
     assert [fence.name, *(o.name for o in booms)] == ["fence", "line3", "line4"]
-    # The position that stands twice is passed over.
+    # The position that stands twice is ignored.
     assert [len(o.at(0)) for o in (fence, *booms)] == [2, 1, 1]
     lengths = [float(np.linalg.norm(np.diff(p.vertices, axis=0))) for p in fence.at(0)]
     assert lengths == pytest.approx([22.26, 23.19], abs=0.1)

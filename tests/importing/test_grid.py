@@ -142,7 +142,7 @@ def test_tasks_are_read_with_the_map_beside_them(tmp_path: Path) -> None:
         [7.5, 5.5],
     ]
     assert imported.choices["map"] == "room.map"
-    assert "2 passed over" in imported.choices["tasks"]
+    assert "2 ignored" in imported.choices["tasks"]
     assert scenario.source is not None
     assert scenario.source["format"] == "MovingAI"
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from radmpc.model.ledger import bound_text, exposures, risk_by_vehicle
+from radmpc.model.ledger import bound_text, risk_by_vehicle, risk_items
 from radmpc.model.plan import LedgerRow
 
 ROWS = (
@@ -16,8 +16,8 @@ ROWS = (
 )
 
 
-def test_steps_of_one_cause_are_one_exposure_the_largest_first() -> None:
-    found = exposures(ROWS)
+def test_steps_of_one_cause_are_one_risk_item_the_largest_first() -> None:
+    found = risk_items(ROWS)
     assert [(e.cause, e.vehicle, e.other) for e in found] == [
         ("pair", "a", "b"),
         ("workspace", "b", None),
@@ -29,7 +29,7 @@ def test_steps_of_one_cause_are_one_exposure_the_largest_first() -> None:
 
 
 def test_rows_of_the_same_step_add_up() -> None:
-    (one,) = exposures((ROWS[0], ROWS[0]))
+    (one,) = risk_items((ROWS[0], ROWS[0]))
     assert one.risks == {2: 0.002}
 
 
@@ -43,7 +43,7 @@ def test_both_of_a_pair_bear_half_and_nothing_is_lost() -> None:
     assert total == pytest.approx(sum(row.risk for row in ROWS))
 
 
-def test_what_is_far_away_is_borne_by_the_one_it_is_booked_with() -> None:
+def test_what_is_far_away_is_borne_by_the_one_it_is_charged_with() -> None:
     assert risk_by_vehicle(ROWS[3:4], ["a", "b"])["b"]["pair"] == 1e-18
 
 

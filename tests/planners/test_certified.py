@@ -24,7 +24,7 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import Centralized, Certified, Ira, Optimal, Planner, Uniform
-from radmpc.planners.certified.inter_set_risk import cross_risks
+from radmpc.planners.certified.inter_set_risk import inter_set_risks
 from radmpc.planning import plan
 from radmpc.referee import certify, simulate
 from radmpc.solvers.branch.branch import Branch
@@ -190,19 +190,19 @@ def test_the_policy_and_the_decomposition_need_each_other():
 
 def test_risk_between_sets_counts_each_pair_once_and_none_within_a_set():
     scenario = circle(4)
-    subjects = [v.start_position for v in scenario.vehicles]
+    models = [v.start_position for v in scenario.vehicles]
     goals = [v.goal.center for v in scenario.vehicles]
     share = np.linspace(0.0, 1.0, 11)[:, None]
-    means = np.array([a + share * (b - a) for a, b in zip(subjects, goals, strict=True)])
+    means = np.array([a + share * (b - a) for a, b in zip(models, goals, strict=True)])
     noise = np.array([v.covariances(10)[:, :2, :2] for v in scenario.vehicles])
-    apart = cross_risks(scenario, means, noise, np.arange(4))
+    apart = inter_set_risks(scenario, means, noise, np.arange(4))
     assert set(apart) == {(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)}
     assert min(apart.values()) >= 0.5  # all meet in the middle
-    together = cross_risks(scenario, means, noise, np.array([0, 0, 1, 1]))
+    together = inter_set_risks(scenario, means, noise, np.array([0, 0, 1, 1]))
     assert together == {
         (0, 1): pytest.approx(sum(apart[p] for p in [(0, 2), (0, 3), (1, 2), (1, 3)]))
     }
-    assert cross_risks(scenario, means, noise, np.zeros(4, dtype=int)) == {}
+    assert inter_set_risks(scenario, means, noise, np.zeros(4, dtype=int)) == {}
 
 
 @pytest.mark.slow

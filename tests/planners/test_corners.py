@@ -23,7 +23,7 @@ from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.sets import SetTask, plan_set, run_sets
 from radmpc.planning import plan
 from radmpc.program.allocation import uniform_allocation
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits, Outcome
 
@@ -135,26 +135,26 @@ def test_the_reach_at_the_start_is_the_start_however_fast_it_begins():
     vehicle = _vehicle("a", (0, 0, 3, 0), (2, 0), speed_limit=np.full(2, 1.0))
     behind = Obstacle.box("behind", [-2, -1], [-0.1, 1])
     scenario = _scenario(vehicle, obstacles=(behind,), horizon=1, avoidance="steps")
-    [subject] = whole_subjects(scenario)
-    assert subject.reach_lower[0] == pytest.approx([0.0, 0.0])
-    assert subject.reach_upper[0] == pytest.approx([0.0, 0.0])
-    program = build_program(scenario, [subject], risk_bound=0.05)
+    [model] = condensed_models(scenario)
+    assert model.reach_lower[0] == pytest.approx([0.0, 0.0])
+    assert model.reach_upper[0] == pytest.approx([0.0, 0.0])
+    program = build_program(scenario, [model], risk_bound=0.05)
     assert program.initial_risk > 0.5
 
 
-def test_places_that_no_control_moves_are_allotted_once_per_face():
+def test_places_that_no_control_moves_are_allocated_once_per_face():
     scenario = _scenario(
         _vehicle("a", (0, 0, 1, 1), (6, 6), system=EULER, radius=0.3, initial_covariance=2e-3),
         obstacles=(Obstacle.box("corner", [2, -3], [5, -0.6]),),
     )
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=0.05)
+    program = build_program(scenario, condensed_models(scenario), risk_bound=0.05)
     allocation = uniform_allocation(program, program.budget)
     starts = program.avoidance_starts
     rng = np.random.default_rng(0)
     for _ in range(200):
         selection = np.array([rng.integers(a, b) for a, b in pairwise(starts)])
         events = np.unique(program.rows.events[program.selected_rows(selection)])
-        paid = allocation[program.rows.exposures[events]].sum()
+        paid = allocation[program.rows.risk_items[events]].sum()
         assert paid <= program.budget * (1 + 1e-9)
 
 

@@ -14,7 +14,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.planners.certified.pricing import next_price
 from radmpc.planning import plan
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.program.restrict import avoidance_blocks, restrict_around
 from radmpc.solvers.priced.around import search_around
 from radmpc.solvers.priced.neighborhood import Neighborhood
@@ -85,7 +85,7 @@ def test_a_risk_that_no_price_moves_does_not_drive_the_price_without_end():
 def contradictory():
     """Return a program with a vehicle's avoidance that no side keeps, and its blocks."""
     clash = scene("starts-clash.yaml")
-    program = build_program(clash, whole_subjects(clash), risk_bound=clash.risk_bound)
+    program = build_program(clash, condensed_models(clash), risk_bound=clash.risk_bound)
     empty = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
     assert empty.size
     return program
@@ -97,7 +97,7 @@ def test_an_avoidance_without_sides_is_not_taken_for_settled():
     start = covered.vehicles[0].start[:2]
     box = Obstacle.box("around", start - 500.0, start + 500.0)
     covered = replace(covered, obstacles=(box,))
-    program = build_program(covered, whole_subjects(covered), risk_bound=covered.risk_bound)
+    program = build_program(covered, condensed_models(covered), risk_bound=covered.risk_bound)
     assert np.all(np.diff(program.avoidance_starts) == 0)
     part = restrict_around(
         program,
@@ -113,7 +113,7 @@ def test_a_point_that_breaks_an_avoidance_without_sides_risks_everything():
     program = contradictory()
     rater = Rater(program, 0.49)
     rating = rater.rate(np.zeros(program.num_columns))
-    assert rater.is_hopeless
+    assert rater.is_infeasible
     assert rating.risk == rating.largest == np.inf
 
 

@@ -16,7 +16,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified import fallbacks, fleet
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.inter_set_risk import cross_risks
+from radmpc.planners.certified.inter_set_risk import inter_set_risks
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.verdict import Verdict
 from radmpc.planning import plan
@@ -81,26 +81,26 @@ def passers(acceleration):
         for name, at in zip("ab", start, strict=True)
     )
     means = np.repeat(start[:, None, :], 2, axis=1)
-    bows = np.zeros((2, 1, 2))
+    sagittas = np.zeros((2, 1, 2))
     # Against the acceleration: the lower one's curve rises where it accelerates downwards.
-    bows[:, 0, 1] = acceleration * np.array([-1.0, 1.0]) / 8.0
-    return Scenario("passers", 1.0, 1, 0.05, vehicles), means, bows
+    sagittas[:, 0, 1] = acceleration * np.array([-1.0, 1.0]) / 8.0
+    return Scenario("passers", 1.0, 1, 0.05, vehicles), means, sagittas
 
 
-def test_risk_between_sets_is_estimated_with_the_bow():
-    scenario, means, bows = passers(0.5)
+def test_risk_between_sets_is_estimated_with_the_sagitta():
+    scenario, means, sagittas = passers(0.5)
     noise = np.repeat(1e-4 * np.eye(2)[None, None], 2, axis=0).repeat(2, axis=1)
     apart = np.arange(2)
-    straight = cross_risks(scenario, means, noise, apart)
-    bent = cross_risks(scenario, means, noise, apart, bows)
+    straight = inter_set_risks(scenario, means, noise, apart)
+    bent = inter_set_risks(scenario, means, noise, apart, sagittas)
     assert straight.get((0, 1), 0.0) < 1e-10
     assert bent[0, 1] > 0.5
     # Curves that bend away from each other keep their chords' distance.
-    away = cross_risks(scenario, means, noise, apart, -bows)
+    away = inter_set_risks(scenario, means, noise, apart, -sagittas)
     assert away == straight
 
 
-def test_what_is_estimated_between_sets_counts_the_bow():
+def test_what_is_estimated_between_sets_counts_the_sagitta():
     scenario = scene("bow-merge-dear")
     made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
     made.solve(made.singles, made.first_price(), 1)
@@ -108,7 +108,7 @@ def test_what_is_estimated_between_sets_counts_the_bow():
     means = np.array(
         [made.problems[m].means(z)[0] for m, z in zip(made.singles, points, strict=True)]
     )
-    straight = cross_risks(scenario, means, made.covariances, np.arange(3))
+    straight = inter_set_risks(scenario, means, made.covariances, np.arange(3))
     estimate = made.meetings(made.singles, points)
     assert straight[0, 1] < 1e-3
     assert estimate[0, 1] > 0.05

@@ -18,7 +18,7 @@ from radmpc.planners.certified.lattice.half_planes import dangers_of, gap_middle
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import Walk
 from radmpc.planners.certified.problem import SetProblem
-from radmpc.program.build import controls_of, whole_subjects
+from radmpc.program.build import condensed_models, controls_of
 from radmpc.solvers.priced.around import search_around
 from radmpc.solvers.priced.neighborhood import Neighborhood
 from radmpc.solvers.priced.tree import RiskTree
@@ -29,11 +29,11 @@ UNIT = 0.49
 
 def problem_of(scenario, number=0):
     scenario = replace(scenario, vehicles=(scenario.vehicles[number],))
-    return SetProblem.of(scenario, (0,), whole_subjects(scenario), UNIT)
+    return SetProblem.of(scenario, (0,), condensed_models(scenario), UNIT)
 
 
 def rows_at(problem, way):
-    """Return every row's clearance along a way without bow."""
+    """Return every row's clearance along a way without sagitta."""
     program = problem.program
     outputs = np.zeros(program.constant.size)
     outputs[: way.size] = way.ravel()
@@ -61,11 +61,11 @@ def risks_along(problem, way):
 def test_a_way_leads_from_start_to_goal_past_everything(seed):
     problem = problem_of(clutter(1, 80, seed))
     way = problem.passage.walk.way(5.0)
-    subject = problem.subjects[0]
+    model = problem.models[0]
     assert way.shape == (31, 2)
-    assert way[0] == pytest.approx(subject.drift_position[0])
-    assert np.all(np.abs(way[-1] - subject.vehicle.goal.center) <= 0.5)
-    assert np.abs(np.diff(way, axis=0)).max() <= subject.reach_upper[-1].max()
+    assert way[0] == pytest.approx(model.drift_position[0])
+    assert np.all(np.abs(way[-1] - model.vehicle.goal.center) <= 0.5)
+    assert np.abs(np.diff(way, axis=0)).max() <= model.reach_upper[-1].max()
     # The lattice rounds to a sixty-fourth of a deviation, and rates rows at their own.
     assert risks_along(problem, way).max() <= UNIT + 0.01
 
@@ -180,14 +180,14 @@ def test_a_vehicle_in_haste_leaves_the_lane_early_and_one_at_its_own_pace_does_n
 @pytest.mark.slow
 def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
     scenario = lane()
-    subjects = whole_subjects(scenario)
-    problem = SetProblem.of(scenario, (0, 1), subjects, UNIT)
+    models = condensed_models(scenario)
+    problem = SetProblem.of(scenario, (0, 1), models, UNIT)
     limits = Limits(float("inf"), lambda: False)
 
     def seek(rater, block, is_hurried):
         assert is_hurried
-        first = block * subjects[block].drift_position.size
-        walk = Walk(rater.program, subjects[block], UNIT, first, is_quick=True)
+        first = block * models[block].drift_position.size
+        walk = Walk(rater.program, models[block], UNIT, first, is_quick=True)
         return Passage(walk, rater).hurried(limits)
 
     around = Neighborhood(problem.program, UNIT, 1.0, 1.0, limits, 3.0, [0.0, 0.0], seek)
@@ -217,7 +217,7 @@ def test_where_effort_is_free_a_passage_seeks_the_least_risk():
     assert found.cost == 0.0
     assert found.risk <= problem.passage.found(1.0, 1.0, limits, None).risk
     # Two thirds of it is what two events per interval leave, the rest what feedback does between.
-    [controls] = controls_of(problem.subjects, found.z)
+    [controls] = controls_of(problem.models, found.z)
     by_hand = [least_of_way(scenario, controls, is_bent=bent) for bent in (False, True)]
     assert by_hand[0] <= 0.025
     assert by_hand[1] * (1.0 - 1e-6) <= found.risk <= 1.05 * by_hand[1]

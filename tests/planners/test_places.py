@@ -10,7 +10,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.endpoint_risk import floors
-from radmpc.program.build import whole_subjects
+from radmpc.program.build import condensed_models
 
 SAMPLES = 200_000
 
@@ -35,7 +35,7 @@ def scenario(*vehicles, **rest):
 
 
 def found(problem):
-    return floors(problem, whole_subjects(problem))
+    return floors(problem, condensed_models(problem))
 
 
 def hit_rate(rng, mean, covariance, lower, upper, radius):

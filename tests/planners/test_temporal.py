@@ -131,14 +131,14 @@ def test_the_curve_toward_a_face_is_charged_as_the_best_share_of_the_reserve_lea
     faces = (np.array([[1.0, 0.0]]), np.zeros(1))
     margins, deviations = rng.uniform(0.0, 1.0, 2), rng.uniform(0.05, 0.2, 2)
     places = [(np.array([margins[e], 7.0]), deviations[e] ** 2 * np.eye(2)) for e in (0, 1)]
-    bow = rng.uniform(0.0, 1.0)
+    height = rng.uniform(0.0, 1.0)
     shares = np.linspace(0.0, 1.0, 100_001)
-    kept = 4.0 * bow * np.stack([shares**2, (1.0 - shares) ** 2])
+    kept = 4.0 * height * np.stack([shares**2, (1.0 - shares) ** 2])
     best = ((margins[:, None] - kept) / deviations[:, None]).min(axis=0).max()
-    for sagitta in (np.array([bow, 3.0]), np.array([bow, -3.0])):
+    for sagitta in (np.array([height, 3.0]), np.array([height, -3.0])):
         risk = face_risk(faces, 0.0, places[:1], places[1], sagitta)
         assert risk == pytest.approx(norm.sf(best), rel=1e-3)
-    away = face_risk(faces, 0.0, places[:1], places[1], np.array([-bow, 3.0]))
+    away = face_risk(faces, 0.0, places[:1], places[1], np.array([-height, 3.0]))
     assert away == pytest.approx(norm.sf((margins / deviations).min()), rel=1e-6)
 
 

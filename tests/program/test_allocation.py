@@ -15,14 +15,14 @@ from radmpc.errors import RiskError
 from radmpc.experiments.families import paper
 from radmpc.gaussian import clearance_for, tail_probability, tail_slope
 from radmpc.program.allocation import allocated, margins_of, reallocate, uniform_allocation
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
 
 
 def _program(seed=0, num_vehicles=2, avoidance="steps"):
     scenario = replace(paper(num_vehicles, seed), avoidance=avoidance)
-    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 @pytest.mark.slow
@@ -46,7 +46,7 @@ def test_a_uniform_allocation_under_steps_is_the_budget_over_the_avoidances():
 
 def test_a_margin_is_the_deviation_times_the_clearance_of_the_risk():
     program = _program()
-    margins = margins_of(program, np.full(len(program.exposures), 0.01))
+    margins = margins_of(program, np.full(len(program.risk_items), 0.01))
     assert margins == pytest.approx(program.rows.deviations * norm.isf(0.01), rel=1e-12)
 
 
@@ -62,13 +62,13 @@ def test_reallocation_keeps_the_sum_and_never_goes_below_what_is_used(avoidance)
     assert allocated(program, upper.allocation, solution.selection) <= budget * (1 + 1e-12)
     risks = program.event_risks(solution.z, solution.selection)
     chosen = risks > 0.0
-    given_ = upper.allocation[program.rows.exposures]
+    given_ = upper.allocation[program.rows.risk_items]
     assert np.all(given_[chosen] >= risks[chosen] * (1 - 1e-6))
     assert 0 < upper.num_active <= upper.num_chosen
     assert upper.used <= budget
 
 
-def test_an_active_exposure_receives_and_an_inactive_one_gives():
+def test_an_active_risk_item_receives_and_an_inactive_one_gives():
     program = _program(0, 2)
     allocation = uniform_allocation(program, program.budget)
     solution = Branch().solve(program, margins_of(program, allocation), gap=1e-3, limits=Limits())

@@ -14,7 +14,7 @@ from radmpc.model.dynamics import LinearSystem, covariances, double_integrator, 
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.program.build import build_program, controls_of, whole_subjects
+from radmpc.program.build import build_program, condensed_models, controls_of
 from radmpc.program.restrict import avoidance_blocks, restrict
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
@@ -45,7 +45,7 @@ def _scenario(*vehicles, **more):
 
 
 def _build(scenario):
-    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 def _random_point(program, rng):
@@ -56,12 +56,12 @@ def _random_point(program, rng):
 @given(seed=st.integers(0, 10**6))
 def test_outputs_are_the_mean_positions_of_the_rollout(seed):
     scenario = paper(2, 3)
-    subjects = whole_subjects(scenario)
+    models = condensed_models(scenario)
     program = _build(scenario)
     z = _random_point(program, np.random.default_rng(seed))
     outputs = program.outputs @ z + program.constant
     expected = []
-    for vehicle, controls in zip(scenario.vehicles, controls_of(subjects, z), strict=True):
+    for vehicle, controls in zip(scenario.vehicles, controls_of(models, z), strict=True):
         expected.append(rollout(vehicle.system, vehicle.start, controls)[:, :2].ravel())
     assert outputs[: 2 * 2 * 11] == pytest.approx(np.concatenate(expected), abs=1e-9)
 
@@ -91,7 +91,7 @@ def test_a_face_row_is_the_obstacle_moved_out_by_the_radius():
     # Without control the vehicle stays at the origin: 2.5 m left of the grown wall's left face.
     assert slacks.max() == pytest.approx(2.5)
     deviations = program.rows.deviations
-    step = np.array([program.exposures[e].step for e in program.rows.exposures])
+    step = np.array([program.risk_items[e].step for e in program.rows.risk_items])
     sigma = covariances(scenario.vehicles[0].system, 0.01 * np.eye(4), 0.01 * np.eye(4), None, 8)
     for row, event in enumerate(program.rows.events):
         assert deviations[row] == pytest.approx(np.sqrt(sigma[step[event], 0, 0]))
@@ -106,7 +106,7 @@ def test_under_intervals_an_alternative_holds_one_face_at_both_ends():
     for alternative in range(program.num_alternatives):
         first, second = program.rows_of(alternative)
         steps = [
-            program.exposures[program.rows.exposures[program.rows.events[r]]].step
+            program.risk_items[program.rows.risk_items[program.rows.events[r]]].step
             for r in (first, second)
         ]
         assert steps[1] == steps[0] + 1
@@ -145,24 +145,24 @@ def test_feedback_adds_an_event_of_its_own_to_every_interval():
     sigma = vehicle.covariances(8)
     # Held over the step, a control of 1 m/s² moves the position by dt²/2 = 0.5 m.
     bent = np.eye(2, 4) - 0.5 * gain
-    step_of = np.array([e.step for e in program.exposures])
+    step_of = np.array([e.step for e in program.risk_items])
     avoidance = _avoidance_of(program)
     for alternative in range(program.num_alternatives):
         near, held, far = program.rows_of(alternative)
         k = program.avoidances[avoidance[alternative]].step
         events = program.rows.events[[near, held, far]]
-        assert step_of[program.rows.exposures[events]].tolist() == [k, k, k + 1]
+        assert step_of[program.rows.risk_items[events]].tolist() == [k, k, k + 1]
         assert len(set(events.tolist())) == 3
         expected = [np.sqrt(c[0, 0]) for c in (sigma[k], bent @ sigma[k] @ bent.T, sigma[k + 1])]
         assert program.rows.deviations[[near, held, far]] == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_bow_of_a_turn_toward_an_obstacle_is_in_the_rows():
+def test_the_sagitta_of_a_turn_toward_an_obstacle_is_in_the_rows():
     scenario = _scenario(
         _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
     program = _build(scenario)
-    subjects = whole_subjects(scenario)
+    models = condensed_models(scenario)
     rng = np.random.default_rng(0)
     z = np.zeros(program.num_columns)
     span = z.size // 2
@@ -170,7 +170,7 @@ def test_the_bow_of_a_turn_toward_an_obstacle_is_in_the_rows():
     z[:span] = np.maximum(controls, 0.0).ravel()
     z[span:] = np.maximum(-controls, 0.0).ravel()
     means = rollout(scenario.vehicles[0].system, scenario.vehicles[0].start, controls)
-    assert controls_of(subjects, z)[0] == pytest.approx(controls)
+    assert controls_of(models, z)[0] == pytest.approx(controls)
     wall = scenario.obstacles[0].at(0)[0]
     slacks = program.slacks(z)
     for avoidance, label in enumerate(program.avoidances):
@@ -195,10 +195,10 @@ def test_the_rows_of_a_pair_reserve_the_sagitta_of_their_relative_path(seed):
         _vehicle("a"), _vehicle("b", (0.0, 2.5), (8.0, 2.5)), avoidance="intervals"
     )
     program = _build(scenario)
-    subjects = whole_subjects(scenario)
+    models = condensed_models(scenario)
     both = [rng.uniform(-1.0, 1.0, (8, 2)) for _ in range(2)]
     z = np.concatenate([_halves(controls) for controls in both])
-    for controls, read in zip(both, controls_of(subjects, z), strict=True):
+    for controls, read in zip(both, controls_of(models, z), strict=True):
         assert read == pytest.approx(controls)
     means = [rollout(v.system, v.start, u) for v, u in zip(scenario.vehicles, both, strict=True)]
     relative, control = means[0] - means[1], both[0] - both[1]
@@ -259,8 +259,8 @@ def test_risk_at_the_start_is_charged_before_anything_else():
     scenario = _scenario(_vehicle("a"), _vehicle("b", (1.2, 0.0), (0.0, 8.0)), avoidance="steps")
     program = _build(scenario)
     # 0.2 m of clearance at a deviation of sqrt(0.02).
-    [(exposure, risk)] = program.initial
-    assert (exposure.cause, exposure.step) == ("pair", 0)
+    [(risk_item, risk)] = program.initial
+    assert (risk_item.cause, risk_item.step) == ("pair", 0)
     assert risk == pytest.approx(0.0786496, rel=1e-5)
     assert program.budget < 0.0
 
@@ -274,7 +274,7 @@ def test_the_workspace_is_one_avoidance_per_face_with_a_single_alternative():
     program = _build(scenario)
     assert program.num_avoidances > 0
     assert set(np.diff(program.avoidance_starts)) == {1}
-    assert {e.cause for e in program.exposures} == {"workspace"}
+    assert {e.cause for e in program.risk_items} == {"workspace"}
 
 
 def test_two_goals_on_one_point_leave_an_avoidance_without_alternatives():

@@ -13,7 +13,7 @@ from radmpc.model.dynamics import double_integrator, rollout
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.program.turned import Turned
 
 HORIZON = 4
@@ -51,7 +51,7 @@ def scene(dimension: int, avoidance: str, rng: np.random.Generator) -> tuple[Sce
         obstacles=(Obstacle.box("box", corner, corner + 1.0),),
         avoidance=avoidance,
     )
-    subjects = whole_subjects(scenario)
+    models = condensed_models(scenario)
     controls = [rng.uniform(-1.0, 1.0, (HORIZON, dimension)) for _ in range(2)]
     means = np.array(
         [
@@ -59,7 +59,7 @@ def scene(dimension: int, avoidance: str, rng: np.random.Generator) -> tuple[Sce
             for v, u in zip(scenario.vehicles, controls, strict=True)
         ]
     )
-    return scenario, Turned(subjects, means, controls, avoidance == "intervals")
+    return scenario, Turned(models, means, controls, avoidance == "intervals")
 
 
 def random_normals(count: int, dimension: int, rng: np.random.Generator) -> np.ndarray:
@@ -73,7 +73,7 @@ def test_no_random_direction_separates_two_vehicles_better(dimension: int, seed:
     rng = np.random.default_rng(seed)
     _, turned = scene(dimension, "steps", rng)
     normals = -turned.between(0, 1).normals[:, 0]
-    covariances = sum(s.position_covariances for s in turned.subjects)
+    covariances = sum(s.position_covariances for s in turned.models)
     for k in range(HORIZON):
         relative = turned.means[0, k + 1] - turned.means[1, k + 1]
         tried = np.vstack([normals[k], random_normals(20_000, dimension, rng)])
@@ -86,9 +86,7 @@ def test_no_random_direction_separates_two_vehicles_better(dimension: int, seed:
 def test_half_spaces_hold_what_they_are_turned_around(dimension: int) -> None:
     rng = np.random.default_rng(7)
     scenario, turned = scene(dimension, "intervals", rng)
-    program = build_program(
-        scenario, turned.subjects, risk_bound=scenario.risk_bound, turned=turned
-    )
+    program = build_program(scenario, turned.models, risk_bound=scenario.risk_bound, turned=turned)
     z = np.concatenate(
         [half.ravel() for u in turned.controls for half in (np.maximum(u, 0), np.maximum(-u, 0))]
     )
@@ -120,11 +118,11 @@ def test_half_spaces_hold_what_they_are_turned_around(dimension: int) -> None:
 
 def test_a_turned_program_has_at_most_one_side_for_every_danger() -> None:
     scenario = replace(clutter(2, 10, 0), avoidance="intervals")
-    subjects = whole_subjects(scenario)
-    controls = [np.zeros((scenario.horizon, 2)) for _ in subjects]
-    means = np.array([s.drift_position for s in subjects])
-    turned = Turned(subjects, means, controls, intervals=True)
-    program = build_program(scenario, subjects, risk_bound=0.05, turned=turned)
+    models = condensed_models(scenario)
+    controls = [np.zeros((scenario.horizon, 2)) for _ in models]
+    means = np.array([s.drift_position for s in models])
+    turned = Turned(models, means, controls, intervals=True)
+    program = build_program(scenario, models, risk_bound=0.05, turned=turned)
     sides = np.diff(program.avoidance_starts)
     within = np.array([e.step for e in program.avoidances])
     # Starts and goals may share the reserve for the sagitta in several ways; a path through the
@@ -139,7 +137,7 @@ def test_no_other_share_of_the_reserve_keeps_both_ends_clearer(seed: int) -> Non
     rng = np.random.default_rng(seed)
     _, turned = scene(2, "intervals", rng)
     windows = turned.between(0, 1)
-    covariances = sum(s.position_covariances for s in turned.subjects)
+    covariances = sum(s.position_covariances for s in turned.models)
     for k in range(HORIZON):
         normal = -windows.normals[k, 0]
         at = [normal @ (turned.means[0, j] - turned.means[1, j]) - 1.0 for j in (k, k + 1)]
@@ -155,14 +153,14 @@ def test_no_other_share_of_the_reserve_keeps_both_ends_clearer(seed: int) -> Non
 
 def test_a_diagonal_pair_is_safer_by_a_turned_half_space_than_by_faces() -> None:
     scenario = circle(2)
-    subjects = whole_subjects(scenario)
+    models = condensed_models(scenario)
     apart = np.array([1.0, 1.0]) * 1.2
     means = np.array(
         [np.tile(apart, (scenario.horizon + 1, 1)), np.zeros((scenario.horizon + 1, 2))]
     )
-    controls = [np.zeros((scenario.horizon, 2)) for _ in subjects]
-    normals = -Turned(subjects, means, controls, intervals=False).between(0, 1).normals[:, 0]
+    controls = [np.zeros((scenario.horizon, 2)) for _ in models]
+    normals = -Turned(models, means, controls, intervals=False).between(0, 1).normals[:, 0]
     assert normals == pytest.approx(np.tile(np.sqrt(0.5), normals.shape), abs=2e-3)
     radii = sum(v.radius for v in scenario.vehicles)
-    deviation = np.sqrt(sum(s.position_covariances[1][0, 0] for s in subjects))
+    deviation = np.sqrt(sum(s.position_covariances[1][0, 0] for s in models))
     assert norm.sf((normals[0] @ apart - radii) / deviation) < norm.sf((1.2 - radii) / deviation)

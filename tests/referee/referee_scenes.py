@@ -78,13 +78,13 @@ def straight_controls(vehicle: Vehicle, horizon: int) -> np.ndarray:
     """Return the least-squares controls that end at rest in the middle of the goal."""
     system = vehicle.system
     n, m = system.num_states, system.num_controls
-    response = np.zeros((n, horizon * m))
+    prediction = np.zeros((n, horizon * m))
     power = np.eye(n)
     for k in range(horizon - 1, -1, -1):
-        response[:, k * m : (k + 1) * m] = power @ system.B
+        prediction[:, k * m : (k + 1) * m] = power @ system.B
         power = power @ system.A
     target = np.concatenate([vehicle.goal.center, np.zeros(n - system.dimension)])
-    flat, *_ = np.linalg.lstsq(response, target - power @ vehicle.start, rcond=None)
+    flat, *_ = np.linalg.lstsq(prediction, target - power @ vehicle.start, rcond=None)
     return flat.reshape(horizon, m)
 
 

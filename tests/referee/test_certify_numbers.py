@@ -286,7 +286,7 @@ def test_driving_off_from_contact_is_charged_by_what_each_end_has_to_spare(gap: 
     wall = Obstacle.box("wall", [-9, -1], [9, 0])
     scenario = Scenario("off", 1.0, 1, 0.05, (vehicle,), (wall,), avoidance="intervals")
     certificate = certify(make_plan(scenario, [np.array([[0.3, 0.48]])]))
-    # Margins m0 and m1 hold if their roots sum to those of the bow; the mean ends 0.24 m further.
+    # Margins m0 and m1 hold if their roots sum to the root of it; the mean ends 0.24 m further.
     share = np.sqrt(gap / 0.24)
     left = 0.24 + gap - 0.24 * (1.0 - share) ** 2
     assert certificate.certified <= 1.05 * ndtr(-left / 0.02) + 1e-12

@@ -223,7 +223,7 @@ def test_no_direction_beats_the_refined_one_at_a_step():
             means=rng.uniform(1.0, 2.0, (1, 1, 2)),
             covariances=(spread @ spread.T)[None, None],
             bent_covariances=None,
-            bows=np.zeros((1, 0, 2)),
+            sagittas=np.zeros((1, 0, 2)),
             radii=np.array([0.5]),
             vertices=np.zeros((1, 1, 1, 2)),
             directions=np.eye(2)[None],

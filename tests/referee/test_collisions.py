@@ -13,10 +13,10 @@ SURE = 2e-6
 """How far from its reach a path must stay for the answer to be one [m]."""
 
 
-def least_distance(begin: np.ndarray, end: np.ndarray, bow: np.ndarray) -> float:
+def least_distance(begin: np.ndarray, end: np.ndarray, sagitta: np.ndarray) -> float:
     """Return how close a parabola comes to the origin: where the slope of a quartic vanishes."""
     squared = np.polynomial.Polynomial([0.0])
-    for p, q, b in zip(begin, end, bow, strict=True):
+    for p, q, b in zip(begin, end, sagitta, strict=True):
         squared += np.polynomial.Polynomial([p, q - p - 4.0 * b, 4.0 * b]) ** 2
     roots = squared.deriv().roots()
     times = [0.0, 1.0, *(float(r.real) for r in roots if abs(r.imag) < 1e-9 and 0 < r.real < 1)]
@@ -30,18 +30,18 @@ def test_paths_that_graze_are_told_apart_by_micrometers(dimension: int, scale: f
     begin = rng.normal(size=(400, dimension))
     begin /= np.linalg.norm(begin, axis=1, keepdims=True)
     end = begin + scale * rng.normal(size=begin.shape)
-    bows = scale * rng.normal(size=begin.shape)
-    exact = np.array([least_distance(*path) for path in zip(begin, end, bows, strict=True)])
+    sagittas = scale * rng.normal(size=begin.shape)
+    exact = np.array([least_distance(*path) for path in zip(begin, end, sagittas, strict=True)])
     # Just too close, or just not: by the thickness of a hair, and less.
     reaches = exact + rng.choice([-1.0, 1.0], 400) * 10.0 ** rng.uniform(-5.5, -2.0, 400)
     assert np.abs(reaches - exact).min() > SURE
-    hits = meets_origin(begin, end, bows, np.maximum(reaches, 0.0))
+    hits = meets_origin(begin, end, sagittas, np.maximum(reaches, 0.0))
     assert np.array_equal(hits, exact < reaches)
 
 
 def test_a_path_that_turns_away_from_a_wall_touches_it_by_less_than_a_millimeter() -> None:
     wall = resting(box([1.0, -5.0], [2.0, 5.0]))
     begin, end = np.array([[0.0, 0.0]]), np.array([[0.0, 1.0]])
-    bows = np.array([[-0.5, 0.0]])
+    sagittas = np.array([[-0.5, 0.0]])
     for distance, is_hit in ((0.5 - 1e-5, False), (0.5 + 1e-5, True)):
-        assert meets_solid(begin, end, bows, np.array([distance]), wall).tolist() == [is_hit]
+        assert meets_solid(begin, end, sagittas, np.array([distance]), wall).tolist() == [is_hit]

@@ -49,8 +49,8 @@ def test_along_directions_sites_look_as_defined(seed):
                 "scd,sde,sce->sc", directions, sites.covariances[:, end], directions
             )
             assert seen.deviations[:, :, end] ** 2 == pytest.approx(variance, abs=1e-14)
-        sags = np.einsum("scd,sd->sc", directions, sites.bows).clip(min=0.0)
-        assert seen.sags == pytest.approx(sags, abs=1e-12)
+        sagittas = np.einsum("scd,sd->sc", directions, sites.sagittas).clip(min=0.0)
+        assert seen.sagittas == pytest.approx(sagittas, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(12))

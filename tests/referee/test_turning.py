@@ -32,12 +32,12 @@ def gap(place: Matrix, corners: Matrix) -> float:
     return float(nnls(rows, np.append(np.zeros(len(place)), 1e4))[1])
 
 
-def least_gap(begin: Matrix, end: Matrix, bow: Matrix, before: Matrix, after: Matrix) -> float:
+def least_gap(begin: Matrix, end: Matrix, sagitta: Matrix, before: Matrix, after: Matrix) -> float:
     """Least distance over 161 times of the interval."""
     d = begin.size
     gaps = []
     for t in np.linspace(0.0, 1.0, 161):
-        place = begin + t * (end - begin) - 4.0 * t * (1.0 - t) * bow
+        place = begin + t * (end - begin) - 4.0 * t * (1.0 - t) * sagitta
         corners = ((1.0 - t) * before[:, None] + t * after[None]).reshape(-1, d)
         gaps.append(gap(place, corners))
     return min(gaps)
@@ -53,10 +53,10 @@ def test_what_hits_a_turning_solid_is_what_comes_near_it(
     before = rng.uniform(-1.0, 1.0, (d if is_flat else d + 2, d))
     after = turned(before, rng)
     begin, end = rng.uniform(-3.0, 3.0, (2, 12, d))
-    bows = np.tile(0.2 * is_bent * rng.normal(size=d), (12, 1))
-    gaps = [least_gap(b, e, w, before, after) for b, e, w in zip(begin, end, bows, strict=True)]
+    sagittas = np.tile(0.2 * is_bent * rng.normal(size=d), (12, 1))
+    gaps = [least_gap(b, e, w, before, after) for b, e, w in zip(begin, end, sagittas, strict=True)]
     radius = float(np.median(gaps)) + 1e-3
-    found = meets_solid(begin, end, bows, np.full(12, radius), swept(hull(before), hull(after)))
+    found = meets_solid(begin, end, sagittas, np.full(12, radius), swept(hull(before), hull(after)))
     # Between two of the times nothing moves by more than 7 m / 160 / 2; chords are off by 1 mm.
     slack = 0.03 + 1e-3 * is_bent
     for is_hit, least in zip(found, gaps, strict=True):

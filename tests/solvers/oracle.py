@@ -23,8 +23,8 @@ def least_cost(
 ) -> float:
     """Return the least cost with every face held back for the same risk; inf if infeasible.
 
-    Under intervals with the whole bow in reserve at both ends, or (not curved) with none. ``more``
-    are unit normals that count as faces, too, by the names of who avoids whom.
+    Under intervals with the whole sagitta in reserve at both ends, or (not curved) with none.
+    ``more`` are unit normals that count as faces, too, by the names of who avoids whom.
     """
     model = _Model(scenario, norm.isf(risk), is_curved, more or {})
     return model.search([], np.inf)
@@ -116,7 +116,7 @@ class _Model:
     def _hold(
         self, window: int, signs: dict[int, float], n: np.ndarray, g: float
     ) -> list[tuple[np.ndarray, float]]:
-        """Rows of n·x >= g at the window's ends, the bow of the mean curve included."""
+        """Rows of n·x >= g at the window's ends, the sagitta of the mean curve included."""
         intervals = self.scenario.avoidance == "intervals"
         rows = []
         for k in (window, window + 1) if intervals else (window,):
@@ -129,12 +129,12 @@ class _Model:
             rows.append((self.row(entries), right))
             if intervals and self.is_curved:
                 rows += [
-                    (self.row(entries) + self.row(bow), right)
-                    for bow in self._bows(window, signs, n)
+                    (self.row(entries) + self.row(sagitta), right)
+                    for sagitta in self._sagittas(window, signs, n)
                 ]
         return rows
 
-    def _bows(self, k: int, signs: dict[int, float], n: np.ndarray) -> list[dict[int, float]]:
+    def _sagittas(self, k: int, signs: dict[int, float], n: np.ndarray) -> list[dict[int, float]]:
         """max(0, n·a) dt²/8 per vehicle and axis, as all combinations of which are counted."""
         terms = [(self.u(i, k, a), sign * n[a]) for i, sign in signs.items() for a in range(2)]
         terms = [(column, value) for column, value in terms if value != 0.0]

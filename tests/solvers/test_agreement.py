@@ -8,7 +8,7 @@ from oracle import least_cost
 from problems import random_problem
 
 from radmpc.program.allocation import margins_of
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM, encode
 from radmpc.solvers.milp.scip import ScipBackend
@@ -21,9 +21,9 @@ GAP = 1e-6
 
 def _problem(seed):
     scenario = random_problem(seed)
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    program = build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
     risk = scenario.risk_bound / (6 * scenario.horizon)
-    margins = margins_of(program, np.full(len(program.exposures), risk))
+    margins = margins_of(program, np.full(len(program.risk_items), risk))
     return scenario, program, margins, risk
 
 
@@ -59,7 +59,7 @@ def test_branch_big_m_and_enumeration_find_the_same_optimum(seed):
     for solver in (Branch(), BigM()):
         solution = solver.solve(program, margins, gap=GAP, limits=Limits())
         if scenario.avoidance == "intervals":
-            # The bow may be kept at either end: no dearer than at both, no cheaper than nowhere.
+            # The reserve may be kept at either end: no dearer than both, no cheaper than none.
             assert straight * (1.0 - 1e-5) <= solution.cost <= truth * (1.0 + 1e-5)
             assert solution.bound <= solution.cost
         elif truth == np.inf:

@@ -11,7 +11,7 @@ from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.planners.coarse_search import propose_sides
 from radmpc.program.allocation import margins_of, uniform_allocation
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
@@ -22,7 +22,7 @@ from radmpc.solvers.solution import Limits, Outcome, relative_gap
 
 def _paper(num_vehicles, seed):
     scenario = paper(num_vehicles, seed)
-    program = build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    program = build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
     return program, margins_of(program, uniform_allocation(program, program.budget))
 
 
@@ -118,9 +118,9 @@ def test_an_opposed_row_is_held_the_other_way_round():
 @pytest.mark.slow
 def test_a_proposal_of_sides_ends_with_the_limits():
     scenario = paper(8, 0)
-    subjects = whole_subjects(scenario)
+    models = condensed_models(scenario)
     program, margins = _paper(8, 0)
-    assert propose_sides(program, subjects, margins, Limits()) is not None
+    assert propose_sides(program, models, margins, Limits()) is not None
     asked = []
 
     def stop_at_the_third():
@@ -128,7 +128,7 @@ def test_a_proposal_of_sides_ends_with_the_limits():
         return len(asked) >= 3
 
     limits = Limits(is_stopped=stop_at_the_third)
-    assert propose_sides(program, subjects, margins, limits) is None
+    assert propose_sides(program, models, margins, limits) is None
     # Once more in `place`, and no step further.
     assert len(asked) <= 5
 

@@ -7,14 +7,14 @@ import pytest
 
 from radmpc.experiments.families import clutter, paper
 from radmpc.gaussian import clearance_for
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.tree import Tree
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
 
 def program_of(scenario):
-    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 def assert_each_once(nodes):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle, paper
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.program.restrict import avoidance_blocks, restrict_around
 from radmpc.solvers.priced.neighborhood import Neighborhood
 from radmpc.solvers.priced.rating import Rater
@@ -18,7 +18,7 @@ PRICE = 0.2
 
 
 def program_of(scenario):
-    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 def alone(program):

@@ -16,7 +16,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planning import plan
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
@@ -51,7 +51,7 @@ def tiny(seed, risk_bound=0.05):
 
 
 def program_of(scenario):
-    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 def search(program, unit, price, **more):

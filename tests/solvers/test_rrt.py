@@ -33,7 +33,7 @@ from radmpc.planners import (
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.program.allocation import margins_of
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.rrt.rrt import Rrt
 from radmpc.solvers.rrt.shortcuts import _basis
@@ -50,14 +50,14 @@ TOL = 1e-6
 
 
 def _program(scenario):
-    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 def _problem(seed):
     scenario = random_problem(seed)
     program = _program(scenario)
     risk = scenario.risk_bound / (6 * scenario.horizon)
-    return program, margins_of(program, np.full(len(program.exposures), risk))
+    return program, margins_of(program, np.full(len(program.risk_items), risk))
 
 
 def _solve(program, margins, solver=None, limits=None, rng=None):

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from radmpc.experiments.families import paper
 from radmpc.gaussian import clearance_for
-from radmpc.program.build import build_program, whole_subjects
+from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.tree import Tree
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.lp.safe_bound import LpRecord
@@ -128,7 +128,7 @@ def failing(monkeypatch, lies):
 
 
 def program_of(scenario):
-    return build_program(scenario, whole_subjects(scenario), risk_bound=scenario.risk_bound)
+    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 @pytest.mark.slow

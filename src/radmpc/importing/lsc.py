@@ -25,7 +25,7 @@ _DIMENSION = 3
 
 
 class _Quadrotor(ForeignModel):
-    """A type of agent. Downwash is passed over with a warning."""
+    """A type of agent. Downwash is ignored with a warning."""
 
     max_vel: Numbers
     max_acc: Numbers
@@ -90,7 +90,7 @@ def read_lsc(document: Document) -> ForeignProblem:
     washed = [name for name in used if file.quadrotors[name].downwash != 1.0]
     warnings = (
         (
-            "downwash is passed over, hulls are spheres: keep vehicles at different heights "
+            "downwash is ignored, hulls are spheres: keep vehicles at different heights "
             f"apart otherwise ({', '.join(washed)})",
         )
         if washed

@@ -17,7 +17,7 @@ __all__ = ["ForeignModel", "ForeignProblem", "ForeignVehicle"]
 
 
 class ForeignModel(BaseModel):
-    """A mapping in a file of another group: what is not known here is passed over."""
+    """A mapping in a file of another group: what is not known here is ignored."""
 
     model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
 

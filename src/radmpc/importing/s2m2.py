@@ -28,7 +28,7 @@ _KEYS = ("agents", "starts", "goals", "limits")
 
 
 class _Agent(ForeignModel):
-    """An agent. Its tracking gains ``k`` are passed over with a warning."""
+    """An agent. Its tracking gains ``k`` are ignored with a warning."""
 
     type: Text
     size: Number
@@ -91,7 +91,7 @@ def read_s2m2(document: Document) -> ForeignProblem:
             ),
             ("goals", _goal_reason(file.goals)),
         ),
-        warnings=(f"flown as double integrators, their tracking gains passed over: {types}",),
+        warnings=(f"flown as double integrators, their tracking gains ignored: {types}",),
     )
 
 

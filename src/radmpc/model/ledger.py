@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 from radmpc.model.plan import Cause, LedgerRow
 
-__all__ = ["CAUSES", "Exposure", "bound_text", "exposures", "risk_by_vehicle"]
+__all__ = ["CAUSES", "Hazard", "bound_text", "hazards", "risk_by_vehicle"]
 
 CAUSES: tuple[Cause, ...] = ("pair", "obstacle", "workspace")
 
 
 @dataclass(frozen=True, slots=True)
-class Exposure:
+class Hazard:
     """One thing that may go wrong, over all steps.
 
     Attributes
@@ -40,7 +40,7 @@ class Exposure:
         return math.fsum(self.risks.values())
 
 
-def exposures(ledger: Iterable[LedgerRow]) -> tuple[Exposure, ...]:
+def hazards(ledger: Iterable[LedgerRow]) -> tuple[Hazard, ...]:
     """Return the ledger by what may go wrong, the largest first.
 
     Parameters
@@ -50,15 +50,15 @@ def exposures(ledger: Iterable[LedgerRow]) -> tuple[Exposure, ...]:
 
     Returns
     -------
-    tuple of Exposure
+    tuple of Hazard
         Their totals sum to that of the ledger.
     """
     found: dict[tuple[Cause, str, str | None], dict[int, float]] = {}
     for row in ledger:
         risks = found.setdefault((row.cause, row.vehicle, row.other), {})
         risks[row.step] = risks.get(row.step, 0.0) + row.risk
-    rows = [Exposure(*key, risks) for key, risks in found.items()]
-    return tuple(sorted(rows, key=lambda exposure: exposure.total, reverse=True))
+    rows = [Hazard(*key, risks) for key, risks in found.items()]
+    return tuple(sorted(rows, key=lambda hazard: hazard.total, reverse=True))
 
 
 def risk_by_vehicle(

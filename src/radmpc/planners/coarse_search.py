@@ -15,9 +15,9 @@ from itertools import product
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import avoidance_blocks
-from radmpc.program.subject import Subject
 from radmpc.solvers.selection import least_violated, violations_of_outputs
 from radmpc.solvers.solution import Limits
 
@@ -29,7 +29,7 @@ _MAX_ROUNDS = 5
 
 
 def propose_sides(
-    program: DisjunctiveProgram, subjects: Sequence[Subject], margins: Vector, limits: Limits
+    program: DisjunctiveProgram, models: Sequence[CondensedModel], margins: Vector, limits: Limits
 ) -> Indices | None:
     """Propose one alternative per avoidance.
 
@@ -37,7 +37,7 @@ def propose_sides(
     ----------
     program : DisjunctiveProgram
         The program of the subjects.
-    subjects : sequence of Subject
+    models : sequence of Subject
         Its vehicles, in the order of its blocks.
     margins : (r,) array
         Back-off of each row [m].
@@ -49,10 +49,10 @@ def propose_sides(
     (v,) int array or None
         A selection; None if no way was found in time, and in space, where grids are too large.
     """
-    if subjects[0].reach_lower.shape[1] != 2:
+    if models[0].reach_lower.shape[1] != 2:
         return None
-    search = _Search(program, subjects, margins, limits)
-    order = list(range(len(subjects)))
+    search = _Search(program, models, margins, limits)
+    order = list(range(len(models)))
     for _ in range(_MAX_ROUNDS):
         failed = search.place(order)
         if failed is None:
@@ -90,20 +90,20 @@ class _Search:
     def __init__(
         self,
         program: DisjunctiveProgram,
-        subjects: Sequence[Subject],
+        models: Sequence[CondensedModel],
         margins: Vector,
         limits: Limits,
     ) -> None:
         self.program = program
         self.limits = limits
-        self.subjects = subjects
+        self.models = models
         self.right = program.rows.offsets - margins
         touched = avoidance_blocks(program)
         self.blocks = [
             frozenset(int(b) for b in touched.indices[touched.indptr[v] : touched.indptr[v + 1]])
             for v in range(program.num_avoidances)
         ]
-        sizes = [subject.drift_position.size for subject in subjects]
+        sizes = [model.drift_position.size for model in models]
         self.first = np.concatenate([[0], np.cumsum(sizes)])
         self.outputs = program.constant.copy()
 
@@ -121,17 +121,17 @@ class _Search:
 
     def _walk(self, i: int, placed: set[int]) -> Matrix | None:
         """Return positions at every step, (T+1, 2), at the least sum of squared moves."""
-        subject = self.subjects[i]
-        grid, last = _grid(subject), subject.horizon
+        model = self.models[i]
+        grid, last = _grid(model), model.horizon
         tests = self._tests(i, placed)
-        here = subject.drift_position[:1]
-        goal = subject.vehicle.goal.center[None, :]
+        here = model.drift_position[:1]
+        goal = model.vehicle.goal.center[None, :]
         costs, places, parents = np.zeros(1), here, []
         for k in range(last):
             if self.limits.reached:
                 return None
             ahead = goal if k == last - 1 else grid.points
-            inside = self._within_reach(subject, ahead, k + 1, grid)
+            inside = self._within_reach(model, ahead, k + 1, grid)
             step = _Step(places, ahead, grid, self._allowed(tests, i, k, places, ahead))
             costs, parent = step.relax(costs)
             costs[~inside] = np.inf
@@ -141,10 +141,12 @@ class _Search:
             return None
         return _traced(parents, grid.points, here[0], goal[0])
 
-    def _within_reach(self, subject: Subject, points: Matrix, k: int, grid: _Grid) -> np.ndarray:
+    def _within_reach(
+        self, model: CondensedModel, points: Matrix, k: int, grid: _Grid
+    ) -> np.ndarray:
         """Whether points lie in the vehicle's reach at a step, up to half a cell."""
         half = 0.5 * grid.stride
-        low, high = subject.reach_lower[k] - half, subject.reach_upper[k] + half
+        low, high = model.reach_lower[k] - half, model.reach_upper[k] + half
         return np.asarray(np.all((points >= low) & (points <= high), axis=1))
 
     def _tests(self, i: int, placed: set[int]) -> dict[int, list[int]]:
@@ -268,12 +270,12 @@ def _overlap(count: int, shift: int) -> tuple[slice, slice]:
     return slice(-shift, count), slice(0, max(count + shift, 0))
 
 
-def _grid(subject: Subject) -> _Grid:
+def _grid(model: CondensedModel) -> _Grid:
     """Return a grid over the vehicle's reach, some cells to the longest step."""
-    low, high = subject.reach_lower.min(axis=0), subject.reach_upper.max(axis=0)
+    low, high = model.reach_lower.min(axis=0), model.reach_upper.max(axis=0)
     steps = np.maximum(
-        np.diff(subject.reach_upper, axis=0).max(axis=0),
-        -np.diff(subject.reach_lower, axis=0).min(axis=0),
+        np.diff(model.reach_upper, axis=0).max(axis=0),
+        -np.diff(model.reach_lower, axis=0).min(axis=0),
     )
     stride = np.maximum(steps, 1e-6) / _CELLS_PER_STEP
     while np.prod(np.floor((high - low) / stride) + 1) > _MAX_CELLS:

@@ -26,9 +26,9 @@ class Step:
     cost : float
         Cost of the solve.
     num_active, num_chosen : int
-        Exposures that used all their risk, and exposures with a chosen row.
+        Exposures that used all their risk, and risk items with a chosen row.
     allocated : float
-        Risk that the chosen rows were allotted.
+        Risk that the chosen rows were allocated.
     used : float
         Risk that they run.
     gap : float

@@ -21,7 +21,7 @@ from radmpc.geometry import Polytope
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.planners.boxes import Box, Shapes
-from radmpc.program.subject import Subject
+from radmpc.program.condensed import CondensedModel
 from radmpc.referee.bound.bounds import instant_risks
 from radmpc.referee.contact import solid_distances, solid_of
 from radmpc.referee.encounters import Encounters
@@ -91,14 +91,14 @@ class Floors:
     total: float
 
 
-def floors(scenario: Scenario, subjects: Sequence[Subject]) -> Floors:
+def floors(scenario: Scenario, models: Sequence[CondensedModel]) -> Floors:
     """Return what starts and goals risk at least, whatever the plan.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
-    subjects : sequence of Subject
+    models : sequence of Subject
         Its vehicles over the whole horizon.
 
     Returns
@@ -107,8 +107,8 @@ def floors(scenario: Scenario, subjects: Sequence[Subject]) -> Floors:
         Valid for every plan that the referee may certify: it sums over vehicles, pairs and
         obstacles, and of each charges no less than the probability at any one step.
     """
-    starts, at_start = _dangers(scenario, subjects, at_goal=False)
-    goals, in_goal = _dangers(scenario, subjects, at_goal=True)
+    starts, at_start = _dangers(scenario, models, at_goal=False)
+    goals, in_goal = _dangers(scenario, models, at_goal=True)
     vehicles = np.stack([at_start, in_goal], axis=1)
     pairs: dict[tuple[int, ...], float] = defaultdict(float)
     for danger in (*starts, *goals):
@@ -118,16 +118,16 @@ def floors(scenario: Scenario, subjects: Sequence[Subject]) -> Floors:
     return Floors(starts, goals, vehicles, total)
 
 
-def start_dangers(scenario: Scenario, subjects: Sequence[Subject]) -> tuple[Danger, ...]:
+def start_dangers(scenario: Scenario, models: Sequence[CondensedModel]) -> tuple[Danger, ...]:
     """Return what the starts risk, the greatest first: no less than any plan runs there."""
-    return _dangers(scenario, subjects, at_goal=False)[0]
+    return _dangers(scenario, models, at_goal=False)[0]
 
 
 def _dangers(
-    scenario: Scenario, subjects: Sequence[Subject], *, at_goal: bool
+    scenario: Scenario, models: Sequence[CondensedModel], *, at_goal: bool
 ) -> tuple[tuple[Danger, ...], Vector]:
     """Return what starts or goals risk, and the sum for each vehicle, others aside."""
-    boxes = [_box(subject, at_goal=at_goal) for subject in subjects]
+    boxes = [_box(model, at_goal=at_goal) for model in models]
     shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
     found: list[Danger] = []
     least = np.zeros(len(boxes))
@@ -138,14 +138,14 @@ def _dangers(
     return tuple(sorted(found, key=lambda danger: -danger.risk)), least
 
 
-def _box(subject: Subject, *, at_goal: bool) -> Box:
+def _box(model: CondensedModel, *, at_goal: bool) -> Box:
     """Return where a vehicle's mean is at the start, or may be at the end."""
-    covariance = subject.position_covariances[-1 if at_goal else 0]
+    covariance = model.position_covariances[-1 if at_goal else 0]
     if not at_goal:
-        return Box(subject.drift_position[0], subject.drift_position[0], covariance)
-    goal = subject.vehicle.goal
-    lower = np.maximum(goal.lower, subject.reach_lower[-1]) - _TOL
-    upper = np.minimum(goal.upper, subject.reach_upper[-1]) + _TOL
+        return Box(model.drift_position[0], model.drift_position[0], covariance)
+    goal = model.vehicle.goal
+    lower = np.maximum(goal.lower, model.reach_lower[-1]) - _TOL
+    upper = np.minimum(goal.upper, model.reach_upper[-1]) + _TOL
     # Out of reach: which corner is nearer does not matter, as long as it is a box.
     return Box(np.minimum(lower, upper), np.maximum(lower, upper), covariance)
 
@@ -235,7 +235,7 @@ def _risks(points: Matrix, covariance: Matrix, radius: float, piece: Polytope | 
         means=points[None],
         covariances=np.broadcast_to(covariance, (1, count, d, d)),
         bent_covariances=None,
-        bows=np.zeros((1, count - 1, d)),
+        sagittas=np.zeros((1, count - 1, d)),
         radii=np.array([radius]),
         vertices=vertices[None, None],
         directions=normals[None],

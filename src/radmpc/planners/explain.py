@@ -20,9 +20,9 @@ from radmpc.planners.presolve import (
     too_far_texts,
 )
 from radmpc.planners.wording import is_contact, limit_clause, places_text
-from radmpc.program.build import build_program, whole_subjects
-from radmpc.program.program import DisjunctiveProgram, Exposure
-from radmpc.program.subject import Subject
+from radmpc.program.build import build_program, condensed_models
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
@@ -54,11 +54,11 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
     str
         One or two sentences, naming vehicles, obstacles and times.
     """
-    subjects = whole_subjects(scenario)
+    models = condensed_models(scenario)
     unable = [
         Reason((i,), *texts)
-        for i, subject in enumerate(subjects)
-        if (texts := unable_alone(scenario, subject)) is not None
+        for i, model in enumerate(models)
+        if (texts := unable_alone(scenario, model)) is not None
     ]
     if unable:
         return " ".join([*(text for _, text in grouped(scenario, unable)), _SLOW])
@@ -67,14 +67,14 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
         return reason
     is_open = False
     blocked = []
-    for i in range(len(subjects)):
+    for i in range(len(models)):
         outcome = _solved_alone(scenario, (i,), planner, limits)
         if outcome is Outcome.INFEASIBLE:
             blocked.append(_no_way_alone(scenario, i))
         is_open |= outcome is Outcome.LIMIT
     if blocked:
         return " ".join(text for _, text in grouped(scenario, blocked))
-    for members in combinations(range(len(subjects)), 2):
+    for members in combinations(range(len(models)), 2):
         outcome = _solved_alone(scenario, members, planner, limits)
         if outcome is Outcome.INFEASIBLE:
             return _no_way_together(scenario, members)
@@ -109,9 +109,9 @@ def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str
     str or None
         The reason, naming vehicles, obstacle and time.
     """
-    subjects = whole_subjects(scenario)
-    program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
-    found = floors(scenario, subjects)
+    models = condensed_models(scenario)
+    program = build_program(scenario, models, risk_bound=scenario.risk_bound)
+    found = floors(scenario, models)
     if not deterministic:
         sure = place_reasons(scenario, found)
         if sure:
@@ -138,7 +138,7 @@ _GENERAL = (
 )
 
 
-def unable_alone(scenario: Scenario, subject: Subject) -> tuple[str, str] | None:
+def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | None:
     """Say if a vehicle cannot even fly through empty space.
 
     Returns
@@ -146,24 +146,24 @@ def unable_alone(scenario: Scenario, subject: Subject) -> tuple[str, str] | None
     tuple of str or None
         What follows "Vehicle 'name'", and the same of several vehicles.
     """
-    overdrawn = overdrawn_texts(subject)
+    overdrawn = overdrawn_texts(model)
     if overdrawn is not None:
         return overdrawn
     empty = build_program(
-        _without_dangers(scenario, subject), [subject], risk_bound=scenario.risk_bound
+        _without_dangers(scenario, model), [model], risk_bound=scenario.risk_bound
     )
     outcome, _ = WarmLp(empty, np.zeros(empty.rows.count)).solve()
-    return too_far_texts(scenario, subject) if outcome is LpOutcome.INFEASIBLE else None
+    return too_far_texts(scenario, model) if outcome is LpOutcome.INFEASIBLE else None
 
 
-def _without_dangers(scenario: Scenario, subject: Subject) -> Scenario:
+def _without_dangers(scenario: Scenario, model: CondensedModel) -> Scenario:
     """Return the scenario of one vehicle in empty space."""
     return Scenario(
         name=scenario.name,
         dt=scenario.dt,
         horizon=scenario.horizon,
         risk_bound=scenario.risk_bound,
-        vehicles=(subject.vehicle,),
+        vehicles=(model.vehicle,),
         avoidance=scenario.avoidance,
     )
 
@@ -174,7 +174,7 @@ def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
     worst, risk = ranked[0]
     if risk >= 0.5:
         return _start_in_conflict(worst)
-    parts = [f"{danger(exposure)} (risk {risk:.3g})" for exposure, risk in ranked[:3]]
+    parts = [f"{danger(risk_item)} (risk {risk:.3g})" for risk_item, risk in ranked[:3]]
     return (
         f"The starts alone carry a collision risk of {at_start:.3g} by simple bounds, above the "
         f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
@@ -182,28 +182,28 @@ def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
     )
 
 
-def _start_in_conflict(exposure: Exposure) -> str:
+def _start_in_conflict(risk_item: RiskItem) -> str:
     """Name a start that is no place to be."""
-    if exposure.cause == "pair":
+    if risk_item.cause == "pair":
         return (
-            f"The starts of vehicles {exposure.vehicle!r} and {exposure.other!r} are too close: "
+            f"The starts of vehicles {risk_item.vehicle!r} and {risk_item.other!r} are too close: "
             "they touch before anything moves. Move a start."
         )
-    if exposure.cause == "obstacle":
+    if risk_item.cause == "obstacle":
         return (
-            f"The start of vehicle {exposure.vehicle!r} lies within obstacle {exposure.other!r} "
+            f"The start of vehicle {risk_item.vehicle!r} lies within obstacle {risk_item.other!r} "
             "grown by the vehicle's radius. Move the start."
         )
-    return f"The start of vehicle {exposure.vehicle!r} lies outside the workspace. Move the start."
+    return f"The start of vehicle {risk_item.vehicle!r} lies outside the workspace. Move the start."
 
 
-def _cannot_avoid(scenario: Scenario, exposure: Exposure) -> str:
+def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
     """Name a danger that exists wherever the vehicles may be at that time."""
-    when = f"at step {exposure.step}"
+    when = f"at step {risk_item.step}"
     if scenario.avoidance == "intervals":
-        when = f"between steps {exposure.step} and {exposure.step + 1}"
+        when = f"between steps {risk_item.step} and {risk_item.step + 1}"
     return (
-        f"{_capitalized(danger(exposure))} cannot be kept apart {when}: none of the faces between "
+        f"{_capitalized(danger(risk_item))} cannot be kept apart {when}: none of the faces between "
         "them leaves room for any motion that limits and goals allow. Lengthen the horizon, "
         "shorten dt, or raise pair_faces."
     )
@@ -214,14 +214,14 @@ def _capitalized(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def danger(exposure: Exposure) -> str:
+def danger(risk_item: RiskItem) -> str:
     """Name a danger."""
-    cause: Cause = exposure.cause
+    cause: Cause = risk_item.cause
     if cause == "pair":
-        return f"vehicles {exposure.vehicle!r} and {exposure.other!r}"
+        return f"vehicles {risk_item.vehicle!r} and {risk_item.other!r}"
     if cause == "obstacle":
-        return f"vehicle {exposure.vehicle!r} and obstacle {exposure.other!r}"
-    return f"vehicle {exposure.vehicle!r} and the workspace border"
+        return f"vehicle {risk_item.vehicle!r} and obstacle {risk_item.other!r}"
+    return f"vehicle {risk_item.vehicle!r} and the workspace border"
 
 
 def _solved_alone(
@@ -231,7 +231,7 @@ def _solved_alone(
     if limits.reached:
         return Outcome.LIMIT
     alone = scenario.subset(members, scenario.risk_bound)
-    program = build_program(alone, whole_subjects(alone), risk_bound=scenario.risk_bound)
+    program = build_program(alone, condensed_models(alone), risk_bound=scenario.risk_bound)
     request = SolveRequest(program, Branch(_MAX_NODES), planner.gap, limits, "explain", ())
     return planner.policy.solve(request).solution.outcome
 
@@ -249,9 +249,9 @@ def _no_way_together(scenario: Scenario, members: tuple[int, ...]) -> str:
 def _no_way_alone(scenario: Scenario, i: int) -> Reason:
     """Return why one vehicle has no plan even with the whole Δ to itself."""
     alone = scenario.subset((i,), scenario.risk_bound)
-    program = build_program(alone, whole_subjects(alone), risk_bound=scenario.risk_bound)
+    program = build_program(alone, condensed_models(alone), risk_bound=scenario.risk_bound)
     dangers = dict.fromkeys(
-        repr(e.other) if e.other else "the workspace border" for e in program.exposures
+        repr(e.other) if e.other else "the workspace border" for e in program.risk_items
     )
     text = (
         f"within the risk bound {scenario.risk_bound:g} that this planner sees; near are "

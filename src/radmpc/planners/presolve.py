@@ -14,7 +14,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoint_risk import Danger, Floors, floors
 from radmpc.planners.shared_reasons import place_sentences
 from radmpc.planners.wording import listed, places_text
-from radmpc.program.subject import Subject
+from radmpc.program.condensed import CondensedModel
 
 __all__ = [
     "Reason",
@@ -59,14 +59,14 @@ class Reason:
     many: str | None = None
 
 
-def sure_reasons(scenario: Scenario, subjects: Sequence[Subject]) -> list[Reason]:
+def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[Reason]:
     """Return why there can be no plan, as far as no search is needed to know.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
-    subjects : sequence of Subject
+    models : sequence of Subject
         Its vehicles over the whole horizon.
 
     Returns
@@ -75,11 +75,11 @@ def sure_reasons(scenario: Scenario, subjects: Sequence[Subject]) -> list[Reason
         Empty where nothing is wrong at first sight.
     """
     reasons = []
-    for i, subject in enumerate(subjects):
-        reason = overdrawn_texts(subject) or _too_far(scenario, subject)
+    for i, model in enumerate(models):
+        reason = overdrawn_texts(model) or _too_far(scenario, model)
         if reason is not None:
             reasons.append(Reason((i,), *reason))
-    return reasons + place_reasons(scenario, floors(scenario, subjects))
+    return reasons + place_reasons(scenario, floors(scenario, models))
 
 
 def grouped(
@@ -110,7 +110,7 @@ def grouped(
     return [*told[:_TOLD], (None, f"There are {hidden} more reasons.")] if hidden > 0 else told
 
 
-def reserve_reason(subject: Subject) -> str | None:
+def reserve_reason(model: CondensedModel) -> str | None:
     """Say how much control the feedback keeps back, where that is much of it.
 
     Returns
@@ -118,10 +118,10 @@ def reserve_reason(subject: Subject) -> str | None:
     str or None
         What follows "the feedback"; None without feedback, or where it takes little.
     """
-    vehicle = subject.vehicle
+    vehicle = model.vehicle
     if vehicle.gain is None:
         return None
-    reserves = vehicle.control_limit - subject.control_bounds
+    reserves = vehicle.control_limit - model.control_bounds
     step, axis = (
         int(k)
         for k in np.unravel_index((reserves / vehicle.control_limit).argmax(), reserves.shape)
@@ -136,34 +136,34 @@ def reserve_reason(subject: Subject) -> str | None:
     )
 
 
-def overdrawn_texts(subject: Subject) -> tuple[str, str] | None:
+def overdrawn_texts(model: CondensedModel) -> tuple[str, str] | None:
     """Say that feedback takes more control than there is."""
-    if np.all(subject.control_bounds >= 0.0):
+    if np.all(model.control_bounds >= 0.0):
         return None
-    step, axis = (int(k) for k in np.argwhere(subject.control_bounds < 0.0)[0])
-    vehicle = subject.vehicle
+    step, axis = (int(k) for k in np.argwhere(model.control_bounds < 0.0)[0])
+    vehicle = model.vehicle
     limit = float(vehicle.control_limit[axis])
     unit = " m/s²" if vehicle.system.is_double_integrator else ""
     text = (
         f"has no control left to steer: at step {step} the feedback alone takes more than control "
-        f"axis {axis} allows, it keeps back {limit - subject.control_bounds[step, axis]:.3g} of "
+        f"axis {axis} allows, it keeps back {limit - model.control_bounds[step, axis]:.3g} of "
         f"{limit:.3g}{unit} ({vehicle.control_sigmas:g} standard deviations)."
     )
     return text, text.replace("has no", "have no", 1)
 
 
-def _too_far(scenario: Scenario, subject: Subject) -> tuple[str, str] | None:
+def _too_far(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | None:
     """Say that full throttle does not lead to the goal in time, axis by axis."""
-    missing = subject.reach_lower - subject.reach_upper
+    missing = model.reach_lower - model.reach_upper
     if np.all(missing <= 1e-6):
         return None
-    return too_far_texts(scenario, subject)
+    return too_far_texts(scenario, model)
 
 
-def too_far_texts(scenario: Scenario, subject: Subject) -> tuple[str, str]:
+def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
     """Return the sentence that a goal is out of reach, of one vehicle and of several."""
     seconds = scenario.horizon * scenario.dt
-    kept = reserve_reason(subject)
+    kept = reserve_reason(model)
     because = f" (the feedback {kept})" if kept else ""
     end = (
         f" within {scenario.horizon} steps ({seconds:g} s) under its control and speed "

@@ -19,7 +19,7 @@ from radmpc.planners.explain import explain_infeasible
 from radmpc.planners.planner import Planner, Run
 from radmpc.planners.policies.policy import SolveRequest
 from radmpc.planners.randomness import children
-from radmpc.program.build import build_program, controls_of, whole_subjects
+from radmpc.program.build import build_program, condensed_models, controls_of
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["SetPlan", "SetTask", "in_order", "plan_set", "plan_sets", "run_sets", "verdict_of_sets"]
@@ -85,8 +85,8 @@ def plan_set(task: SetTask, limits: Limits) -> SetPlan:
         Infeasible is an answer, with its reason.
     """
     scenario = task.scenario
-    subjects = whole_subjects(scenario)
-    program = build_program(scenario, subjects, risk_bound=scenario.risk_bound)
+    models = condensed_models(scenario)
+    program = build_program(scenario, models, risk_bound=scenario.risk_bound)
     request = SolveRequest(
         program,
         task.planner.solver,
@@ -94,13 +94,13 @@ def plan_set(task: SetTask, limits: Limits) -> SetPlan:
         limits,
         task.stage,
         tuple(v.name for v in scenario.vehicles),
-        propose=lambda margins: propose_sides(program, subjects, margins, limits),
+        propose=lambda margins: propose_sides(program, models, margins, limits),
         rng=task.rng,
     )
     solved = task.planner.policy.solve(request)
     solution = solved.solution
     if solution.z is not None:
-        controls = tuple(controls_of(subjects, solution.z))
+        controls = tuple(controls_of(models, solution.z))
         return SetPlan(solution.outcome, controls, solved.steps)
     explanation = None
     if solution.outcome is Outcome.INFEASIBLE:

@@ -41,7 +41,7 @@ class Verdict:
         """
         found: dict[tuple[int, int], float] = {}
         for row in self.ledger:
-            # What is far from a vehicle is booked without a partner.
+            # What is far from a vehicle is charged without a partner.
             if row.cause != "pair" or row.other is None:
                 continue
             i, j = sorted((numbers[row.vehicle], numbers[row.other]))

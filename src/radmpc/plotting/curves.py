@@ -61,8 +61,8 @@ def mean_path(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
     share = np.linspace(0.0, 1.0, _POINTS_PER_STEP, endpoint=False)[:, None]
     hanging = trajectory.controls @ system.sagitta.T
     pieces = [
-        before + share * (after - before) - 4.0 * share * (1.0 - share) * bow
-        for (before, after), bow in zip(pairwise(at_steps), hanging, strict=True)
+        before + share * (after - before) - 4.0 * share * (1.0 - share) * sagitta
+        for (before, after), sagitta in zip(pairwise(at_steps), hanging, strict=True)
     ]
     return np.vstack([*pieces, at_steps[-1:]])
 

@@ -48,23 +48,23 @@ def uniform_allocation(
     Returns
     -------
     (x,) array
-        Risk of each event of every exposure.
+        Risk of each event of every risk item.
     """
     counts = _largest_counts(program)
     unavoidable = _unavoidable(program)
     left = budget - float((counts * unavoidable).sum())
     if counts.sum() == 0 or left <= 0.0:
         return unavoidable
-    shares = counts.sum() + (program.num_settled if spread == "all" else 0)
-    allotted: Vector = unavoidable + left / float(shares)
-    return allotted
+    shares = counts.sum() + (program.num_presolved if spread == "all" else 0)
+    allocated: Vector = unavoidable + left / float(shares)
+    return allocated
 
 
 def margins_of(program: DisjunctiveProgram, allocation: Vector) -> Vector:
     """Return the back-off of every row at an allocation, (r,) [m] (paper, Eq. 7)."""
     rows = program.rows
-    risks = allocation[rows.exposures[rows.events]]
-    # Nothing allotted means the row may not be chosen; an infinite margin would spoil the sums.
+    risks = allocation[rows.risk_items[rows.events]]
+    # Nothing allocated means the row may not be chosen; an infinite margin would spoil the sums.
     floor = np.finfo(np.float64).tiny
     return rows.deviations * clearance_for(np.clip(risks, floor, 0.5))
 
@@ -72,7 +72,7 @@ def margins_of(program: DisjunctiveProgram, allocation: Vector) -> Vector:
 def allocated(program: DisjunctiveProgram, allocation: Vector, selection: Indices) -> float:
     """Return what a selection pays: the allocation of its distinct events."""
     events = np.unique(program.rows.events[program.selected_rows(selection)])
-    return float(allocation[program.rows.exposures[events]].sum())
+    return float(allocation[program.rows.risk_items[events]].sum())
 
 
 def allocation_from(
@@ -96,7 +96,7 @@ def allocation_from(
     Returns
     -------
     (x,) array or None
-        Risk of each event of every exposure; None if the point runs more than the budget.
+        Risk of each event of every risk item; None if the point runs more than the budget.
     """
     paid, needed = _needed(program, selection, z)
     left = budget - float((paid * needed).sum())
@@ -106,13 +106,13 @@ def allocation_from(
 
 
 def _needed(program: DisjunctiveProgram, selection: Indices, z: Vector) -> tuple[Indices, Vector]:
-    """Return how many events of each exposure are chosen, and the largest risk among them."""
-    rows, num = program.rows, len(program.exposures)
+    """Return how many events of each risk item are chosen, and the largest risk among them."""
+    rows, num = program.rows, len(program.risk_items)
     risks = program.event_risks(z, selection)
     events = np.unique(rows.events[program.selected_rows(selection)])
-    paid = np.bincount(rows.exposures[events], minlength=num)
+    paid = np.bincount(rows.risk_items[events], minlength=num)
     needed = np.zeros(num)
-    np.maximum.at(needed, rows.exposures[events], risks[events])
+    np.maximum.at(needed, rows.risk_items[events], risks[events])
     return paid, needed
 
 
@@ -198,39 +198,42 @@ def reallocate(
 
 
 def _largest_counts(program: DisjunctiveProgram) -> Indices:
-    """Return how many distinct events of each exposure a selection can choose at most."""
+    """Return how many distinct events of each risk item a selection can choose at most."""
     rows = program.rows
-    num = len(program.exposures)
+    num = len(program.risk_items)
     if rows.count == 0:
         return np.zeros(num, dtype=np.int64)
     alternative = np.repeat(
         np.arange(program.num_alternatives), np.diff(program.alternative_starts)
     )
     owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
-    # Distinct events that one alternative has of an exposure, the most of any in its avoidance.
-    events = np.unique(alternative * rows.exposures.size + rows.events[program.alternative_rows])
-    holder, exposure = events // rows.exposures.size, rows.exposures[events % rows.exposures.size]
-    pairs, held = np.unique(holder * num + exposure, return_counts=True)
+    # Distinct events that one alternative has of a risk item, the most of any in its avoidance.
+    events = np.unique(alternative * rows.risk_items.size + rows.events[program.alternative_rows])
+    holder, risk_item = (
+        events // rows.risk_items.size,
+        rows.risk_items[events % rows.risk_items.size],
+    )
+    pairs, held = np.unique(holder * num + risk_item, return_counts=True)
     keys, place = np.unique(owner[pairs // num] * num + pairs % num, return_inverse=True)
     most = np.zeros(keys.size, dtype=np.int64)
     np.maximum.at(most, place, held)
     by_avoidance = np.zeros(num, dtype=np.int64)
     np.add.at(by_avoidance, keys % num, most)
-    by_event = np.bincount(rows.exposures, minlength=num)
+    by_event = np.bincount(rows.risk_items, minlength=num)
     return np.minimum(by_avoidance, by_event)
 
 
 def _unavoidable(program: DisjunctiveProgram) -> Vector:
-    """Return the least risk each exposure carries through rows that no control moves."""
+    """Return the least risk each risk item carries through rows that no control moves."""
     rows = program.rows
     fixed = program.fixed_rows()
-    least = np.zeros(len(program.exposures))
+    least = np.zeros(len(program.risk_items))
     if not fixed.any():
         return least
     risk = tail_probability(program.clearances(np.zeros(program.num_columns)))
-    exposure = rows.exposures[rows.events]
+    risk_item = rows.risk_items[rows.events]
     best = np.full(least.size, np.inf)
-    np.minimum.at(best, exposure[fixed], risk[fixed])
+    np.minimum.at(best, risk_item[fixed], risk[fixed])
     found = np.isfinite(best)
     least[found] = best[found]
     return least

@@ -12,36 +12,36 @@ from itertools import combinations
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
+from radmpc.program.condensed import CondensedModel, PredictionMatrices, condense
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.subject import Response, Subject, make_subject
 from radmpc.program.turned import Turned
 
-__all__ = ["build_program", "controls_of", "responses", "whole_subjects"]
+__all__ = ["build_program", "condensed_models", "controls_of", "prediction_matrices"]
 
 
-def responses(scenario: Scenario) -> tuple[Response, ...]:
+def prediction_matrices(scenario: Scenario) -> tuple[PredictionMatrices, ...]:
     """Return every vehicle's response, computed once per distinct system."""
-    known: dict[int, Response] = {}
+    known: dict[int, PredictionMatrices] = {}
     for vehicle in scenario.vehicles:
         if id(vehicle.system) not in known:
-            known[id(vehicle.system)] = Response.of(vehicle.system, scenario.horizon)
+            known[id(vehicle.system)] = PredictionMatrices.of(vehicle.system, scenario.horizon)
     return tuple(known[id(vehicle.system)] for vehicle in scenario.vehicles)
 
 
-def whole_subjects(scenario: Scenario) -> tuple[Subject, ...]:
+def condensed_models(scenario: Scenario) -> tuple[CondensedModel, ...]:
     """Return every vehicle from its start over the whole horizon."""
-    subjects = []
-    for vehicle, response in zip(scenario.vehicles, responses(scenario), strict=True):
+    models = []
+    for vehicle, prediction in zip(scenario.vehicles, prediction_matrices(scenario), strict=True):
         covariances = vehicle.covariances(scenario.horizon)
         bounds = vehicle.control_bounds(covariances)
-        subjects.append(make_subject(vehicle, response, vehicle.start, covariances, bounds))
-    return tuple(subjects)
+        models.append(condense(vehicle, prediction, vehicle.start, covariances, bounds))
+    return tuple(models)
 
 
 def build_program(
     scenario: Scenario,
-    subjects: Sequence[Subject],
+    models: Sequence[CondensedModel],
     *,
     risk_bound: float,
     first_step: int = 0,
@@ -54,14 +54,14 @@ def build_program(
     ----------
     scenario : Scenario
         Obstacles, workspace, and what counts as a collision.
-    subjects : sequence of Subject
+    models : sequence of Subject
         The vehicles planned together; all their pairs are kept apart.
     risk_bound : float
         Δ for these vehicles.
     first_step : int
         Absolute step at which the subjects start.
     temporal : sequence of KeepOut
-        Other vehicles' temporal obstacles; booked as pairs.
+        Other vehicles' temporal obstacles; charged as pairs.
     turned : Turned or None
         Paths of the subjects that half-spaces are turned to: one for every window in place of the
         faces of obstacles and pairs.
@@ -71,30 +71,30 @@ def build_program(
     DisjunctiveProgram
         Risk present at the first step charged where it is k = 0.
     """
-    builder = ProgramBuilder(scenario, tuple(subjects), first_step, turned)
-    horizon = subjects[0].horizon
+    builder = ProgramBuilder(scenario, tuple(models), first_step, turned)
+    horizon = models[0].horizon
     intervals = scenario.avoidance == "intervals"
     still: list[KeepOut] = []
     for obstacle in scenario.obstacles:
         keepouts = obstacle_keepouts(obstacle, first_step, horizon, intervals=intervals)
         still += keepouts
-    for i in range(len(subjects)):
+    for i in range(len(models)):
         for keepout in still:
             builder.keep_out(i, "obstacle", keepout)
         for keepout in temporal:
             builder.keep_out(i, "pair", keepout)
         builder.keep_in_workspace(i)
-    for i, j in combinations(range(len(subjects)), 2):
+    for i, j in combinations(range(len(models)), 2):
         builder.keep_apart(i, j)
     return builder.finish(risk_bound)
 
 
-def controls_of(subjects: Sequence[Subject], z: Vector) -> list[Matrix]:
+def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:
     """Return the nominal controls of each vehicle, (T, m), from a program's solution."""
     controls, start = [], 0
-    for subject in subjects:
-        span = subject.control_bounds.size
+    for model in models:
+        span = model.control_bounds.size
         plus, minus = z[start : start + span], z[start + span : start + 2 * span]
-        controls.append((plus - minus).reshape(subject.control_bounds.shape))
+        controls.append((plus - minus).reshape(model.control_bounds.shape))
         start += 2 * span
     return controls

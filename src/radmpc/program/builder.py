@@ -1,4 +1,4 @@
-"""Collecting the rows of all dangers and numbering them: rows, events, exposures, avoidances."""
+"""Collecting the rows of all dangers and numbering them: rows, events, risk items, avoidances."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.danger import Body, Part, RowBlock, Windows
 from radmpc.program.hard import hard_rows
 from radmpc.program.keepout import KeepOut
 from radmpc.program.openings import opening_directions
-from radmpc.program.program import ChanceRows, DisjunctiveProgram, Exposure
+from radmpc.program.program import ChanceRows, DisjunctiveProgram, RiskItem
 from radmpc.program.rows import danger_rows
-from radmpc.program.subject import Subject
 from radmpc.program.turned import Turned
 
 __all__ = ["ProgramBuilder"]
@@ -26,32 +26,32 @@ __all__ = ["ProgramBuilder"]
 
 @dataclass(slots=True, eq=False)
 class ProgramBuilder:
-    """Collects blocks of rows; numbers rows, events, exposures as they come."""
+    """Collects blocks of rows; numbers rows, events, risk items as they come."""
 
     scenario: Scenario
-    subjects: tuple[Subject, ...]
+    models: tuple[CondensedModel, ...]
     first_step: int
     turned: Turned | None = None
     blocks: list[RowBlock] = field(default_factory=list)
-    block_exposures: list[Indices] = field(default_factory=list)
-    exposures: list[Exposure] = field(default_factory=list)
-    avoidances: list[Exposure] = field(default_factory=list)
-    initial: list[tuple[Exposure, float]] = field(default_factory=list)
-    settled_risk: float = 0.0
-    num_settled: int = 0
+    block_risk_items: list[Indices] = field(default_factory=list)
+    risk_items: list[RiskItem] = field(default_factory=list)
+    avoidances: list[RiskItem] = field(default_factory=list)
+    initial: list[tuple[RiskItem, float]] = field(default_factory=list)
+    presolved_risk: float = 0.0
+    num_presolved: int = 0
     initial_risk: float = 0.0
     parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
         """Give every vehicle its place among outputs and columns."""
         d = self.scenario.dimension
-        num_positions = sum(d * (s.horizon + 1) for s in self.subjects)
+        num_positions = sum(d * (s.horizon + 1) for s in self.models)
         position, controls, parts = 0, num_positions, []
-        for subject in self.subjects:
-            sagitta = subject.vehicle.system.sagitta
-            parts.append(Part(1.0, position, controls, subject.control_bounds, sagitta))
-            position += d * (subject.horizon + 1)
-            controls += 2 * subject.control_bounds.size
+        for model in self.models:
+            sagitta = model.vehicle.system.sagitta
+            parts.append(Part(1.0, position, controls, model.control_bounds, sagitta))
+            position += d * (model.horizon + 1)
+            controls += 2 * model.control_bounds.size
         self.parts = tuple(parts)
 
     @property
@@ -61,8 +61,8 @@ class ProgramBuilder:
 
     def keep_out(self, i: int, cause: Cause, keepout: KeepOut) -> None:
         """Keep a vehicle out of a convex thing."""
-        subject = self.subjects[i]
-        radius = subject.vehicle.radius
+        model = self.models[i]
+        radius = model.vehicle.radius
         body = self._body(i)
         extra = np.zeros((0, self.scenario.dimension))
         if keepout.start is not None and keepout.shapes:
@@ -83,12 +83,12 @@ class ProgramBuilder:
         if keepout.start is not None:
             normals = -np.vstack([keepout.start.normals, extra])
             offsets = -(np.append(keepout.start.offsets, keepout.start.support(extra)) + radius)
-            self._charge_start(body, normals, offsets, (cause, subject.vehicle.name, keepout.name))
-        self._add(body, windows, cause, subject.vehicle.name, keepout.name)
+            self._charge_start(body, normals, offsets, (cause, model.vehicle.name, keepout.name))
+        self._add(body, windows, cause, model.vehicle.name, keepout.name)
 
     def keep_apart(self, i: int, j: int) -> None:
         """Keep two vehicles apart by faces around their relative position, or by turned ones."""
-        one, two = self.subjects[i], self.subjects[j]
+        one, two = self.models[i], self.models[j]
         faces = sphere_directions(self.scenario.num_pair_faces, self.scenario.dimension)
         distance = one.vehicle.radius + two.vehicle.radius
         other = self.parts[j]
@@ -116,32 +116,32 @@ class ProgramBuilder:
         workspace = self.scenario.workspace
         if workspace is None:
             return
-        subject = self.subjects[i]
+        model = self.models[i]
         body = self._body(i)
         identity = np.eye(self.scenario.dimension)
         normals = np.concatenate([identity, -identity])
         offsets = np.concatenate([workspace.upper, -workspace.lower])
         for face in range(len(normals)):
             one = slice(face, face + 1)
-            name = subject.vehicle.name
+            name = model.vehicle.name
             self._charge_start(body, normals[one], offsets[one], ("workspace", name, None))
             windows = self._constant_windows(normals[one], offsets[one])
             self._add(body, windows, "workspace", name, None)
 
     def _body(self, i: int) -> Body:
         """Return a vehicle alone."""
-        subject = self.subjects[i]
+        model = self.models[i]
         return Body(
-            subject.reach_lower,
-            subject.reach_upper,
-            subject.position_covariances,
-            subject.bent_covariances,
+            model.reach_lower,
+            model.reach_upper,
+            model.position_covariances,
+            model.bent_covariances,
             (self.parts[i],),
         )
 
     def _constant_windows(self, normals: Matrix, offsets: Vector) -> Windows:
         """Return windows whose faces never change."""
-        horizon = self.subjects[0].horizon
+        horizon = self.models[0].horizon
         repeated = np.tile(offsets, (horizon, 1))
         return Windows(
             np.broadcast_to(normals, (horizon, *normals.shape)),
@@ -156,19 +156,21 @@ class ProgramBuilder:
     ) -> None:
         """Add one danger: its rows, and the risk it carries already."""
         block = danger_rows(body, windows, self.scenario.risk_bound)
-        self.settled_risk += block.settled_risk
-        self.num_settled += block.num_settled
+        self.presolved_risk += block.presolved_risk
+        self.num_presolved += block.num_presolved
         if block.avoidance_sizes.size == 0:
             return
-        base = len(self.exposures)
+        base = len(self.risk_items)
         steps, numbers = np.unique(block.event_steps, return_inverse=True)
-        self.exposures += [Exposure(cause, vehicle, other, self.first_step + int(k)) for k in steps]
+        self.risk_items += [
+            RiskItem(cause, vehicle, other, self.first_step + int(k)) for k in steps
+        ]
         first = self.first_step + (0 if self.intervals else 1)
         self.avoidances += [
-            Exposure(cause, vehicle, other, first + int(w)) for w in block.avoidance_windows
+            RiskItem(cause, vehicle, other, first + int(w)) for w in block.avoidance_windows
         ]
         self.blocks.append(block)
-        self.block_exposures.append(base + numbers)
+        self.block_risk_items.append(base + numbers)
 
     def _charge_start(
         self, body: Body, normals: Matrix, offsets: Vector, label: tuple[Cause, str, str | None]
@@ -189,7 +191,7 @@ class ProgramBuilder:
         if not self.intervals:
             self.initial_risk += risk
         if risk > 1e-9:
-            self.initial.append((Exposure(*label, 0), risk))
+            self.initial.append((RiskItem(*label, 0), risk))
 
     def finish(self, risk_bound: float) -> DisjunctiveProgram:
         """Stack the blocks and the hard rows."""
@@ -203,7 +205,7 @@ class ProgramBuilder:
             lower=np.zeros(cost.size),
             upper=upper,
             blocks=np.repeat(
-                np.arange(len(self.subjects)), [2 * s.control_bounds.size for s in self.subjects]
+                np.arange(len(self.models)), [2 * s.control_bounds.size for s in self.models]
             ),
             hard=hard,
             hard_lower=hard_lower,
@@ -212,50 +214,50 @@ class ProgramBuilder:
             num_positions=positions.shape[0],
             constant=np.concatenate([constant, np.zeros(cost.size)]),
             output_lower=np.concatenate(
-                [*(s.reach_lower.ravel() for s in self.subjects), np.zeros(cost.size)]
+                [*(s.reach_lower.ravel() for s in self.models), np.zeros(cost.size)]
             ),
-            output_upper=np.concatenate([*(s.reach_upper.ravel() for s in self.subjects), upper]),
+            output_upper=np.concatenate([*(s.reach_upper.ravel() for s in self.models), upper]),
             rows=rows,
             alternative_starts=_starts([b.alternative_sizes for b in self.blocks]),
             alternative_rows=np.arange(rows.count),
             avoidance_starts=_starts([b.avoidance_sizes for b in self.blocks]),
             avoidances=tuple(self.avoidances),
-            exposures=tuple(self.exposures),
+            risk_items=tuple(self.risk_items),
             risk_bound=risk_bound,
-            initial_risk=self.initial_risk + self.settled_risk,
-            settled_risk=self.settled_risk,
-            num_settled=self.num_settled,
+            initial_risk=self.initial_risk + self.presolved_risk,
+            presolved_risk=self.presolved_risk,
+            num_presolved=self.num_presolved,
             initial=tuple(self.initial),
         )
 
     def _columns(self) -> tuple[Vector, Vector]:
         """Return cost and upper bounds; a negative bound, from feedback, has no solution."""
-        bounds = [np.tile(s.control_bounds.ravel(), 2) for s in self.subjects]
-        weights = [s.vehicle.cost_weight for s in self.subjects]
+        bounds = [np.tile(s.control_bounds.ravel(), 2) for s in self.models]
+        weights = [s.vehicle.cost_weight for s in self.models]
         cost = np.concatenate([np.full(b.size, w) for b, w in zip(bounds, weights, strict=True)])
         return cost, np.concatenate(bounds)
 
     def _positions(self) -> tuple[csr_array, Vector]:
         """Return all mean positions over the columns, and their drift."""
         blocks = []
-        for subject in self.subjects:
-            response = subject.position.reshape(-1, subject.position.shape[2])
-            blocks.append(np.hstack([response, -response]))
-        drift = np.concatenate([s.drift_position.ravel() for s in self.subjects])
+        for model in self.models:
+            prediction = model.position.reshape(-1, model.position.shape[2])
+            blocks.append(np.hstack([prediction, -prediction]))
+        drift = np.concatenate([s.drift_position.ravel() for s in self.models])
         return csr_array(block_diag(blocks)), drift
 
     def _hard_rows(self) -> tuple[csr_array, Vector, Vector]:
         """Return goals and speed limits on the mean; limits that cannot bind are left out."""
         blocks, lowers, uppers = [], [], []
-        for subject in self.subjects:
-            rows, lower, upper = hard_rows(subject)
+        for model in self.models:
+            rows, lower, upper = hard_rows(model)
             blocks.append(np.hstack([rows, -rows]))
             lowers.append(lower)
             uppers.append(upper)
         return csr_array(block_diag(blocks)), np.concatenate(lowers), np.concatenate(uppers)
 
     def _rows(self, num_outputs: int) -> ChanceRows:
-        """Stack all blocks, shifting row, event and exposure numbers."""
+        """Stack all blocks, shifting row, event and risk item numbers."""
         row_base = event_base = 0
         entry_rows, events = [], []
         for block in self.blocks:
@@ -272,12 +274,12 @@ class ProgramBuilder:
             offsets=_join([b.offsets for b in self.blocks], np.float64),
             deviations=_join([b.deviations for b in self.blocks], np.float64),
             events=_join(events, np.int64),
-            exposures=_join(self.block_exposures, np.int64),
+            risk_items=_join(self.block_risk_items, np.int64),
         )
         return rows
 
 
-def _sum_of_bent(one: Subject, two: Subject) -> Tensor | None:
+def _sum_of_bent(one: CondensedModel, two: CondensedModel) -> Tensor | None:
     """Return the bent covariance of a relative position; None where neither is bent."""
     if one.bent_covariances is None and two.bent_covariances is None:
         return None

@@ -98,8 +98,8 @@ class RowBlock:
     alternative_sizes: Indices
     avoidance_sizes: Indices
     avoidance_windows: Indices
-    settled_risk: float
-    num_settled: int = 0
+    presolved_risk: float
+    num_presolved: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

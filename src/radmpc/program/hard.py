@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.program.subject import Subject
+from radmpc.program.condensed import CondensedModel
 
 __all__ = ["hard_rows"]
 
 
-def hard_rows(subject: Subject) -> tuple[Matrix, Vector, Vector]:
+def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
     """Return one vehicle's goal and speed rows over its controls, with their bounds.
 
     Parameters
     ----------
-    subject : Subject
+    model : Subject
         The vehicle.
 
     Returns
@@ -23,21 +23,21 @@ def hard_rows(subject: Subject) -> tuple[Matrix, Vector, Vector]:
     (h, T*m), (h,) and (h,) array
         Rows, lower and upper bounds; speed limits that cannot bind are left out.
     """
-    vehicle, last = subject.vehicle, subject.horizon
-    rows = [subject.position[last]]
-    lowers = [vehicle.goal.lower - subject.drift_position[last]]
-    uppers = [vehicle.goal.upper - subject.drift_position[last]]
-    if subject.velocity is not None and subject.drift_velocity is not None:
+    vehicle, last = model.vehicle, model.horizon
+    rows = [model.position[last]]
+    lowers = [vehicle.goal.lower - model.drift_position[last]]
+    uppers = [vehicle.goal.upper - model.drift_position[last]]
+    if model.velocity is not None and model.drift_velocity is not None:
         d = vehicle.system.dimension
         limits = np.full((last + 1, d), np.inf)
         if vehicle.speed_limit is not None:
             limits[:] = vehicle.speed_limit
         if vehicle.goal.speed is not None:
             limits[last] = np.minimum(limits[last], vehicle.goal.speed)
-        largest = np.abs(subject.velocity) @ np.maximum(subject.control_bounds, 0.0).ravel()
-        binding = np.abs(subject.drift_velocity) + largest > limits
+        largest = np.abs(model.velocity) @ np.maximum(model.control_bounds, 0.0).ravel()
+        binding = np.abs(model.drift_velocity) + largest > limits
         binding[0] = False
-        rows.append(subject.velocity[binding])
-        lowers.append((-limits - subject.drift_velocity)[binding])
-        uppers.append((limits - subject.drift_velocity)[binding])
+        rows.append(model.velocity[binding])
+        lowers.append((-limits - model.drift_velocity)[binding])
+        uppers.append((limits - model.drift_velocity)[binding])
     return np.vstack(rows), np.concatenate(lowers), np.concatenate(uppers)

@@ -34,7 +34,7 @@ class KeepOut:
     directions : (w, f) int array
         Equal numbers are equal normals: such faces of neighboring windows are one event.
     start : Polytope or None
-        The thing at the program's first step; None if that is booked elsewhere.
+        The thing at the program's first step; None if that is charged elsewhere.
     shapes : tuple of Polytope
         The thing at the program's first to last step, one if it stands still; empty where other
         directions than the faces are not asked for.

@@ -19,18 +19,18 @@ from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import tail_probability
 from radmpc.model.plan import Cause
 
-__all__ = ["SETTLED_RISK", "SETTLED_SHARE", "ChanceRows", "DisjunctiveProgram", "Exposure"]
+__all__ = ["PRESOLVED_RISK", "PRESOLVED_SHARE", "ChanceRows", "DisjunctiveProgram", "RiskItem"]
 
-SETTLED_RISK = 1e-12
+PRESOLVED_RISK = 1e-12
 """Avoidances that no admissible control violates with more chance than this are charged at that
-chance and leave the program; where Δ is below 1e-4, with more than `SETTLED_SHARE` of it."""
+chance and leave the program; where Δ is below 1e-4, with more than `PRESOLVED_SHARE` of it."""
 
-SETTLED_SHARE = 1e-8
+PRESOLVED_SHARE = 1e-8
 """Share of Δ that one settled avoidance may take: thousands of them leave Δ as it is."""
 
 
-class Exposure(NamedTuple):
-    """One danger at one step: the unit in which risk is allotted and booked.
+class RiskItem(NamedTuple):
+    """One danger at one step: the unit in which risk is allocated and charged.
 
     Attributes
     ----------
@@ -67,15 +67,15 @@ class ChanceRows:
         Standard deviations of the left sides [m]; 0 makes a hard row.
     events : (r,) int array
         The event each row belongs to.
-    exposures : (e,) int array
-        The exposure each event belongs to.
+    risk_items : (e,) int array
+        The risk item each event belongs to.
     """
 
     normals: csr_array
     offsets: Vector
     deviations: Vector
     events: Indices
-    exposures: Indices
+    risk_items: Indices
 
     @property
     def count(self) -> int:
@@ -116,22 +116,22 @@ class DisjunctiveProgram:
         Row numbers.
     avoidance_starts : (v+1,) int array
         Avoidance i owns alternatives ``starts[i]..starts[i+1]-1``; none is a contradiction.
-    avoidances : tuple of Exposure
+    avoidances : tuple of RiskItem
         What each avoidance avoids, with the step its window starts at.
-    exposures : tuple of Exposure
-        The dangers that risk is allotted to.
+    risk_items : tuple of RiskItem
+        The dangers that risk is allocated to.
     risk_bound : float
         Δ for this program.
     initial_risk : float
         Risk charged to Δ first: at k = 0, which no control can change, and of settled
         avoidances.
-    initial : tuple of (Exposure, float)
+    initial : tuple of (RiskItem, float)
         Risk at k = 0 that is not negligible, danger by danger. Under intervals it is that of
         rows within alternatives, and not part of ``initial_risk``.
-    settled_risk : float
+    presolved_risk : float
         The part of ``initial_risk`` that is of settled avoidances: the most that they can run,
         which a plan may undercut and a lower bound must not charge.
-    num_settled : int
+    num_presolved : int
         How many avoidances reach has settled.
     """
 
@@ -151,13 +151,13 @@ class DisjunctiveProgram:
     alternative_starts: Indices
     alternative_rows: Indices
     avoidance_starts: Indices
-    avoidances: tuple[Exposure, ...]
-    exposures: tuple[Exposure, ...]
+    avoidances: tuple[RiskItem, ...]
+    risk_items: tuple[RiskItem, ...]
     risk_bound: float
     initial_risk: float
-    initial: tuple[tuple[Exposure, float], ...]
-    settled_risk: float = 0.0
-    num_settled: int = 0
+    initial: tuple[tuple[RiskItem, float], ...]
+    presolved_risk: float = 0.0
+    num_presolved: int = 0
 
     @property
     def num_columns(self) -> int:
@@ -208,7 +208,7 @@ class DisjunctiveProgram:
     def fixed_rows(self) -> np.ndarray:
         """Return which rows look at a place that no control can move, (r,) bool.
 
-        Those at the first step, and later ones where the control comes with a delay. Their bow
+        Those at the first step, and later ones where the control comes with a delay. Their sagitta
         may still depend on the control.
         """
         places = slice(0, self.num_positions)
@@ -234,7 +234,7 @@ class DisjunctiveProgram:
     def event_risks(self, z: Vector, selection: Indices) -> Vector:
         """Return the risk each event runs at a point, (e,); 0 for events that are not chosen."""
         rows = self._members(selection)
-        risks = np.zeros(self.rows.exposures.size)
+        risks = np.zeros(self.rows.risk_items.size)
         np.maximum.at(risks, self.rows.events[rows], tail_probability(self.clearances(z)[rows]))
         return risks
 

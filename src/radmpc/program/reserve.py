@@ -28,7 +28,9 @@ _LESS = 0.25
 sagitta is mostly less than the worst, which they reckon with."""
 
 
-def shares_of_reserve(near: Sequence[Vector], far: Sequence[Vector], bow: Vector) -> list[Vector]:
+def shares_of_reserve(
+    near: Sequence[Vector], far: Sequence[Vector], sagitta: Vector
+) -> list[Vector]:
     """Return the shares θ of the near end that are worth an alternative each.
 
     Parameters
@@ -36,7 +38,7 @@ def shares_of_reserve(near: Sequence[Vector], far: Sequence[Vector], bow: Vector
     near, far : sequence of (w, f) array
         What each end of each window keeps to spare, wherever the vehicles may be [m]; negative
         where it may lack. The first beyond what is charged nothing, the others at some risk.
-    bow : (w, f) array
+    sagitta : (w, f) array
         Largest sagitta toward the face [m].
 
     Returns
@@ -44,15 +46,15 @@ def shares_of_reserve(near: Sequence[Vector], far: Sequence[Vector], bow: Vector
     list of (w, f) array
         The first always; others NaN where they are not worth it.
     """
-    curved = bow > 0.0
-    scale = np.where(curved, 4.0 * bow, 1.0)
+    curved = sagitta > 0.0
+    scale = np.where(curved, 4.0 * sagitta, 1.0)
 
     def largest(spare: Vector) -> Vector:
         """Return the largest share that an end can keep of the worst sagitta."""
         return np.where(curved, np.sqrt(np.clip(spare / scale, 0.0, 1.0)), 0.5)
 
     free_near, free_far = largest(near[0]), largest(far[0])
-    usual = np.full(bow.shape, 0.5)
+    usual = np.full(sagitta.shape, 0.5)
     usual = np.where(free_far > 0.5, 1.0 - free_far, usual)
     usual = np.where(free_near > 0.5, free_near, usual)
     shares = [usual]
@@ -66,7 +68,7 @@ def shares_of_reserve(near: Sequence[Vector], far: Sequence[Vector], bow: Vector
             is_worth = is_new & (less < own) & curved[window]
             tried.append(np.where(is_worth, less, own))
             if is_worth.any():
-                share = np.full(bow.shape, np.nan)
+                share = np.full(sagitta.shape, np.nan)
                 share[window, is_worth] = (less if window == 0 else 1.0 - less)[is_worth]
                 shares.append(share)
     return shares

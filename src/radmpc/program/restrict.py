@@ -9,7 +9,7 @@ from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import clearance_for
-from radmpc.program.program import SETTLED_SHARE, ChanceRows, DisjunctiveProgram
+from radmpc.program.program import PRESOLVED_SHARE, ChanceRows, DisjunctiveProgram
 
 __all__ = ["Restriction", "along", "avoidance_blocks", "restrict", "restrict_around"]
 
@@ -73,7 +73,7 @@ def restrict(
     Returns
     -------
     Restriction
-        Risk bound, outputs and exposures as in the whole.
+        Risk bound, outputs and risk items as in the whole.
     """
     touched = avoidance_blocks(program) if touched is None else touched
     if len(blocks) == touched.shape[1]:
@@ -125,7 +125,7 @@ def restrict_around(
         rows.normals.maximum(0.0) @ program.output_upper
         + rows.normals.minimum(0.0) @ program.output_lower
     )
-    enough = max(_SETTLED, float(clearance_for(SETTLED_SHARE * program.risk_bound)))
+    enough = max(_SETTLED, float(clearance_for(PRESOLVED_SHARE * program.risk_bound)))
     is_kept = rows.offsets - most >= enough * rows.deviations
     # Counted, not by `reduceat`: that lends an avoidance without alternatives its neighbor's.
     left = _counts(program.alternative_starts, ~is_kept[program.alternative_rows])
@@ -210,7 +210,7 @@ def _with_avoidances(
             offsets=program.rows.offsets[rows],
             deviations=program.rows.deviations[rows],
             events=program.rows.events[rows],
-            exposures=program.rows.exposures,
+            risk_items=program.rows.risk_items,
         ),
         alternative_starts=_starts(np.diff(program.alternative_starts)[alternatives]),
         alternative_rows=place,

@@ -10,11 +10,11 @@ from radmpc.program.danger import Body, End, Part, RowBlock, Windows
 __all__ = ["empty_block", "lay_out"]
 
 
-def empty_block(settled_risk: float, num_settled: int) -> RowBlock:
+def empty_block(presolved_risk: float, num_presolved: int) -> RowBlock:
     """Return a block without rows."""
     none, ints = np.zeros(0), np.zeros(0, dtype=np.int64)
     return RowBlock(
-        ints, ints, none, none, none, ints, ints, ints, ints, ints, settled_risk, num_settled
+        ints, ints, none, none, none, ints, ints, ints, ints, ints, presolved_risk, num_presolved
     )
 
 
@@ -23,7 +23,7 @@ def lay_out(
     windows: Windows,
     ends: list[End],
     chosen: tuple[Indices, Indices, Vector],
-    settled_risk: float,
+    presolved_risk: float,
     kept: tuple[np.ndarray, Indices],
 ) -> RowBlock:
     """Return the rows of chosen alternatives, ends fastest.
@@ -38,7 +38,7 @@ def lay_out(
         What an alternative holds, its conditions.
     chosen : tuple of (a,) array
         Window, face and share θ of the near end of each alternative.
-    settled_risk : float
+    presolved_risk : float
         Charged for the windows without a choice.
     kept : tuple of (w,) array
         Which windows ask for a choice, and how many alternatives each of these has.
@@ -69,9 +69,11 @@ def lay_out(
             if windows.intervals and part.sagitta.any():
                 one, two = ~is_split & (reserve > 0.0), is_split
                 entries.append(
-                    _half_bow_entries(part, plain[one], normals[one], window[one], reserve[one])
+                    _half_sagitta_entries(part, plain[one], normals[one], window[one], reserve[one])
                 )
-                entries.append(_bow_entries(part, bent, normals[two], window[two], reserve[two]))
+                entries.append(
+                    _sagitta_entries(part, bent, normals[two], window[two], reserve[two])
+                )
     repeats = counts.ravel()
     direction = np.repeat(windows.directions[window, face], num_ends)
     kinds = np.tile([end.kind for end in ends], count)
@@ -90,8 +92,8 @@ def lay_out(
         alternative_sizes=counts.sum(axis=1),
         avoidance_sizes=kept[1],
         avoidance_windows=np.flatnonzero(kept[0]),
-        settled_risk=settled_risk,
-        num_settled=int(np.count_nonzero(~kept[0])),
+        presolved_risk=presolved_risk,
+        num_presolved=int(np.count_nonzero(~kept[0])),
     )
 
 
@@ -117,7 +119,7 @@ def _num_pulls(body: Body, normals: Vector) -> Indices:
 # anyway, and one row says both.
 
 
-def _bow_entries(
+def _sagitta_entries(
     part: Part, rows: Indices, normals: Vector, window: Indices, reserve: Vector
 ) -> tuple[Indices, Indices, Vector]:
     """Return the entries that reserve a multiple of the mean curve's sagitta, signed."""
@@ -128,7 +130,7 @@ def _bow_entries(
     return np.repeat(rows, 2 * m), outputs, np.concatenate([-pull, pull], axis=1)
 
 
-def _half_bow_entries(
+def _half_sagitta_entries(
     part: Part, rows: Indices, normals: Vector, window: Indices, reserve: Vector
 ) -> tuple[Indices, Indices, Vector]:
     """Return the entries that reserve a multiple of it where it comes closer, by halves of |u|."""

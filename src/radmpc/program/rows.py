@@ -7,7 +7,7 @@ import numpy as np
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
 from radmpc.program.danger import Body, End, RowBlock, Windows
-from radmpc.program.program import SETTLED_RISK, SETTLED_SHARE
+from radmpc.program.program import PRESOLVED_RISK, PRESOLVED_SHARE
 from radmpc.program.reserve import chosen_shares, shares_of_reserve
 from radmpc.program.row_layout import empty_block, lay_out
 
@@ -25,7 +25,7 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
     """Return the rows of one danger, or its settled risk alone.
 
     A window some face of which holds for every admissible control with a risk of at most
-    `SETTLED_RISK` (less where Δ is tiny) is settled: it is charged that risk and needs no choice.
+    `PRESOLVED_RISK` (less where Δ is tiny) is settled: it is charged that risk and needs no choice.
     A face that no admissible control satisfies even without noise is no alternative.
 
     Parameters
@@ -43,11 +43,11 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         Without rows where every window is settled.
     """
     num_windows = len(windows.near)
-    enough = float(clearance_for(min(SETTLED_RISK, SETTLED_SHARE * risk_bound)))
+    enough = float(clearance_for(min(PRESOLVED_RISK, PRESOLVED_SHARE * risk_bound)))
     after = 1 + np.arange(num_windows)
     if not windows.intervals:
         ends = [_end(body, windows.normals, windows.near, after, body.covariances[after])]
-        bow, shares = np.zeros(windows.near.shape), [np.full(windows.near.shape, 0.5)]
+        sagitta, shares = np.zeros(windows.near.shape), [np.full(windows.near.shape, 0.5)]
     else:
         before = np.arange(num_windows)
         here = (body, windows.normals, windows.near, before)
@@ -56,28 +56,30 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         if body.bent is not None:
             ends.append(_end(*here, body.bent[before], kind=1))
         ends.append(_end(*there, body.covariances[after], is_near=False))
-        bow = _worst_bow(body, windows)
+        sagitta = _worst_sagitta(body, windows)
         levels = enough, float(clearance_for(min(_SOME * risk_bound, CONVEX_RISK)))
         near = [np.minimum.reduce([_spare(end, c) for end in ends[:-1]]) for c in levels]
-        shares = shares_of_reserve(near, [_spare(ends[-1], c) for c in levels], bow)
+        shares = shares_of_reserve(near, [_spare(ends[-1], c) for c in levels], sagitta)
         if windows.shares is not None:
             shares = chosen_shares(windows.shares, shares)
-    worst = [_worst(ends, bow, share) for share in shares]
+    worst = [_worst(ends, sagitta, share) for share in shares]
     best = np.minimum.reduce([_in_deviations(end.most, end.deviations) for end in ends])
     settled_by = worst[0].max(axis=1)
     settled = settled_by >= enough
     safest = worst[0].argmax(axis=1)
     every = np.arange(num_windows)
-    risks = sum(tail_probability(_clearance(end, bow, shares[0])[every, safest]) for end in ends)
-    settled_risk = float(np.sum(np.asarray(risks)[settled]))
+    risks = sum(
+        tail_probability(_clearance(end, sagitta, shares[0])[every, safest]) for end in ends
+    )
+    presolved_risk = float(np.sum(np.asarray(risks)[settled]))
     if np.all(settled):
-        return empty_block(settled_risk, num_windows)
+        return empty_block(presolved_risk, num_windows)
     possible = (best >= 0.0) & ~settled[:, None]
     offered = np.stack([possible & np.isfinite(share) for share in shares], axis=2)
     window, face, option = np.nonzero(offered)
     share = np.stack(shares, axis=2)[window, face, option]
     counts = np.bincount(window, minlength=num_windows)[~settled]
-    return lay_out(body, windows, ends, (window, face, share), settled_risk, (~settled, counts))
+    return lay_out(body, windows, ends, (window, face, share), presolved_risk, (~settled, counts))
 
 
 def _end(
@@ -113,16 +115,16 @@ def _spare(end: End, enough: float) -> Vector:
     return end.least - enough * end.deviations
 
 
-def _clearance(end: End, bow: Vector, share: Vector) -> Vector:
+def _clearance(end: End, sagitta: Vector, share: Vector) -> Vector:
     """Return the least clearance of an end over the reach, its share of the reserve kept."""
     kept = share if end.is_near else 1.0 - share
-    reserve = 4.0 * np.square(np.where(np.isfinite(share), kept, 0.5)) * bow
+    reserve = 4.0 * np.square(np.where(np.isfinite(share), kept, 0.5)) * sagitta
     return _in_deviations(end.least - reserve, end.deviations)
 
 
-def _worst(ends: list[End], bow: Vector, share: Vector) -> Vector:
+def _worst(ends: list[End], sagitta: Vector, share: Vector) -> Vector:
     """Return the least clearance of all ends over the reach."""
-    return np.asarray(np.minimum.reduce([_clearance(end, bow, share) for end in ends]))
+    return np.asarray(np.minimum.reduce([_clearance(end, sagitta, share) for end in ends]))
 
 
 def _in_deviations(slack: Vector, deviations: Vector) -> Vector:
@@ -133,10 +135,10 @@ def _in_deviations(slack: Vector, deviations: Vector) -> Vector:
         return np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
 
 
-def _worst_bow(body: Body, windows: Windows) -> Vector:
+def _worst_sagitta(body: Body, windows: Windows) -> Vector:
     """Return the largest sagitta of the mean curve toward each face, (w, f) [m]."""
-    bow = np.zeros(windows.near.shape)
+    sagitta = np.zeros(windows.near.shape)
     for part in body.parts:
         bounds = np.maximum(part.control_bounds, 0.0)
-        bow += np.einsum("wfc,wc->wf", np.abs(windows.normals @ part.sagitta), bounds)
-    return bow
+        sagitta += np.einsum("wfc,wc->wf", np.abs(windows.normals @ part.sagitta), bounds)
+    return sagitta

@@ -14,9 +14,9 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.geometry import sphere_directions
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.danger import Windows
 from radmpc.program.keepout import KeepOut
-from radmpc.program.subject import Subject
 
 __all__ = ["Turned"]
 
@@ -77,10 +77,10 @@ class _Encounter:
         if len(self.ends) == 1:
             alone: Vector = margins[0] / deviations[0]
             return alone, np.full(alone.shape, 0.5)
-        bow = 4.0 * np.maximum(np.einsum("wcd,wd->wc", normals, self.sagittas), 0.0)
-        shares = _best_shares(margins, deviations, bow)
-        near: Vector = (margins[0] - np.square(shares) * bow) / deviations[0]
-        far: Vector = (margins[1] - np.square(1.0 - shares) * bow) / deviations[1]
+        sagitta = 4.0 * np.maximum(np.einsum("wcd,wd->wc", normals, self.sagittas), 0.0)
+        shares = _best_shares(margins, deviations, sagitta)
+        near: Vector = (margins[0] - np.square(shares) * sagitta) / deviations[0]
+        far: Vector = (margins[1] - np.square(1.0 - shares) * sagitta) / deviations[1]
         return np.minimum(near, far), shares
 
     def best_normals(self, tried: Tensor) -> Tensor:
@@ -103,7 +103,7 @@ class Turned:
 
     Attributes
     ----------
-    subjects : tuple of Subject
+    models : tuple of Subject
         The vehicles.
     means : (n, T+1, d) array
         Their mean positions [m].
@@ -113,7 +113,7 @@ class Turned:
         Whether windows are intervals.
     """
 
-    subjects: tuple[Subject, ...]
+    models: tuple[CondensedModel, ...]
     means: Tensor
     controls: Sequence[Tensor]
     intervals: bool
@@ -128,9 +128,9 @@ class Turned:
         keepout : KeepOut
             With its shapes.
         """
-        subject, shapes = self.subjects[i], keepout.shapes
+        model, shapes = self.models[i], keepout.shapes
         count = len(keepout.near)
-        radius = subject.vehicle.radius
+        radius = model.vehicle.radius
 
         def supports(normals: Tensor) -> tuple[Vector, Vector]:
             if len(shapes) == 1:
@@ -143,7 +143,7 @@ class Turned:
             )
             return first, last
 
-        encounter = self._encounter(self.means[i], self._sagittas(i), (subject,), supports)
+        encounter = self._encounter(self.means[i], self._sagittas(i), (model,), supports)
         coarse = sphere_directions(_COARSE[self.means.shape[2]], self.means.shape[2])
         tried = [np.broadcast_to(coarse, (count, *coarse.shape))]
         if np.isfinite(keepout.near).all():
@@ -162,7 +162,7 @@ class Turned:
 
     def between(self, i: int, j: int) -> Windows:
         """Return the best half-space between two vehicles at every window."""
-        one, two = self.subjects[i], self.subjects[j]
+        one, two = self.models[i], self.models[j]
         distance = one.vehicle.radius + two.vehicle.radius
 
         def supports(normals: Tensor) -> tuple[Vector, Vector]:
@@ -184,32 +184,34 @@ class Turned:
 
     def _sagittas(self, i: int) -> Tensor:
         """Return how far a vehicle's path hangs off its chords, (T, d) [m]."""
-        return np.asarray(self.controls[i] @ self.subjects[i].vehicle.system.sagitta.T)
+        return np.asarray(self.controls[i] @ self.models[i].vehicle.system.sagitta.T)
 
     def _encounter(
-        self, path: Tensor, sagittas: Tensor, subjects: tuple[Subject, ...], supports: Supports
+        self, path: Tensor, sagittas: Tensor, models: tuple[CondensedModel, ...], supports: Supports
     ) -> _Encounter:
         """Return a (relative) path with the noise of who is on it."""
-        covariances = np.sum([s.position_covariances for s in subjects], axis=0)
+        covariances = np.sum([s.position_covariances for s in models], axis=0)
         if not self.intervals:
             return _Encounter((path[1:],), ((covariances[1:],),), sagittas, supports)
         at_start: tuple[Tensor, ...] = (covariances[:-1],)
-        if any(s.bent_covariances is not None for s in subjects):
+        if any(s.bent_covariances is not None for s in models):
             bent = [
                 s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
-                for s in subjects
+                for s in models
             ]
             at_start = (covariances[:-1], np.sum(bent, axis=0))
         return _Encounter((path[:-1], path[1:]), (at_start, (covariances[1:],)), sagittas, supports)
 
 
-def _best_shares(margins: Sequence[Vector], deviations: Sequence[Vector], bow: Vector) -> Vector:
+def _best_shares(
+    margins: Sequence[Vector], deviations: Sequence[Vector], sagitta: Vector
+) -> Vector:
     """Return the shares of the near end at which both ends are as clear, (w, c).
 
     With margins m and deviations σ, the clearances (m₀ − b θ²)/σ₀ and (m₁ − b (1 − θ)²)/σ₁ fall
     and rise with θ: the least of them is largest where they meet, a root of a quadratic.
     """
-    near, far = bow / deviations[0], bow / deviations[1]
+    near, far = sagitta / deviations[0], sagitta / deviations[1]
     gap: Vector = margins[0] / deviations[0] - margins[1] / deviations[1]
     ahead = far + gap
     root = far + np.sqrt(np.maximum(np.square(far) + (near - far) * ahead, 0.0))

@@ -36,7 +36,7 @@ class Encounters:
     bent_covariances : (B, T, d, d) array or None
         Covariance of what feedback held over an interval makes of the deviation at its start [m²];
         None where that bends no path.
-    bows : (B, T, d) array
+    sagittas : (B, T, d) array
         ``a dt²/8`` of the (relative) acceleration in each interval [m].
     radii : (B,) array
         Radius that grows the set [m].
@@ -55,7 +55,7 @@ class Encounters:
     means: Tensor
     covariances: Tensor
     bent_covariances: Tensor | None
-    bows: Tensor
+    sagittas: Tensor
     radii: Vector
     vertices: Tensor
     directions: Tensor
@@ -77,7 +77,7 @@ class Encounters:
             self.means[chosen],
             self.covariances[chosen],
             None if bent is None else bent[chosen],
-            self.bows[chosen],
+            self.sagittas[chosen],
             self.radii[chosen],
             self.vertices[chosen],
             self.directions[chosen],
@@ -118,7 +118,7 @@ def instant_sites(encounters: Encounters) -> Sites:
 
 def interval_sites(encounters: Encounters) -> Sites:
     """Return one site per encounter and interval: near end, bent near end if any, far end."""
-    count, num_intervals, d = encounters.bows.shape
+    count, num_intervals, d = encounters.sagittas.shape
     means, covariances = encounters.means, encounters.covariances
     places = [means[:, :-1], means[:, 1:]]
     spreads = [covariances[:, :-1], covariances[:, 1:]]
@@ -132,7 +132,7 @@ def interval_sites(encounters: Encounters) -> Sites:
         np.stack(places, axis=2).reshape(-1, ends, d),
         np.stack(spreads, axis=2).reshape(-1, ends, d, d),
         tuple(is_near),
-        encounters.bows.reshape(-1, d),
+        encounters.sagittas.reshape(-1, d),
         np.repeat(encounters.radii, num_intervals),
         around(encounters.vertices, num_intervals),
         np.tile([0.0 if near else 1.0 for near in is_near], (count * num_intervals, 1)),

@@ -33,7 +33,7 @@ class Gathered:
     batches : tuple of Encounters
         To be rated.
     skipped : (N,) int array
-        Encounters that are charged the cut-off in every window, booked with the first vehicle.
+        Encounters that are charged the cut-off in every window, charged with the first vehicle.
     """
 
     batches: tuple[Encounters, ...]
@@ -75,7 +75,7 @@ def gather_pairs(
         bent_covariances=(
             motion.bent_covariances[i] + motion.bent_covariances[j] if motion.is_bent else None
         ),
-        bows=motion.bows[i] - motion.bows[j],
+        sagittas=motion.sagittas[i] - motion.sagittas[j],
         radii=motion.radii[i] + motion.radii[j],
         vertices=np.zeros((len(pairs), 1, 1, d)),
         directions=np.broadcast_to(faces, (len(pairs), *faces.shape)),
@@ -161,7 +161,7 @@ def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
         means=motion.positions[first],
         covariances=motion.position_covariances[first],
         bent_covariances=motion.bent_covariances[first] if motion.is_bent else None,
-        bows=motion.bows[first],
+        sagittas=motion.sagittas[first],
         radii=motion.radii[first],
         vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),
         directions=np.repeat(_padded_normals(shapes), sizes, axis=0),

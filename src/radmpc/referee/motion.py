@@ -55,7 +55,7 @@ class FleetMotion:
         Mean positions [m].
     position_covariances : (N, T+1, d, d) array
         Position covariances [m²].
-    bows : (N, T, d) array
+    sagittas : (N, T, d) array
         ``a dt²/8`` for a double integrator under acceleration a, else 0: how far the mean curve
         hangs off its chord in the middle of each interval, against a [m].
     bends : tuple of (d, n) array or None
@@ -73,7 +73,7 @@ class FleetMotion:
     covariances: tuple[Tensor, ...]
     positions: Tensor
     position_covariances: Tensor
-    bows: Tensor
+    sagittas: Tensor
     bends: tuple[Matrix | None, ...]
     bent_covariances: Tensor
     radii: Vector
@@ -120,7 +120,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         for member, tensor in zip(group.members, _covariances(group, horizon), strict=True):
             covariances[member] = tensor
     axes = [list(v.system.position) for v in vehicles]
-    bows = np.zeros((len(vehicles), horizon, d))
+    sagittas = np.zeros((len(vehicles), horizon, d))
     bends: list[Matrix | None] = []
     bent = np.empty((len(vehicles), horizon, d, d))
     for i, vehicle in enumerate(vehicles):
@@ -129,7 +129,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         if vehicle.system.is_double_integrator:
             # The push that shifts the position by B_p u over a step hangs off its chord by a
             # quarter of that in the middle.
-            bows[i] = controls[i] @ pushes.T / 4.0
+            sagittas[i] = controls[i] @ pushes.T / 4.0
             bend = None if vehicle.gain is None else pushes @ vehicle.gain
         picked = np.eye(vehicle.system.num_states)[axes[i]]
         turned = picked if bend is None else picked - bend
@@ -145,7 +145,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         position_covariances=np.stack(
             [c[:, a][:, :, a] for c, a in zip(covariances, axes, strict=True)]
         ),
-        bows=bows,
+        sagittas=sagittas,
         bends=tuple(bends),
         bent_covariances=bent,
         radii=np.array([v.radius for v in vehicles]),

@@ -28,7 +28,7 @@ class Balls:
     centers : (N, K, d) array
         Middle of the mean positions [m].
     reaches : (N, K) array
-        Half the chord, the bow, the radius and 9 standard deviations together [m].
+        Half the chord, the sagitta, the radius and 9 standard deviations together [m].
     """
 
     centers: Tensor
@@ -48,12 +48,12 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
         return Balls(motion.positions, radii + _CUTOFF * deviations)
     before, after = motion.positions[:, :-1], motion.positions[:, 1:]
     half_chord = 0.5 * np.linalg.norm(after - before, axis=2)
-    bow = np.linalg.norm(motion.bows, axis=2)
+    sagitta = np.linalg.norm(motion.sagittas, axis=2)
     deviations = np.maximum(deviations[:, :-1], deviations[:, 1:])
     if motion.is_bent:
         bent = np.linalg.eigvalsh(motion.bent_covariances)[..., -1].clip(min=0.0)
         deviations = np.maximum(deviations, np.sqrt(bent))
-    return Balls(0.5 * (before + after), radii + half_chord + bow + _CUTOFF * deviations)
+    return Balls(0.5 * (before + after), radii + half_chord + sagitta + _CUTOFF * deviations)
 
 
 def near_pairs(balls: Balls) -> Indices:

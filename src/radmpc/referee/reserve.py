@@ -1,4 +1,4 @@
-"""How much of the reserve for the bow each end of an interval keeps."""
+"""How much of the reserve for the sagitta each end of an interval keeps."""
 
 from __future__ import annotations
 
@@ -29,14 +29,17 @@ def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
     return scaled
 
 
-def reserves(is_near: tuple[bool, ...], sag: Matrix, shares: Tensor | float) -> Tensor:
+def reserves(is_near: tuple[bool, ...], sagitta: Matrix, shares: Tensor | float) -> Tensor:
     """Return what each end keeps in reserve for a sag, (S, C, E), ends first in memory [m]."""
-    near, far = 4.0 * sag * np.square(shares), 4.0 * sag * np.square(1.0 - np.asarray(shares))
+    near, far = (
+        4.0 * sagitta * np.square(shares),
+        4.0 * sagitta * np.square(1.0 - np.asarray(shares)),
+    )
     return np.array([near if one else far for one in is_near]).transpose(1, 2, 0)
 
 
 def held(
-    is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sag: Vector
+    is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sagitta: Vector
 ) -> tuple[Matrix, Vector]:
     """Return the clearances of half-spaces whose ends share the reserve as costs least.
 
@@ -46,7 +49,7 @@ def held(
         Which of the E ends stand at the beginning of the interval.
     margins, spread : (N, E) array
         Margins without any reserve, and standard deviations along the normals [m].
-    sag : (N,) array
+    sagitta : (N,) array
         How far the mean curves hang toward the sets in mid-interval, > 0 [m].
 
     Returns
@@ -57,17 +60,19 @@ def held(
         The near ends' shares θ.
     """
     margins, spread = margins.T, spread.T
-    shares = np.empty((len(_SHARES) + 1, len(sag)))
+    shares = np.empty((len(_SHARES) + 1, len(sagitta)))
     shares[:-1] = np.array(_SHARES)[:, None]
-    shares[-1] = _balanced(is_near, margins, spread, sag)
-    kept = reserves(is_near, sag, shares).transpose(2, 0, 1)
+    shares[-1] = _balanced(is_near, margins, spread, sagitta)
+    kept = reserves(is_near, sagitta, shares).transpose(2, 0, 1)
     found = in_deviations(margins[:, None] - kept, spread[:, None])
     best = reduce(np.add, ndtr(-found)).argmin(axis=0)
-    rows = np.arange(len(sag))
+    rows = np.arange(len(sagitta))
     return found[:, best, rows].T, shares[best, rows]
 
 
-def _balanced(is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sag: Vector) -> Vector:
+def _balanced(
+    is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sagitta: Vector
+) -> Vector:
     """Return the shares at which near and far ends are as many deviations clear, (N,); by ends.
 
     With margins m and deviations σ, ``(m₀ − 4bθ²) / σ₀ = (m₁ − 4b(1 − θ)²) / σ₁`` is quadratic in
@@ -82,7 +87,7 @@ def _balanced(is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sag: V
     scale = np.where(is_certain, 1.0, scale)
     near_spread = np.where(is_certain, 1.0, near_spread / scale)
     far_spread = np.where(is_certain, 1.0, far_spread / scale)
-    most = 4.0 * sag
+    most = 4.0 * sagitta
     slope = most * near_spread
     rest = far_spread * near - near_spread * (far - most)
     root = np.sqrt((slope**2 - most * (near_spread - far_spread) * rest).clip(min=0.0))

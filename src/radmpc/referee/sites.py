@@ -24,7 +24,7 @@ class Sites:
         Their covariances [m²].
     is_near : tuple of bool
         Which of the E ends stand at the beginning of the interval; one alone is a step.
-    bows : (S, d) array
+    sagittas : (S, d) array
         How far the mean curve hangs off its chord in the middle of the interval, 0 at steps [m].
     radii : (S,) array
         Radius that grows the set [m].
@@ -39,7 +39,7 @@ class Sites:
     means: Tensor
     covariances: Tensor
     is_near: tuple[bool, ...]
-    bows: Matrix
+    sagittas: Matrix
     radii: Vector
     vertices: Tensor
     blends: Matrix
@@ -51,7 +51,7 @@ class Sites:
             self.means[chosen],
             self.covariances[chosen],
             self.is_near,
-            self.bows[chosen],
+            self.sagittas[chosen],
             self.radii[chosen],
             self.vertices[chosen],
             self.blends[chosen],
@@ -69,13 +69,13 @@ class Chords:
         Those of `end_margins` without any reserve [m].
     deviations : (S, C, E) array
         Standard deviations [m].
-    sags : (S, C) array
+    sagittas : (S, C) array
         How far the mean curves hang toward the sets in mid-interval [m].
     """
 
     margins: Tensor
     deviations: Tensor
-    sags: Matrix
+    sagittas: Matrix
 
 
 def chords(sites: Sites, directions: Tensor) -> Chords:
@@ -93,7 +93,7 @@ def chords(sites: Sites, directions: Tensor) -> Chords:
     """
     count, ends, d = sites.means.shape
     num_sets, corners = sites.vertices.shape[1:3]
-    parts = [sites.means, sites.vertices, sites.bows, sites.covariances]
+    parts = [sites.means, sites.vertices, sites.sagittas, sites.covariances]
     columns = np.concatenate([part.reshape(count, -1, d) for part in parts], axis=1)
     turned = directions.transpose(2, 0, 1)
     products = np.empty((columns.shape[1], *turned.shape[1:]))
@@ -106,11 +106,11 @@ def chords(sites: Sites, directions: Tensor) -> Chords:
         # The support of a Minkowski interpolation is that of the supports.
         support = (1.0 - blend) * supports[0] + blend * supports[1]
     margins = along - support - sites.radii[:, None]
-    sags = np.maximum(products[num_sets * corners], 0.0)
-    spread = products[num_sets * corners + 1 :].reshape(ends, d, *sags.shape)
+    sagittas = np.maximum(products[num_sets * corners], 0.0)
+    spread = products[num_sets * corners + 1 :].reshape(ends, d, *sagittas.shape)
     variance = reduce(np.add, [spread[:, axis] * turned[axis] for axis in range(d)])
     deviations = np.sqrt(np.maximum(variance, 0.0))
-    return Chords(margins.transpose(1, 2, 0), deviations.transpose(1, 2, 0), sags)
+    return Chords(margins.transpose(1, 2, 0), deviations.transpose(1, 2, 0), sagittas)
 
 
 def over_ends(risks: Tensor) -> Tensor:

@@ -44,7 +44,7 @@ class Placed:
         return np.asarray(self._local(feature.rings[0])[0])
 
     def _local(self, ring: Matrix) -> Matrix:
-        """Return longitudes and latitudes in the plane; drawn heights are passed over."""
+        """Return longitudes and latitudes in the plane; drawn heights are ignored."""
         heights = np.full(len(ring), self.origin.height)
         places = np.column_stack([ring[:, 1], ring[:, 0], heights])
         return rounded(np.asarray(to_local(places, self.origin)[:, :2]))
@@ -131,17 +131,17 @@ def told_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
     unknown = sorted({note for feature in features for note in feature.unknown()})
     if unknown:
         more = f" and {len(unknown) - 5} more" if len(unknown) > 5 else ""
-        warnings.append(f"properties passed over: {', '.join(unknown[:5])}{more}")
+        warnings.append(f"properties ignored: {', '.join(unknown[:5])}{more}")
     height = placed.origin.height
     drawn = np.concatenate([ring[:, 2] for feature in features for ring in feature.rings])
     if np.any(np.abs(drawn[drawn != 0.0] - height) > 0.5):
-        warnings.append(f"drawn heights are passed over: vehicles move at {height:g} m")
+        warnings.append(f"drawn heights are ignored: vehicles move at {height:g} m")
     # How far a line of equal latitude bends away from the straight one.
     slope = np.tan(np.radians(min(abs(placed.origin.latitude), 89.0)))
-    bow = placed.longest_side(features) ** 2 * slope / (8.0 * _EARTH)
-    if bow > _VISIBLE_BOW:
+    sagitta = placed.longest_side(features) ** 2 * slope / (8.0 * _EARTH)
+    if sagitta > _VISIBLE_BOW:
         warnings.append(
-            f"sides of polygons and lines are straight in the plane, up to {bow:.2g} m beside a "
-            "line of equal latitude: give long ones more corners"
+            f"sides of polygons and lines are straight in the plane, up to {sagitta:.2g} m beside "
+            "a line of equal latitude: give long ones more corners"
         )
     return tuple(warnings)

@@ -106,7 +106,7 @@ def is_movingai(value: object) -> bool:
 def read_movingai(document: Document) -> ForeignProblem:
     """Return the problem of a ``.scen`` file and the map beside it.
 
-    Lines whose start or goal cell an earlier one has taken are passed over: in files for single
+    Lines whose start or goal cell an earlier one has taken are ignored: in files for single
     vehicles every line is a problem of its own.
 
     Raises
@@ -144,7 +144,7 @@ def read_movingai(document: Document) -> ForeignProblem:
     passed = len(file.tasks) - len(tasks)
     lines = f"{len(file.tasks)} lines of the file in their order, whatever their bucket"
     if passed:
-        lines += f"; {passed} passed over, whose start or goal an earlier one has taken"
+        lines += f"; {passed} ignored, whose start or goal an earlier one has taken"
     return grid_problem(
         document,
         "MovingAI",

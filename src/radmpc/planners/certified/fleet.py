@@ -18,7 +18,7 @@ from radmpc.planners.certified.problem import Order, SetProblem, SetState
 from radmpc.planners.certified.set_searches import Job, search_sets
 from radmpc.planners.endpoint_risk import start_dangers
 from radmpc.planners.verdict import Verdict
-from radmpc.program.build import controls_of, whole_subjects
+from radmpc.program.build import condensed_models, controls_of
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.priced.lp import SetBound
@@ -80,9 +80,9 @@ class Fleet:
     def __post_init__(self) -> None:
         """Build every vehicle's own program."""
         self.numbers = {v.name: i for i, v in enumerate(self.scenario.vehicles)}
-        self.subjects = whole_subjects(self.scenario)
-        self.covariances = np.array([s.position_covariances for s in self.subjects])
-        self.surroundings = Surroundings(self.scenario, self.subjects)
+        self.models = condensed_models(self.scenario)
+        self.covariances = np.array([s.position_covariances for s in self.models])
+        self.surroundings = Surroundings(self.scenario, self.models)
         # Simple bounds may sum to more than the referee finds, by a factor that is not known yet.
         granted = self.scenario.risk_bound
         # Where only risk is minimized, Δ itself is the scale.
@@ -93,7 +93,7 @@ class Fleet:
             self.problem(members)
         # Under intervals the start is part of what plans choose, and is charged there.
         at_start = self.scenario.avoidance == "steps"
-        self.start_dangers = start_dangers(self.scenario, self.subjects) if at_start else ()
+        self.start_dangers = start_dangers(self.scenario, self.models) if at_start else ()
         # Settled avoidances are not charged here: what they run at most is no part of a bound,
         # and what they run in a plan is for the referee to say.
         self.initial = sum(danger.risk for danger in self.start_dangers)
@@ -104,7 +104,7 @@ class Fleet:
         """Return a set's program, built when first asked for."""
         if members not in self.problems:
             self.alone[members] = self.surroundings.of(members)
-            made = SetProblem.of(self.alone[members], members, self.subjects, self.unit)
+            made = SetProblem.of(self.alone[members], members, self.models, self.unit)
             self.problems[members] = made.without_cost() if self.is_costless else made
         return self.problems[members]
 
@@ -224,16 +224,16 @@ class Fleet:
         self, sets: Sequence[Members], points: Sequence[Vector]
     ) -> dict[tuple[int, int], float]:
         """Estimate the risk between every two vehicles of different sets."""
-        means = np.empty((self.scenario.num_vehicles, *self.subjects[0].drift_position.shape))
-        bows = np.zeros((means.shape[0], means.shape[1] - 1, means.shape[2]))
+        means = np.empty((self.scenario.num_vehicles, *self.models[0].drift_position.shape))
+        sagittas = np.zeros((means.shape[0], means.shape[1] - 1, means.shape[2]))
         for members, z in zip(sets, points, strict=True):
             means[list(members)] = self.problems[members].means(z)
             for i, controls in zip(
-                members, controls_of(self.problems[members].subjects, z), strict=True
+                members, controls_of(self.problems[members].models, z), strict=True
             ):
                 if self.scenario.vehicles[i].system.is_double_integrator:
-                    bows[i] = self.scenario.dt**2 / 8.0 * controls
-        return meeting_risks(self.scenario, means, self.covariances, self.owners(sets), bows)
+                    sagittas[i] = self.scenario.dt**2 / 8.0 * controls
+        return meeting_risks(self.scenario, means, self.covariances, self.owners(sets), sagittas)
 
     def part_of_one(self, sets: Sequence[Members], verdict: Verdict) -> bool:
         """Plan pairs across sets together whom a rejected plan is to be blamed on; tell if any."""
@@ -278,7 +278,7 @@ class Fleet:
         """Return every vehicle's controls, in the scenario's order."""
         found: dict[int, Matrix] = {}
         for members, z in zip(sets, points, strict=True):
-            found |= dict(zip(members, controls_of(self.problem(members).subjects, z), strict=True))
+            found |= dict(zip(members, controls_of(self.problem(members).models, z), strict=True))
         return tuple(found[i] for i in range(self.scenario.num_vehicles))
 
     def without_plan(self) -> Members | None:

@@ -107,10 +107,10 @@ def _place(
 ) -> Incumbent | None:
     """Plan the vehicles of a set one after the other, those most in the way first."""
     problem = fleet.problem(members)
-    if problem.rater.is_hopeless:
+    if problem.rater.is_infeasible:
         return None
     values = [fleet.best((i,)).cost + price * fleet.best((i,)).risk / fleet.unit for i in members]
-    move = max(float(np.abs(np.diff(s.reach_upper, axis=0)).max()) for s in problem.subjects)
+    move = max(float(np.abs(np.diff(s.reach_upper, axis=0)).max()) for s in problem.models)
     seek = _seek(fleet, members, price)
     around = Neighborhood(
         problem.program, fleet.unit, price, price, fleet.limits, move, values, seek
@@ -137,13 +137,13 @@ def _seek(fleet: Fleet, members: Members, price: float) -> Seek:
     problem = fleet.problem(members)
 
     def seek(rater: Rater, block: int, is_hurried: bool) -> Incumbent | None:
-        if rater.is_hopeless:
+        if rater.is_infeasible:
             return None
-        subject = problem.subjects[block]
-        first = block * subject.drift_position.size
+        model = problem.models[block]
+        first = block * model.drift_position.size
         alone = fleet.problem((members[block],)).passage
         level = 0 if alone is None else alone.walk.level
-        walk = Walk(rater.program, subject, fleet.unit, first, level, is_quick=True)
+        walk = Walk(rater.program, model, fleet.unit, first, level, is_quick=True)
         if not walk.is_possible:
             return None
         passage = Passage(walk, rater)

@@ -12,7 +12,7 @@ from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 
-__all__ = ["by_sets", "cross_risks", "meeting_risks"]
+__all__ = ["by_sets", "inter_set_risks", "meeting_risks"]
 
 _FAR = 8.0
 """Standard deviations beyond which a pair's risk is nothing (6e-16)."""
@@ -21,16 +21,16 @@ _CONTACT = 1e-9
 """What vehicles without noise may miss their distance by [m]: what programs and referee allow."""
 
 _SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
-"""Shares θ of the reserve for the bow at the near end that are tried: 4θ² of the bow there, and
-4(1 − θ)² at the far end."""
+"""Shares θ of the reserve for the sagitta at the near end that are tried: 4θ² of the sagitta there,
+and 4(1 − θ)² at the far end [-]."""
 
 
-def cross_risks(
+def inter_set_risks(
     scenario: Scenario,
     means: Tensor,
     covariances: Tensor,
     owners: Indices,
-    bows: Tensor | None = None,
+    sagittas: Tensor | None = None,
 ) -> dict[tuple[int, int], float]:
     """Estimate the collision risk of every two sets; see `meeting_risks`.
 
@@ -39,7 +39,7 @@ def cross_risks(
     dict
         Risk of the pairs of sets, lower number first, that run any.
     """
-    return by_sets(meeting_risks(scenario, means, covariances, owners, bows), owners)
+    return by_sets(meeting_risks(scenario, means, covariances, owners, sagittas), owners)
 
 
 def by_sets(
@@ -60,12 +60,12 @@ def meeting_risks(
     means: Tensor,
     covariances: Tensor,
     owners: Indices,
-    bows: Tensor | None = None,
+    sagittas: Tensor | None = None,
 ) -> dict[tuple[int, int], float]:
     """Estimate the collision risk of every two vehicles of different sets.
 
     By the same faces as the program's, so that what is charged for two sets is what keeping
-    them apart in one program would cost, the bow between steps included.
+    them apart in one program would cost, the sagitta between steps included.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def meeting_risks(
         Position covariances [m²].
     owners : (N,) int array
         The set of each vehicle.
-    bows : (N, T, d) array or None
+    sagittas : (N, T, d) array or None
         ``dt²/8 · ū``: how far each mean curve leaves its chord along each axis, against the
         acceleration [m]; 0 where the path is straight, None where all are.
 
@@ -89,7 +89,7 @@ def meeting_risks(
     if np.all(owners == owners[0]):
         return {}
     radii = np.array([v.radius for v in scenario.vehicles])
-    longest = 0.0 if bows is None else float(np.linalg.norm(bows, axis=2).max(initial=0.0))
+    longest = 0.0 if sagittas is None else float(np.linalg.norm(sagittas, axis=2).max(initial=0.0))
     one, two = _neighbors(scenario, means, covariances, radii, longest)
     apart = owners[one] != owners[two]
     one, two = one[apart], two[apart]
@@ -100,10 +100,10 @@ def meeting_risks(
     noise = np.einsum("fa,pkab,fb->pkf", faces, covariances[one] + covariances[two], faces)
     deviations = np.sqrt(np.maximum(noise, 0.0))
     if scenario.avoidance == "intervals":
-        bow = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
-        if bows is not None:
-            bow = np.maximum((bows[one] - bows[two]) @ faces.T, 0.0)
-        by_face = _along_intervals(apart_by, deviations, bow)
+        sagitta = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
+        if sagittas is not None:
+            sagitta = np.maximum((sagittas[one] - sagittas[two]) @ faces.T, 0.0)
+        by_face = _along_intervals(apart_by, deviations, sagitta)
     else:
         by_face = _tails(apart_by[:, 1:], deviations[:, 1:])
     risks = by_face.min(axis=2).sum(axis=1)
@@ -114,12 +114,12 @@ def meeting_risks(
     }
 
 
-def _along_intervals(apart_by: Tensor, deviations: Tensor, bow: Tensor) -> Tensor:
+def _along_intervals(apart_by: Tensor, deviations: Tensor, sagitta: Tensor) -> Tensor:
     """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
     near, far = slice(None, -1), slice(1, None)
 
     def held(share: float) -> Tensor:
-        reserves = 4.0 * share**2 * bow, 4.0 * (1.0 - share) ** 2 * bow
+        reserves = 4.0 * share**2 * sagitta, 4.0 * (1.0 - share) ** 2 * sagitta
         at_start = _tails(apart_by[:, near] - reserves[0], deviations[:, near])
         return at_start + _tails(apart_by[:, far] - reserves[1], deviations[:, far])
 
@@ -135,11 +135,11 @@ def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:
 
 
 def _neighbors(
-    scenario: Scenario, means: Tensor, covariances: Tensor, radii: np.ndarray, bow: float
+    scenario: Scenario, means: Tensor, covariances: Tensor, radii: np.ndarray, sagitta: float
 ) -> tuple[Indices, Indices]:
     """Return the pairs of vehicles that come near each other at any step."""
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
-    path = float(steps) + 2.0 * bow if scenario.avoidance == "intervals" else 0.0
+    path = float(steps) + 2.0 * sagitta if scenario.avoidance == "intervals" else 0.0
     found: set[tuple[int, int]] = set()
     largest = np.linalg.eigvalsh(covariances)[..., -1].max(axis=0)
     for k in range(means.shape[1]):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.model.scenario import Scenario
-from radmpc.program.subject import Subject
+from radmpc.program.condensed import CondensedModel
 
 __all__ = ["Surroundings"]
 
@@ -23,11 +23,11 @@ class Surroundings:
     ----------
     scenario : Scenario
         The fleet.
-    subjects : sequence of Subject
+    models : sequence of Subject
         All its vehicles.
     """
 
-    def __init__(self, scenario: Scenario, subjects: Sequence[Subject]) -> None:
+    def __init__(self, scenario: Scenario, models: Sequence[CondensedModel]) -> None:
         self._scenario = scenario
         d = scenario.dimension
         lower = np.empty((len(scenario.obstacles), d))
@@ -36,19 +36,19 @@ class Surroundings:
             steps = range(scenario.horizon + 1) if obstacle.is_moving else (0,)
             corners = np.concatenate([p.vertices for k in steps for p in obstacle.at(k)])
             lower[i], upper[i] = corners.min(axis=0), corners.max(axis=0)
-        near = np.zeros((len(subjects), len(scenario.obstacles)), dtype=bool)
-        for j, subject in enumerate(subjects):
-            spread = np.linalg.eigvalsh(subject.position_covariances)[:, -1].max()
-            if subject.bent_covariances is not None:
-                spread = max(spread, np.linalg.eigvalsh(subject.bent_covariances)[:, -1].max())
-            margin = subject.vehicle.radius + _FAR * np.sqrt(max(float(spread), 0.0))
+        near = np.zeros((len(models), len(scenario.obstacles)), dtype=bool)
+        for j, model in enumerate(models):
+            spread = np.linalg.eigvalsh(model.position_covariances)[:, -1].max()
+            if model.bent_covariances is not None:
+                spread = max(spread, np.linalg.eigvalsh(model.bent_covariances)[:, -1].max())
+            margin = model.vehicle.radius + _FAR * np.sqrt(max(float(spread), 0.0))
             # A straight path between two steps stays within the reach of both.
-            low = subject.reach_lower.min(axis=0) - margin
-            high = subject.reach_upper.max(axis=0) + margin
-            # The curve between two steps leaves its chord by the bow.
-            largest = np.abs(subject.control_bounds).max(axis=0, initial=0.0)
-            bow = np.abs(subject.vehicle.system.sagitta) @ largest
-            near[j] = np.all((lower <= high + bow) & (upper >= low - bow), axis=1)
+            low = model.reach_lower.min(axis=0) - margin
+            high = model.reach_upper.max(axis=0) + margin
+            # The curve between two steps leaves its chord by the sagitta.
+            largest = np.abs(model.control_bounds).max(axis=0, initial=0.0)
+            sagitta = np.abs(model.vehicle.system.sagitta) @ largest
+            near[j] = np.all((lower <= high + sagitta) & (upper >= low - sagitta), axis=1)
         self._near = near
 
     def of(self, members: tuple[int, ...]) -> Scenario:

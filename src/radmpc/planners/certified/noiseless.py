@@ -61,7 +61,7 @@ def turn_from_noiseless(fleet: Fleet, best: Best, judge: Judge) -> None:
 
 def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return the controls of vehicles from a point of theirs."""
-    return tuple(controls_of([fleet.subjects[i] for i in members], z))
+    return tuple(controls_of([fleet.models[i] for i in members], z))
 
 
 def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | None:
@@ -76,7 +76,7 @@ def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | N
             margins,
             gap=fleet.gap,
             limits=limits,
-            guide=lambda: propose_sides(program, problem.subjects, margins, limits),
+            guide=lambda: propose_sides(program, problem.models, margins, limits),
         )
         .z
     )

@@ -14,8 +14,8 @@ from radmpc.planners.certified.lattice.search import Walk
 from radmpc.planners.coarse_search import propose_sides
 from radmpc.planners.policies import Ira, SolveRequest
 from radmpc.program.build import build_program
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.subject import Subject
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
@@ -41,7 +41,7 @@ class SetProblem:
     ----------
     members : tuple of int
         The vehicles, by their number in the fleet, ascending; block i is member i.
-    subjects : tuple of Subject
+    models : tuple of Subject
         The same vehicles as programs see them.
     program : DisjunctiveProgram
         Their obstacles, workspace and pairs.
@@ -52,7 +52,7 @@ class SetProblem:
     """
 
     members: tuple[int, ...]
-    subjects: tuple[Subject, ...]
+    models: tuple[CondensedModel, ...]
     program: DisjunctiveProgram
     rater: Rater
     passage: Passage | None
@@ -62,15 +62,15 @@ class SetProblem:
         cls,
         scenario: Scenario,
         members: tuple[int, ...],
-        subjects: Sequence[Subject],
+        models: Sequence[CondensedModel],
         unit: float,
     ) -> SetProblem:
         """Build the program of some vehicles of a fleet, in a scenario of theirs alone."""
-        chosen = tuple(subjects[i] for i in members)
+        chosen = tuple(models[i] for i in members)
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
         rater = Rater(program, unit)
         passage = None
-        if len(chosen) == 1 and program.num_avoidances and not rater.is_hopeless:
+        if len(chosen) == 1 and program.num_avoidances and not rater.is_infeasible:
             walk = Walk(program, chosen[0], unit)
             passage = Passage(walk, rater) if walk.is_possible else None
         return cls(members, chosen, program, rater, passage)
@@ -81,7 +81,7 @@ class SetProblem:
         passage = self.passage
         if passage is not None:
             unit = passage.walk.unit
-            walk = Walk(program, self.subjects[0], unit)
+            walk = Walk(program, self.models[0], unit)
             walk.motion = replace(walk.motion, weight=0.0)
             passage = Passage(walk, Rater(program, unit))
         return replace(self, program=program, passage=passage)
@@ -90,7 +90,7 @@ class SetProblem:
         """Return the mean positions of the members, (n, T+1, d)."""
         program = self.program
         outputs = (program.outputs @ z + program.constant)[: program.num_positions]
-        shape = self.subjects[0].drift_position.shape
+        shape = self.models[0].drift_position.shape
         return np.asarray(outputs.reshape(len(self.members), *shape))
 
 
@@ -234,7 +234,7 @@ def _rescue(
         limits,
         "rescue",
         tuple(v.name for v in scenario.vehicles),
-        propose=lambda margins: propose_sides(problem.program, problem.subjects, margins, limits),
+        propose=lambda margins: propose_sides(problem.program, problem.models, margins, limits),
     )
     solved = Ira().solve(request)
     if solved.solution.z is not None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.problem import Order, SetProblem, SetState, advance
 from radmpc.planners.executing import run_elsewhere
-from radmpc.program.build import whole_subjects
+from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Job", "search_sets"]
@@ -86,8 +86,8 @@ def _search_afresh(jobs: Sequence[Job], limits: Limits) -> list[SetState]:
     """Search sets whose programs are not at hand."""
     found = []
     for job in jobs:
-        subjects = whole_subjects(job.scenario)
-        everyone = tuple(range(len(subjects)))
-        problem = SetProblem.of(job.scenario, everyone, subjects, job.order.unit)
+        models = condensed_models(job.scenario)
+        everyone = tuple(range(len(models)))
+        problem = SetProblem.of(job.scenario, everyone, models, job.order.unit)
         found.append(advance(problem, job.scenario, job.state, job.order, limits))
     return found

@@ -214,11 +214,11 @@ def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumben
     """Return the best plan of a set whose half-spaces are turned to a given one."""
     problem = fleet.problem(members)
     intervals = fleet.scenario.avoidance == "intervals"
-    turned = Turned(problem.subjects, problem.means(z), controls_of(problem.subjects, z), intervals)
+    turned = Turned(problem.models, problem.means(z), controls_of(problem.models, z), intervals)
     alone = fleet.alone[members]
-    program = build_program(alone, problem.subjects, risk_bound=alone.risk_bound, turned=turned)
+    program = build_program(alone, problem.models, risk_bound=alone.risk_bound, turned=turned)
     rater = Rater(program, _ANY)
-    if rater.is_hopeless:
+    if rater.is_infeasible:
         return None
     rating = rater.rate(z)
     # A plan that risks too much must be allowed to, or it could not become better step by step.

@@ -17,7 +17,7 @@ from radmpc.planners.draft import Draft, Event, Step
 from radmpc.planners.explain import explain_stuck
 from radmpc.planners.paper.approximation import Approximation
 from radmpc.planners.paper.fleet_model import FleetModel
-from radmpc.planners.paper.risk_pool import booked_risks
+from radmpc.planners.paper.risk_pool import charged_risks
 from radmpc.planners.paper.temporal import (
     TemporalObstacle,
     make_temporal_obstacle,
@@ -27,9 +27,9 @@ from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies import Family, Ira, Policy, Pool, Solved, SolveRequest
 from radmpc.planners.randomness import children
 from radmpc.program.build import build_program, controls_of
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.start import start_pair_risk
-from radmpc.program.subject import Subject
 from radmpc.solvers.solution import Outcome
 
 __all__ = ["Receding", "approximate"]
@@ -147,7 +147,7 @@ class _Radmpc:
         # Pairs at k = 0 are no part of any subproblem under steps.
         at_start = 0.0 if self.intervals else start_pair_risk(scenario, self.fleet.covariances)
         self.risk_pool = scenario.risk_bound - at_start
-        self.booked = np.zeros((N, T + 1))
+        self.charged = np.zeros((N, T + 1))
         self.is_limited = False
         self.num_traveling = N
         self.divisor = N
@@ -166,21 +166,21 @@ class _Radmpc:
     def advance(self, k: int, i: int) -> None:
         """Solve vehicle i's subproblem at step k and execute its first control."""
         vehicle = self.scenario.vehicles[i]
-        subject = self.fleet.subject(k, i, self.means[i])
+        model = self.fleet.model(k, i, self.means[i])
         # One that has arrived cannot take what those still waiting in this round need.
         waiting = self.num_waiting if self.receding.arrivals == "once" else 1
         share = self.risk_pool / max(self.divisor, waiting)
-        program = self._program(subject, k, share, self._others(i))
+        program = self._program(model, k, share, self._others(i))
         solved = self._solve(program, i)
         if solved.solution.z is not None:
-            self.controls[i][k:] = controls_of([subject], solved.solution.z)[0]
+            self.controls[i][k:] = controls_of([model], solved.solution.z)[0]
             self.has_plan[i] = True
-            self.booked[i] = self._booked(program, solved, k)
+            self.charged[i] = self._charged(program, solved, k)
         else:
-            self._fall_back(subject, k, i, share)
+            self._fall_back(model, k, i, share)
             if self.stuck or self.is_limited:
                 return
-        executed = self.booked[i, k + 1] + (self.booked[i, 0] if k == 0 else 0.0)
+        executed = self.charged[i, k + 1] + (self.charged[i, 0] if k == 0 else 0.0)
         self.risk_pool = max(self.risk_pool - executed, 0.0)
         self.num_waiting -= 1
         self.pools.append(self.risk_pool)
@@ -226,7 +226,7 @@ class _Radmpc:
         return [o for j, o in enumerate(self.obstacles) if j != i]
 
     def _program(
-        self, subject: Subject, k: int, share: float, others: list[TemporalObstacle]
+        self, model: CondensedModel, k: int, share: float, others: list[TemporalObstacle]
     ) -> DisjunctiveProgram:
         """Build the subproblem: one vehicle, the others as temporal obstacles."""
         last = self.scenario.horizon
@@ -234,7 +234,7 @@ class _Radmpc:
         windows = range(k, last) if self.intervals else range(k + 1, last + 1)
         temporal = [o.keepout(windows) for o in others]
         return build_program(
-            self.scenario, [subject], risk_bound=share, first_step=k, temporal=temporal
+            self.scenario, [model], risk_bound=share, first_step=k, temporal=temporal
         )
 
     def _solve(self, program: DisjunctiveProgram, i: int, policy: Policy | None = None) -> Solved:
@@ -253,17 +253,17 @@ class _Radmpc:
         self.steps += solved.steps
         return solved
 
-    def _booked(self, program: DisjunctiveProgram, solved: Solved, k: int) -> Vector:
+    def _charged(self, program: DisjunctiveProgram, solved: Solved, k: int) -> Vector:
         """Return what a plan takes from the pool at every step."""
-        return booked_risks(program, solved, self.planner.policy, k, self.scenario.horizon)
+        return charged_risks(program, solved, self.planner.policy, k, self.scenario.horizon)
 
-    def _fall_back(self, subject: Subject, k: int, i: int, share: float) -> None:
+    def _fall_back(self, model: CondensedModel, k: int, i: int, share: float) -> None:
         """Keep the tail of the last plan; at k = 0 plan without the other vehicles.
 
         The paper is silent about subproblems without a solution.
         """
         if not self.has_plan[i]:
-            program = self._program(subject, k, share, [])
+            program = self._program(model, k, share, [])
             alone = self._solve(program, i)
             is_starved = isinstance(self.planner.policy, Pool)
             if alone.solution.outcome is Outcome.INFEASIBLE and is_starved:
@@ -274,9 +274,9 @@ class _Radmpc:
                 else:
                     self.stuck.append(i)
                 return
-            self.controls[i][k:] = controls_of([subject], alone.solution.z)[0]
+            self.controls[i][k:] = controls_of([model], alone.solution.z)[0]
             self.has_plan[i] = True
-            self.booked[i] = self._booked(program, alone, k)
+            self.charged[i] = self._charged(program, alone, k)
         blocking = self._blocking(k, i, share)
         self.forced += [(i, j) for j in blocking]
         names = tuple(self.scenario.vehicles[j].name for j in blocking)

@@ -10,8 +10,8 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.paper.coupling import face_risk
 from radmpc.planners.paper.temporal import TemporalObstacle
-from radmpc.program.build import responses
-from radmpc.program.subject import Response, Subject, bent_covariances, make_subject
+from radmpc.program.build import prediction_matrices
+from radmpc.program.condensed import CondensedModel, PredictionMatrices, bent_covariances, condense
 
 __all__ = ["FleetModel"]
 
@@ -24,7 +24,7 @@ class FleetModel:
     ----------
     scenario : Scenario
         Its vehicles.
-    responses : tuple of Response
+    prediction_matrices : tuple of Response
         How each vehicle's states answer to its controls.
     covariances : tuple of (T+1, n, n) array
         Covariance of each vehicle's state.
@@ -35,7 +35,7 @@ class FleetModel:
     """
 
     scenario: Scenario
-    responses: tuple[Response, ...]
+    prediction_matrices: tuple[PredictionMatrices, ...]
     covariances: tuple[Tensor, ...]
     bounds: tuple[Matrix, ...]
     resets: bool
@@ -47,18 +47,18 @@ class FleetModel:
         bounds = tuple(
             v.control_bounds(c) for v, c in zip(scenario.vehicles, covariances, strict=True)
         )
-        return cls(scenario, responses(scenario), covariances, bounds, resets)
+        return cls(scenario, prediction_matrices(scenario), covariances, bounds, resets)
 
     def noise(self, k: int, i: int) -> Tensor:
         """Return the covariances from step k on: of the final plan, or as if just measured."""
         whole = self.covariances[i]
         return whole[: len(whole) - k] if self.resets else whole[k:]
 
-    def subject(self, k: int, i: int, mean: Vector) -> Subject:
+    def model(self, k: int, i: int, mean: Vector) -> CondensedModel:
         """Return vehicle i from a mean state at step k on."""
         vehicle = self.scenario.vehicles[i]
         noise, bounds = self.noise(k, i), self.bounds[i][k:]
-        return make_subject(vehicle, self.responses[i], mean, noise, bounds)
+        return condense(vehicle, self.prediction_matrices[i], mean, noise, bounds)
 
     def planned(self, k: int, i: int, mean: Vector, controls: Matrix) -> Matrix:
         """Return vehicle i's mean states from step k to the horizon, (T+1−k, n).
@@ -73,10 +73,10 @@ class FleetModel:
             Its controls over the whole horizon.
         """
         rest = controls[k:].ravel()
-        response = self.responses[i]
+        prediction = self.prediction_matrices[i]
         steps = self.scenario.horizon - k
-        states = response.powers[: steps + 1] @ mean
-        return np.asarray(states + response.states[: steps + 1, :, : rest.size] @ rest)
+        states = prediction.powers[: steps + 1] @ mean
+        return np.asarray(states + prediction.states[: steps + 1, :, : rest.size] @ rest)
 
     def window_risk(
         self,

@@ -8,13 +8,13 @@ from radmpc.arrays import Vector
 from radmpc.planners.policies import Policy, Pool, Solved
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["booked_risks"]
+__all__ = ["charged_risks"]
 
 
-def booked_risks(
+def charged_risks(
     program: DisjunctiveProgram, solved: Solved, policy: Policy, first_step: int, horizon: int
 ) -> Vector:
-    """Return what a plan was allotted at every absolute step.
+    """Return what a plan was allocated at every absolute step.
 
     It leaves the pool as the plan is executed, also where later only its tail is kept.
 
@@ -25,7 +25,7 @@ def booked_risks(
     solved : Solved
         Its solution and allocation.
     policy : Policy
-        A pool may charge what is used instead of what is allotted.
+        A pool may charge what is used instead of what is allocated.
     first_step : int
         Absolute step of the subproblem's start.
     horizon : int
@@ -36,17 +36,17 @@ def booked_risks(
     (T+1,) array
         Risk per step [-]; zero without a plan or an allocation.
     """
-    booked = np.zeros(horizon + 1)
+    charged = np.zeros(horizon + 1)
     solution = solved.solution
     if solved.allocation is None or solution.selection is None or solution.z is None:
-        return booked
-    steps = np.array([e.step for e in program.exposures], dtype=np.int64)
+        return charged
+    steps = np.array([e.step for e in program.risk_items], dtype=np.int64)
     events = np.unique(program.rows.events[program.selected_rows(solution.selection)])
-    exposures = program.rows.exposures[events]
-    risks = solved.allocation[exposures]
+    risk_items = program.rows.risk_items[events]
+    risks = solved.allocation[risk_items]
     if isinstance(policy, Pool) and policy.charge == "used":
         risks = np.minimum(risks, program.event_risks(solution.z, solution.selection)[events])
-    np.add.at(booked, steps[exposures], risks)
+    np.add.at(charged, steps[risk_items], risks)
     if first_step == 0:
-        booked[0] += program.initial_risk
-    return booked
+        charged[0] += program.initial_risk
+    return charged

@@ -182,9 +182,9 @@ def _around_curves(
     outward = np.zeros_like(near)
     outward[:-1] = -np.einsum("sfa,sa->sf", normals[:-1], sagittas)
     is_out = outward > 0.0
-    bow = np.where(is_out, outward, 1.0)
-    share = np.clip(0.5 + (far - near) / (8.0 * bow), 0.0, 1.0)
-    curve = (1.0 - share) * near + share * far + 4.0 * share * (1.0 - share) * bow
+    sagitta = np.where(is_out, outward, 1.0)
+    share = np.clip(0.5 + (far - near) / (8.0 * sagitta), 0.0, 1.0)
+    curve = (1.0 - share) * near + share * far + 4.0 * share * (1.0 - share) * sagitta
     offsets = np.where(is_out, np.maximum(chords.offsets, curve), chords.offsets)
     return replace(chords, offsets=offsets)
 

@@ -141,7 +141,7 @@ class _Iteration:
 
         A uniform allocation starves the few rows that need much. Every row is first held back by
         the same number of standard deviations, the most that leaves a solution within budget;
-        what its rows run then is what they are allotted.
+        what its rows run then is what they are allocated.
         """
         search = Branch(_START_NODES)
         for count in _START_SIGMAS:
@@ -163,7 +163,7 @@ class _Iteration:
         """Run the lower stage; the sides of the last solve stay if new ones would pay more than Δ.
 
         An allocation is made for the sides of the last solve. Under intervals other sides may
-        use more distinct rows, and so be allotted more in total than the budget.
+        use more distinct rows, and so be allocated more in total than the budget.
         """
         margins = margins_of(self.request.program, allocation)
         solution = self.request.solve(margins, start)
@@ -180,7 +180,7 @@ def _tell(step: Step, seconds: float) -> None:
     """Log an iteration."""
     _LOG.info(
         "%s, %d vehicles: iteration %d, cost %.6g; %d of %d constraints use up their risk; "
-        "simple bounds sum to %.3g, %.3g allotted; %.2f s",
+        "simple bounds sum to %.3g, %.3g allocated; %.2f s",
         step.stage,
         len(step.vehicles),
         step.iteration + 1,

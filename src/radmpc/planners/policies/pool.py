@@ -20,7 +20,7 @@ class Pool(Policy):
     Attributes
     ----------
     charge : {'allocated', 'used'}
-        What leaves the pool for an executed step: what its rows were allotted (the paper), or
+        What leaves the pool for an executed step: what its rows were allocated (the paper), or
         only the risk they turned out to run.
     spread : {'reached', 'all'}
         Who has a share in a subproblem, see `Uniform`.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.model.ledger import CAUSES, Exposure, exposures, risk_by_vehicle
+from radmpc.model.ledger import CAUSES, Hazard, hazards, risk_by_vehicle
 from radmpc.model.plan import Plan
 
 __all__ = ["MAX_ROWS", "map_rows", "share_rows"]
@@ -32,14 +32,14 @@ def map_rows(plan: Plan, decades: int) -> tuple[list[str], Matrix]:
     risks : (rows, T+1) array
         Risk; sums to the certificate [-].
     """
-    found = exposures(plan.risk.ledger)
+    found = hazards(plan.risk.ledger)
     risks = np.zeros((len(found), plan.scenario.horizon + 1))
-    for row, exposure in enumerate(found):
-        for step, risk in exposure.risks.items():
+    for row, hazard in enumerate(found):
+        for step, risk in hazard.risks.items():
             risks[row, step] = risk
     large = risks.max(axis=1, initial=0.0) >= 10.0**-decades * risks.max(initial=0.0)
     shown = min(int(np.count_nonzero(large)), MAX_ROWS)
-    names = [_cause_name(exposure) for exposure in found[:shown]]
+    names = [_cause_name(hazard) for hazard in found[:shown]]
     return _with_rest(names, risks)
 
 
@@ -74,15 +74,15 @@ def _with_rest(names: list[str], values: Matrix) -> tuple[list[str], Matrix]:
     return [*names, label], np.vstack([values[: len(names)], rest])
 
 
-def _cause_name(exposure: Exposure) -> str:
+def _cause_name(hazard: Hazard) -> str:
     """Return who may hit what, in a few letters."""
-    vehicle = _short(exposure.vehicle)
-    if exposure.cause == "workspace":
+    vehicle = _short(hazard.vehicle)
+    if hazard.cause == "workspace":
         return f"{vehicle}, workspace"
-    if exposure.other is None:
-        return f"{vehicle}, far {exposure.cause}s"
-    link = " – " if exposure.cause == "pair" else ", "
-    return f"{vehicle}{link}{_short(exposure.other)}"
+    if hazard.other is None:
+        return f"{vehicle}, far {hazard.cause}s"
+    link = " – " if hazard.cause == "pair" else ", "
+    return f"{vehicle}{link}{_short(hazard.other)}"
 
 
 def _short(name: str) -> str:

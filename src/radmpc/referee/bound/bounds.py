@@ -126,7 +126,7 @@ def instant_risks(encounters: Encounters) -> Vector:
 def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     """Return the best chain of half-spaces, over whole intervals or parts of them."""
     sites = interval_sites(encounters)
-    count, num_intervals, d = encounters.bows.shape
+    count, num_intervals, d = encounters.sagittas.shape
     best, _ = best_directions(sites, encounters.directions, num_intervals)
     own = best.reshape(count, num_intervals, d)
     near, far = _ends(sites, best)
@@ -157,9 +157,9 @@ def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
 
 def _is_curved(encounters: Encounters) -> Flags:
     """Return which paths are curved by more than their noise hides, or bent by feedback, (B,)."""
-    bow = np.linalg.norm(encounters.bows, axis=2).max(axis=1)
+    sagitta = np.linalg.norm(encounters.sagittas, axis=2).max(axis=1)
     variances = np.einsum("btii->bt", encounters.covariances).max(axis=1)
-    return np.asarray((bow > np.sqrt(variances)) | (encounters.bent_covariances is not None))
+    return np.asarray((sagitta > np.sqrt(variances)) | (encounters.bent_covariances is not None))
 
 
 def _ends(sites: Sites, directions: Tensor) -> tuple[Tensor, Vector]:

@@ -74,11 +74,11 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
     Directions that fail for certain are told apart by how far they do: a search would take any.
     """
     seen = chords(sites, directions)
-    levels = in_deviations(seen.margins - seen.sags[:, :, None], seen.deviations)
+    levels = in_deviations(seen.margins - seen.sagittas[:, :, None], seen.deviations)
     risks: Tensor = ndtr(-levels)
-    bowed = (seen.sags > 0.0) & (over_ends(risks) > _NEGLIGIBLE)
+    bowed = (seen.sagittas > 0.0) & (over_ends(risks) > _NEGLIGIBLE)
     if bowed.any():
-        ends = seen.margins[bowed], seen.deviations[bowed], seen.sags[bowed]
+        ends = seen.margins[bowed], seen.deviations[bowed], seen.sagittas[bowed]
         levels[bowed], _ = held(sites.is_near, *ends)
         risks[bowed] = ndtr(-levels[bowed])
     risks += _EXCESS * np.minimum(np.maximum(-levels, 0.0), _MOST_EXCESS)
@@ -97,7 +97,7 @@ def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -
 def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
     """Return how far the means are from failing each half-space at each end.
 
-    The mean curve hangs off its chord by ``4 s (1 − s) b``, with b at most ``max(0, n·bow)``.
+    The mean curve hangs off its chord by ``4 s (1 − s) b``, with b at most ``max(0, n·sagitta)``.
     Margins m₀ and m₁ of the chord's ends are enough in between if, for some share θ in [0, 1],
     ``m₀`` is at least ``4 b θ²`` and ``m₁`` at least ``4 b (1 − θ)²``.
 
@@ -108,7 +108,7 @@ def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) 
     directions : (S, C, d) array
         Unit normals that point away from the set [-].
     shares : (S, C) array or float
-        The near ends' share θ of the reserve for the bow; any is valid.
+        The near ends' share θ of the reserve for the sagitta; any is valid.
 
     Returns
     -------
@@ -120,10 +120,10 @@ def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) 
 
 
 def _less_reserves(sites: Sites, seen: Chords, shares: Tensor | float) -> Tensor:
-    """Return the margins of chords less the reserve for the bow, (S, C, E)."""
-    if not seen.sags.any():
+    """Return the margins of chords less the reserve for the sagitta, (S, C, E)."""
+    if not seen.sagittas.any():
         return seen.margins
-    return np.asarray(seen.margins - reserves(sites.is_near, seen.sags, shares))
+    return np.asarray(seen.margins - reserves(sites.is_near, seen.sagittas, shares))
 
 
 def unit(vectors: Tensor) -> Tensor:

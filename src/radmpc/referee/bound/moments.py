@@ -34,7 +34,7 @@ class Moments:
     ----------
     means : (V, T M + 1, d) array
         Mean positions on the curve [m].
-    bows : (V, T M, d) array
+    sagittas : (V, T M, d) array
         How far the mean curve hangs off the chord of each part in its middle [m].
     own : (V, T M + 1, d, d) array
         Covariance of the position [m²].
@@ -45,7 +45,7 @@ class Moments:
     """
 
     means: Tensor
-    bows: Tensor
+    sagittas: Tensor
     own: Tensor
     bent: Tensor
     near_with_bent: Tensor
@@ -55,7 +55,7 @@ class Moments:
         """Return the moments of vehicles by their place, repeated ones allowed."""
         return Moments(
             self.means[vehicles],
-            self.bows[vehicles],
+            self.sagittas[vehicles],
             self.own[vehicles],
             self.bent[vehicles],
             self.near_with_bent[vehicles],
@@ -66,7 +66,7 @@ class Moments:
         """Return the moments of differences of independent positions."""
         return Moments(
             self.means - other.means,
-            self.bows - other.bows,
+            self.sagittas - other.sagittas,
             self.own + other.own,
             self.bent + other.bent,
             self.near_with_bent + other.near_with_bent,
@@ -92,13 +92,13 @@ def moments_of(motion: FleetMotion, vehicles: Indices, parts: int) -> Moments:
         In the order of the vehicles.
     """
     count = len(vehicles)
-    horizon, d = motion.bows.shape[1:]
+    horizon, d = motion.sagittas.shape[1:]
     width = horizon * parts
     shares = np.arange(parts + 1) / parts
-    positions, bows = motion.positions[vehicles], motion.bows[vehicles]
+    positions, sagittas = motion.positions[vehicles], motion.sagittas[vehicles]
     before, after = positions[:, :-1, None], positions[:, 1:, None]
     s = shares[:-1, None]
-    curve = before + s * (after - before) - 4.0 * s * (1.0 - s) * bows[:, :, None]
+    curve = before + s * (after - before) - 4.0 * s * (1.0 - s) * sagittas[:, :, None]
     means = np.concatenate([curve.reshape(count, width, d), positions[:, -1:]], axis=1)
     own = np.empty((count, width + 1, d, d))
     pieces = [np.empty((count, horizon, parts, d, d)) for _ in range(3)]
@@ -134,7 +134,7 @@ def moments_of(motion: FleetMotion, vehicles: Indices, parts: int) -> Moments:
     bent_cov, near_with_bent, bent_with_far = (p.reshape(count, width, d, d) for p in pieces)
     return Moments(
         means,
-        np.repeat(bows, parts, axis=1) / parts**2,
+        np.repeat(sagittas, parts, axis=1) / parts**2,
         own,
         bent_cov,
         near_with_bent,

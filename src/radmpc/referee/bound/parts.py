@@ -1,4 +1,4 @@
-"""Intervals looked at in equal parts: shorter chords, smaller bows, and half-spaces that turn."""
+"""Intervals in equal parts: shorter chords, smaller sagittas, and half-spaces that turn."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def part_charges(
         Risk per step.
     """
     sites, crossed = part_sites(encounters, motion, parts)
-    num_intervals, d = encounters.bows.shape[1:]
+    num_intervals, d = encounters.sagittas.shape[1:]
     width = num_intervals * parts
     held = [np.repeat(guide, parts, axis=1) for guide in guides]
     faces = np.repeat(encounters.directions, width, axis=0)
@@ -103,7 +103,7 @@ def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple
     crossed : Crossed
         Of each.
     """
-    count, num_intervals, d = encounters.bows.shape
+    count, num_intervals, d = encounters.sagittas.shape
     width = num_intervals * parts
     moments = _relative(encounters, motion, parts)
     places = [moments.means[:, :-1], moments.means[:, 1:]]
@@ -120,7 +120,7 @@ def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple
         np.stack(places, axis=2).reshape(-1, ends, d),
         np.stack(spreads, axis=2).reshape(-1, ends, d, d),
         tuple(is_near),
-        moments.bows.reshape(-1, d),
+        moments.sagittas.reshape(-1, d),
         np.repeat(encounters.radii, width),
         around(encounters.vertices, num_intervals, parts),
         np.tile(blends, (count, 1)),

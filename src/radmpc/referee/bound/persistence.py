@@ -48,7 +48,7 @@ class Crossed:
 
 
 def best_shares(sites: Sites, directions: Matrix) -> Vector:
-    """Return the near ends' share of the reserve for the bow that costs least, (S,)."""
+    """Return the near ends' share of the reserve for the sagitta that costs least, (S,)."""
     return _held(sites, chords(sites, directions[:, None]))[1][:, 0]
 
 
@@ -61,10 +61,10 @@ def least_risks(sites: Sites, directions: Matrix) -> Matrix:
 def _held(sites: Sites, seen: Chords) -> tuple[Tensor, Matrix]:
     """Return the clearances of all ends, (S, C, E), with the cheapest shares, (S, C)."""
     levels = in_deviations(seen.margins, seen.deviations)
-    shares = np.full(seen.sags.shape, 0.5)
-    bowed = seen.sags > 0.0
+    shares = np.full(seen.sagittas.shape, 0.5)
+    bowed = seen.sagittas > 0.0
     if bowed.any():
-        ends = seen.margins[bowed], seen.deviations[bowed], seen.sags[bowed]
+        ends = seen.margins[bowed], seen.deviations[bowed], seen.sagittas[bowed]
         levels[bowed], shares[bowed] = held(sites.is_near, *ends)
     return levels, shares
 

@@ -44,7 +44,7 @@ def faces_of(workspace: Workspace, motion: FleetMotion) -> list[tuple[Matrix, En
                 means=motion.positions,
                 covariances=motion.position_covariances,
                 bent_covariances=motion.bent_covariances if motion.is_bent else None,
-                bows=motion.bows,
+                sagittas=motion.sagittas,
                 radii=np.zeros(count),
                 vertices=np.broadcast_to(corner, (count, 1, 1, d)),
                 directions=np.broadcast_to(normal, (count, 1, d)),

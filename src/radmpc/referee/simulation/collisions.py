@@ -1,8 +1,8 @@
 """Which sampled paths collide: at a step, or on the way to the next.
 
 The path between two steps is ``x(t) = p + t (p' − p) − 4 b t (1 − t)`` with t from 0 to 1 and b the
-bow of the control that is flown, feedback and all. It is split into chords until each is surely
-clear or surely not, or its own bow is below a micrometer. At a step both ends coincide.
+sagitta of the control that is flown, feedback and all. It is split into chords until each is surely
+clear or surely not, or its own sagitta is below a micrometer. At a step both ends coincide.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ __all__ = ["Flags", "leaves_workspace", "meets_origin", "meets_solid"]
 Flags = npt.NDArray[np.bool_]
 
 _FINENESS = 1e-6
-"""Bow below which a piece of a path counts as its chord [m]. At a millimeter, vehicles that start
-in contact and part were found to touch in 91 % of missions where they do in 99 %."""
+"""Sagitta below which a piece of a path counts as its chord [m]. At a millimeter, vehicles that
+start in contact and part were found to touch in 91 % of missions where they do in 99 %."""
 
 Compare = Callable[[tuple[Matrix, Matrix], Vector, Vector, Indices, int], tuple[Flags, Flags]]
 """From chords, two limits on their distance and their windows to which are below each."""
@@ -39,43 +39,43 @@ class _Paths:
 
     Attributes
     ----------
-    begin, end, bows : (M, d) array
-        Positions at the ends, and bows [m].
+    begin, end, sagittas : (M, d) array
+        Positions at the ends, and sagittas [m].
     reaches : (M,) array
         Distance below which they collide [m].
     """
 
     begin: Matrix
     end: Matrix
-    bows: Matrix
+    sagittas: Matrix
     reaches: Vector
 
     def at(self, numbers: Indices, shares: Vector) -> Matrix:
         """Return points of some paths, each at its share of the interval."""
         t = shares[:, None]
-        begin, end, bows = self.begin[numbers], self.end[numbers], self.bows[numbers]
-        points: Matrix = begin + t * (end - begin) - (4.0 * t * (1.0 - t)) * bows
+        begin, end, sagittas = self.begin[numbers], self.end[numbers], self.sagittas[numbers]
+        points: Matrix = begin + t * (end - begin) - (4.0 * t * (1.0 - t)) * sagittas
         return points
 
 
-def meets_origin(begin: Matrix, end: Matrix, bows: Matrix, reaches: Vector) -> Flags:
+def meets_origin(begin: Matrix, end: Matrix, sagittas: Matrix, reaches: Vector) -> Flags:
     """Return which relative paths come closer to the origin than the radii allow, (M,) bool.
 
     Parameters
     ----------
     begin, end : (M, d) array
         Relative positions at the ends [m].
-    bows : (M, d) array
+    sagittas : (M, d) array
         Bows of the relative mean curves [m].
     reaches : (M,) array
         Sums of radii [m].
     """
     compare = partial(_compared, distances=origin_distances)
-    return _curves_hit(_Paths(begin, end, bows, reaches), compare)
+    return _curves_hit(_Paths(begin, end, sagittas, reaches), compare)
 
 
 def meets_solid(
-    begin: Matrix, end: Matrix, bows: Matrix, reaches: Vector, parts: Sequence[SweepPart]
+    begin: Matrix, end: Matrix, sagittas: Matrix, reaches: Vector, parts: Sequence[SweepPart]
 ) -> Flags:
     """Return which paths come closer to a solid than their radius, (M,) bool.
 
@@ -83,7 +83,7 @@ def meets_solid(
     ----------
     begin, end : (M, d) array
         Positions at the ends [m].
-    bows : (M, d) array
+    sagittas : (M, d) array
         Bows of the mean curves [m].
     reaches : (M,) array
         Radii [m].
@@ -93,7 +93,7 @@ def meets_solid(
     hits = np.zeros(len(begin), dtype=bool)
     for part in parts:
         left = np.flatnonzero(~hits)
-        paths = _Paths(begin[left], end[left] - part.drift, bows[left], reaches[left])
+        paths = _Paths(begin[left], end[left] - part.drift, sagittas[left], reaches[left])
         if isinstance(part.solid, TurningSolid):
             hits[left] = _curves_hit(paths, partial(_compared_turning, solid=part.solid))
         else:
@@ -105,18 +105,18 @@ def meets_solid(
 def _curves_hit(paths: _Paths, compare: Compare) -> Flags:
     """Return which curves come closer than their reach.
 
-    A curve is nowhere further from its chord than its bow: a chord that keeps clear by more than
-    that, or comes closer by more, decides. The others are halved, which quarters the bow.
+    A curve is nowhere further from its chord than its sagitta: a chord that keeps clear by more
+    than that, or comes closer by more, decides. The others are halved, which quarters the sagitta.
     """
     hits = np.zeros(len(paths.begin), dtype=bool)
-    sags = np.linalg.norm(paths.bows, axis=1)
+    sagittas = np.linalg.norm(paths.sagittas, axis=1)
     # Open pieces: whose they are, and which of the 2^level equal windows of the interval.
     owners, windows = np.arange(len(hits)), np.zeros(len(hits), dtype=np.int64)
     level = 0
     while owners.size:
         num_windows = 2**level
         here, there = windows / num_windows, (windows + 1) / num_windows
-        slack = sags[owners] / num_windows**2
+        slack = sagittas[owners] / num_windows**2
         slack[slack <= _FINENESS] = 0.0
         chords = paths.at(owners, here), paths.at(owners, there)
         limits = paths.reaches[owners] - CONTACT_TOL
@@ -165,7 +165,7 @@ def _compared_turning(
     return sure, doubtful
 
 
-def leaves_workspace(begin: Matrix, end: Matrix, bows: Matrix, workspace: Workspace) -> Flags:
+def leaves_workspace(begin: Matrix, end: Matrix, sagittas: Matrix, workspace: Workspace) -> Flags:
     """Return which paths leave a box, (M,) bool.
 
     Each axis is a parabola: its extreme is at an end or where its slope vanishes.
@@ -174,12 +174,12 @@ def leaves_workspace(begin: Matrix, end: Matrix, bows: Matrix, workspace: Worksp
     ----------
     begin, end : (M, d) array
         Positions at the ends [m].
-    bows : (M, d) array
+    sagittas : (M, d) array
         Bows of the mean curves [m].
     workspace : Workspace
         The box.
     """
-    bend = 4.0 * bows
+    bend = 4.0 * sagittas
     t = np.clip((bend - (end - begin)) / np.where(bend == 0.0, 1.0, 2.0 * bend), 0.0, 1.0)
     turn = begin + t * (end - begin) - bend * t * (1.0 - t)
     low = np.minimum(np.minimum(begin, end), turn)

@@ -175,10 +175,10 @@ class Chunk:
             self._places(watch, row, sample, k, state)
             for k, state in zip(steps, states, strict=True)
         )
-        bows = watch.bows[row]
+        sagittas = watch.sagittas[row]
         if watch.margins.shape[1] > 1:
-            bows = bows + self._extra_bows(watch, row, sample, states[0], excess)
-        met = (begin, end, bows)
+            sagittas = sagittas + self._extra_sagittas(watch, row, sample, states[0], excess)
+        met = (begin, end, sagittas)
         self._test_pairs(watch, (row, samples[sample]), met)
         self._test_solids(window, watch, (row, samples[sample]), met)
         self._test_workspace(watch, (row, samples[sample]), met)
@@ -206,7 +206,7 @@ class Chunk:
         positions: Matrix = self.flight.motion.positions[who, step]
         return positions + state[self.flight.position_rows[who], sample[:, None]]
 
-    def _extra_bows(
+    def _extra_sagittas(
         self, watch: Watch, row: Indices, sample: Indices, state: Matrix, excess: Matrix | None
     ) -> Matrix:
         """Return how far feedback as flown makes paths hang off their chords, (M, d) [m]."""
@@ -228,9 +228,9 @@ class Chunk:
     ) -> None:
         """Mark flights in which two vehicles meet."""
         row, sample = where
-        begin, end, bows = met
+        begin, end, sagittas = met
         at = np.flatnonzero(watch.kinds[row] == PAIR)
-        found = meets_origin(begin[at], end[at], bows[at], watch.reaches[row[at]])
+        found = meets_origin(begin[at], end[at], sagittas[at], watch.reaches[row[at]])
         self.mark(watch, row[at[found]], sample[at[found]])
 
     def _test_solids(
@@ -242,7 +242,7 @@ class Chunk:
     ) -> None:
         """Mark flights in which a vehicle hits an obstacle, piece by piece."""
         row, sample = where
-        begin, end, bows = met
+        begin, end, sagittas = met
         at = np.flatnonzero(watch.kinds[row] == OBSTACLE)
         keys = np.column_stack([watch.other[row[at]], watch.piece[row[at]]])
         for obstacle, piece in np.unique(keys, axis=0).tolist():
@@ -251,7 +251,7 @@ class Chunk:
             moving = self.flight.scenario.obstacles[obstacle].is_moving
             parts = self.flight.parts[obstacle, piece, window if moving else -1]
             reaches = watch.reaches[row[these]]
-            found = meets_solid(begin[these], end[these], bows[these], reaches, parts)
+            found = meets_solid(begin[these], end[these], sagittas[these], reaches, parts)
             self.mark(watch, row[these[found]], sample[these[found]])
 
     def _test_workspace(
@@ -262,7 +262,7 @@ class Chunk:
         if workspace is None:
             return
         row, sample = where
-        begin, end, bows = met
+        begin, end, sagittas = met
         at = np.flatnonzero(watch.kinds[row] == WORKSPACE)
-        out = leaves_workspace(begin[at], end[at], bows[at], workspace)
+        out = leaves_workspace(begin[at], end[at], sagittas[at], workspace)
         self.mark(watch, row[at[out]], sample[at[out]])

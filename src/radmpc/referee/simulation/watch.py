@@ -54,8 +54,8 @@ class Watch:
         far [m].
     reaches : (M,) array
         Radius, or sum of radii [m].
-    bows : (M, d) array
-        Bow of the (relative) mean curve [m].
+    sagittas : (M, d) array
+        Sagitta of the (relative) mean curve [m].
     """
 
     kinds: Indices
@@ -65,7 +65,7 @@ class Watch:
     normals: Matrix
     margins: Matrix
     reaches: Vector
-    bows: Matrix
+    sagittas: Matrix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +79,7 @@ class _Rows:
     normals: Tensor
     margins: Tensor
     reaches: Vector
-    bows: Tensor
+    sagittas: Tensor
     risks: Vector
 
 
@@ -153,7 +153,7 @@ def _encounter_rows(kind: int, batch: Encounters, *, intervals: bool) -> _Rows:
         best.normals,
         best.margins,
         batch.radii,
-        batch.bows if intervals else np.zeros(best.normals.shape),
+        batch.sagittas if intervals else np.zeros(best.normals.shape),
         best.risks,
     )
 
@@ -178,7 +178,7 @@ def _workspace_rows(workspace: Workspace, motion: FleetMotion, *, intervals: boo
                 normals,
                 margins.reshape(*normals.shape[:2], -1),
                 batch.radii,
-                batch.bows if intervals else np.zeros(normals.shape),
+                batch.sagittas if intervals else np.zeros(normals.shape),
                 risks.reshape(normals.shape[:2]),
             )
         )
@@ -202,5 +202,5 @@ def _watch(
             [np.zeros((0, ends)), *(t.margins[rows, window] for t, rows in chosen)]
         ),
         reaches=np.concatenate([np.zeros(0), *(t.reaches[rows] for t, rows in chosen)]),
-        bows=np.concatenate([empty, *(t.bows[rows, window] for t, rows in chosen)]),
+        sagittas=np.concatenate([empty, *(t.sagittas[rows, window] for t, rows in chosen)]),
     )

@@ -65,7 +65,7 @@ class Branch(Solver):
         if np.any(np.diff(program.avoidance_starts) == 0):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
         touched = avoidance_blocks(program)
-        if _has_lost_cause(program, margins, touched):
+        if _is_trivially_infeasible(program, margins, touched):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
         groups = _Groups(program, margins, touched, gap, limits, self.max_nodes, start, guide)
         return groups.solve(begun)
@@ -262,7 +262,9 @@ class _Groups:
             self._note(tree.z)
 
 
-def _has_lost_cause(program: DisjunctiveProgram, margins: Vector, touched: csr_array) -> bool:
+def _is_trivially_infeasible(
+    program: DisjunctiveProgram, margins: Vector, touched: csr_array
+) -> bool:
     """Whether an avoidance that no control touches is violated."""
     untouched = np.diff(touched.indptr) == 0
     if not untouched.any():

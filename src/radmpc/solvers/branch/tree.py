@@ -97,7 +97,7 @@ class Tree:
         self._possible = possible_alternatives(program, margins)
         self._table = side_table(program, self._possible)
         left = (self._table >= 0).sum(axis=1)
-        self._is_hopeless = bool(np.any(left == 0)) or bool(np.any(program.upper < program.lower))
+        self._is_infeasible = bool(np.any(left == 0)) or bool(np.any(program.upper < program.lower))
         self._forced = tuple(int(self._table[v, 0]) for v in np.flatnonzero(left == 1))
 
     @property
@@ -107,7 +107,7 @@ class Tree:
 
     def try_selection(self, selection: Indices) -> None:
         """Make an incumbent of a full selection, if it has a solution."""
-        if self._is_hopeless:
+        if self._is_infeasible:
             return
         self._lp.activate(self.program.selected_rows(selection))
         outcome, _ = self._lp.solve()
@@ -129,7 +129,7 @@ class Tree:
 
         Stops after so many nodes; called again it goes on where it stood.
         """
-        if self._is_hopeless:
+        if self._is_infeasible:
             return
         if self.nodes == 0:
             self._push(-float("inf"), self._forced, ())

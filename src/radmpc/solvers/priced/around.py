@@ -62,7 +62,7 @@ def search_around(
     Incumbent or None
         No worse than the plan given.
     """
-    if rater.is_hopeless:
+    if rater.is_infeasible:
         return best
     held = _held(rater, slacks, move, is_rigid=is_rigid)
     tree = RiskTree(rater.program, unit, price, gap=_GAP, scale=scale, limits=limits, rater=rater)

@@ -175,7 +175,7 @@ class Neighborhood:
         """Return the point with some blocks planned anew; None if no way was found."""
         part = self._around(z, free, placed)
         rater = Rater(part.program, self.unit)
-        if rater.is_hopeless:
+        if rater.is_infeasible:
             return None
         tree = RiskTree(
             part.program,

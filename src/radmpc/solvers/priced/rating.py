@@ -88,7 +88,7 @@ class Rater:
         self._event_starts = np.flatnonzero(begins)
         self._has_twins = self._event_starts.size < owners.size
         self._starts_of_events = np.searchsorted(self._event_starts, self._starts)
-        self.is_hopeless = bool(np.any(self._blank.all(axis=1))) or bool(
+        self.is_infeasible = bool(np.any(self._blank.all(axis=1))) or bool(
             np.any(program.upper < program.lower)
         )
         if self._is_single and program.num_alternatives:
@@ -104,8 +104,8 @@ class Rater:
             # A hard row holds up to the solver's own feasibility tolerance.
             clearances[self._certain] = np.where(slacks[self._certain] >= -1e-8, np.inf, -np.inf)
         risks: Vector = np.asarray(tail_probability(clearances))
-        if program.num_avoidances == 0 or self.is_hopeless:
-            risk = np.inf if self.is_hopeless else 0.0
+        if program.num_avoidances == 0 or self.is_infeasible:
+            risk = np.inf if self.is_infeasible else 0.0
             none = np.zeros(0)
             return Rating(
                 clearances, risks, none, none.astype(np.int64), none.reshape(0, 1), risk, risk
@@ -139,4 +139,4 @@ class Rater:
     @property
     def _is_distinct(self) -> bool:
         """Whether no two rows share an event."""
-        return self.program.rows.exposures.size == self.program.rows.count
+        return self.program.rows.risk_items.size == self.program.rows.count

@@ -111,7 +111,7 @@ class RiskTree:
         self._unsolved: list[Node] = []
         self._created = 0
         self._choice = BranchingChoice(program, self.rater)
-        if self.rater.is_hopeless:
+        if self.rater.is_infeasible:
             self.bound = _INF
         else:
             self._push(-_INF, ())
@@ -156,7 +156,7 @@ class RiskTree:
         share = 1.0 if self.price >= price else self.price / price
         self._open.clear()
         self._parked = []
-        if self.rater.is_hopeless:
+        if self.rater.is_infeasible:
             return
         for bound, chosen in frontier:
             known = bound if share == 1.0 else share * bound + (1.0 - share) * base
@@ -185,7 +185,7 @@ class RiskTree:
                 is_over=lambda: self.nodes >= last or self.limits.reached,
                 has_solution=lambda: self.best is not None,
             )
-        if self.rater.is_hopeless:
+        if self.rater.is_infeasible:
             return
         top = self._open.best()
         bounds = [n.bound for n in self._parked]

@@ -216,15 +216,15 @@ def course_of(
 
 def _shape(program: DisjunctiveProgram, block: int, plus: Indices) -> tuple[int, int] | None:
     """Return steps and axes of a vehicle, told by its response: the same at every step."""
-    response = program.outputs[: program.num_positions].toarray()[:, plus]
+    prediction = program.outputs[: program.num_positions].toarray()[:, plus]
     for dimension in (2, 3):
         for horizon in (t for t in range(1, plus.size + 1) if plus.size % t == 0):
             width = dimension * (horizon + 1)
             if program.num_positions % width or (block + 1) * width > program.num_positions:
                 continue
-            own = response[block * width : (block + 1) * width]
+            own = prediction[block * width : (block + 1) * width]
             moved = own.reshape(horizon + 1, dimension, horizon, plus.size // horizon)
-            is_whole = np.count_nonzero(own) == np.count_nonzero(response)
+            is_whole = np.count_nonzero(own) == np.count_nonzero(prediction)
             is_alike = np.array_equal(moved[1:, :, 1:], moved[:-1, :, :-1])
             if is_whole and is_alike and not moved[0].any():
                 return horizon, dimension

@@ -72,7 +72,7 @@ class Rrt(Solver):
         del start, guide
         begun = time.perf_counter()
         possible = possible_alternatives(program, margins)
-        if _is_hopeless(program, possible):
+        if _is_infeasible(program, possible):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
         rng = np.random.default_rng(0) if rng is None else rng
         fleet = _Fleet(program, margins, possible, self.max_nodes, rng, limits)
@@ -99,7 +99,7 @@ class Rrt(Solver):
         )
 
 
-def _is_hopeless(program: DisjunctiveProgram, possible: np.ndarray) -> bool:
+def _is_infeasible(program: DisjunctiveProgram, possible: np.ndarray) -> bool:
     """Whether limits alone leave nothing: the goal is out of reach, or all ways around a thing.
 
     What the samples do not find is no proof; this is.

@@ -14,7 +14,7 @@ from radmpc.planners.certified.infeasible.least_risk import least_risk
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import reserve_reason, sure_reasons
 from radmpc.planners.wording import listed
-from radmpc.program.build import whole_subjects
+from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Cures", "cure_sentence", "find_cures", "has_plan_within"]
@@ -105,7 +105,7 @@ def cure_sentence(scenario: Scenario, limits: Limits) -> str:
     if limits.reached:
         return ""
     told = []
-    kept = reserve_reason(whole_subjects(scenario)[0])
+    kept = reserve_reason(condensed_models(scenario)[0])
     if kept is not None and scenario.num_vehicles == 1:
         told.append(f"The feedback {kept}.")
     cures = find_cures(scenario, limits)
@@ -118,7 +118,7 @@ def cure_sentence(scenario: Scenario, limits: Limits) -> str:
 
 def has_plan_within(scenario: Scenario, limits: Limits) -> bool:
     """Whether a plan within Δ by simple bounds is found in the time given."""
-    if limits.reached or sure_reasons(scenario, whole_subjects(scenario)):
+    if limits.reached or sure_reasons(scenario, condensed_models(scenario)):
         return False
     return least_risk(scenario, limits, scenario.risk_bound).risk <= scenario.risk_bound
 
@@ -162,7 +162,7 @@ def _reaches(scenario: Scenario, horizon: int) -> bool:
         longer = replace(scenario, horizon=horizon)
     except ScenarioError:  # a state that grows too far
         return False
-    return all(unable_alone(longer, s) is None for s in whole_subjects(longer))
+    return all(unable_alone(longer, s) is None for s in condensed_models(longer))
 
 
 def _shortest(scenario: Scenario, failed: int, works: int, limits: Limits) -> int:

@@ -13,7 +13,7 @@ from radmpc.planners.certified.infeasible.stuck import stuck_reason
 from radmpc.planners.explain import danger, unable_alone
 from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
 from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
-from radmpc.program.build import whole_subjects
+from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 
 __all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
@@ -68,7 +68,7 @@ def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
     WhyNot or None
         A proof; None where a search has to tell.
     """
-    reasons = sure_reasons(scenario, whole_subjects(scenario))
+    reasons = sure_reasons(scenario, condensed_models(scenario))
     if not reasons:
         return None
     stuck = {i for reason in reasons for i in reason.members}
@@ -91,7 +91,7 @@ def ended(scenario: Scenario, limits: Limits) -> str:
     """Say what ended a search that had found nothing and ruled out nothing."""
     kept = (
         (v.name, reserve_reason(s))
-        for v, s in zip(scenario.vehicles, whole_subjects(scenario), strict=True)
+        for v, s in zip(scenario.vehicles, condensed_models(scenario), strict=True)
     )
     told = [f"The feedback of vehicle {name!r} {text}." for name, text in kept if text is not None]
     return " ".join(
@@ -118,8 +118,8 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         The reasons.
     """
     reasons = []
-    for i, subject in enumerate(whole_subjects(scenario)):
-        unable = unable_alone(scenario, subject)
+    for i, model in enumerate(condensed_models(scenario)):
+        unable = unable_alone(scenario, model)
         if unable is not None:
             reasons.append(Reason((i,), *unable))
     slow = {i for reason in reasons for i in reason.members}
@@ -189,8 +189,8 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
             f"No plan was certified within {bound}, and none was ruled out: {limit_clause(limits)}"
         )
     takers = "; ".join(
-        f"{danger(exposure)} around step {exposure.step} ({risk:.2g})"
-        for exposure, risk in found.takers[:_NAMED]
+        f"{danger(risk_item)} around step {risk_item.step} ({risk:.2g})"
+        for risk_item, risk in found.takers[:_NAMED]
     )
     if found.bound > scenario.risk_bound:
         head = (

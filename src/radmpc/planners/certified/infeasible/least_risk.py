@@ -11,7 +11,7 @@ from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet, Members
 from radmpc.planners.certified.rounds import Round, run_round
-from radmpc.program.program import Exposure
+from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
 
 __all__ = ["LeastRisk", "least_risk"]
@@ -42,7 +42,7 @@ class LeastRisk:
         That plan, per vehicle; empty without one.
     sets : tuple of tuple of int
         Who was planned together.
-    takers : tuple of (Exposure, float)
+    takers : tuple of (RiskItem, float)
         The dangers of that plan, the greatest first, each with its worst step.
     stuck : tuple of int
         Vehicles that together have no plan at any risk; empty if there are none such.
@@ -52,7 +52,7 @@ class LeastRisk:
     bound: float
     controls: tuple[Matrix, ...] = ()
     sets: tuple[Members, ...] = ()
-    takers: tuple[tuple[Exposure, float], ...] = ()
+    takers: tuple[tuple[RiskItem, float], ...] = ()
     stuck: Members = ()
 
 
@@ -102,7 +102,7 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     initial = fleet.initial
     # At a price of 1, and with effort free, the value is the risk in units.
     bound = max(best.bound, fleet.unit * found.least + initial)
-    settled = sum(fleet.problems[m].program.settled_risk for m in found.sets)
+    settled = sum(fleet.problems[m].program.presolved_risk for m in found.sets)
     risk = initial + settled + found.risk + found.cross
     if risk >= best.risk:
         return replace(best, bound=min(bound, best.risk))
@@ -111,26 +111,26 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     return LeastRisk(risk, min(bound, risk), controls, found.sets, _takers(fleet, found))
 
 
-def _takers(fleet: Fleet, found: Round) -> tuple[tuple[Exposure, float], ...]:
+def _takers(fleet: Fleet, found: Round) -> tuple[tuple[RiskItem, float], ...]:
     """Return what each danger takes over the whole horizon, with its worst step."""
     total: dict[_Danger, float] = defaultdict(float)
-    worst: dict[_Danger, tuple[float, Exposure]] = {}
+    worst: dict[_Danger, tuple[float, RiskItem]] = {}
     names = [v.name for v in fleet.scenario.vehicles]
     for danger in fleet.start_dangers:
         two = len(danger.members) == 2
         other = names[danger.members[1]] if two else danger.other
-        exposure = Exposure(danger.cause, names[danger.members[0]], other, 0)
-        total[exposure[:3]] += danger.risk
-        worst[exposure[:3]] = (danger.risk, exposure)
+        risk_item = RiskItem(danger.cause, names[danger.members[0]], other, 0)
+        total[risk_item[:3]] += danger.risk
+        worst[risk_item[:3]] = (danger.risk, risk_item)
     for members, plan in zip(found.sets, found.plans, strict=True):
         program = fleet.problems[members].program
         risks = program.event_risks(plan.z, plan.selection)
         for event in np.flatnonzero(risks > 0.0):
-            exposure = program.exposures[int(program.rows.exposures[event])]
-            key = exposure[:3]
+            risk_item = program.risk_items[int(program.rows.risk_items[event])]
+            key = risk_item[:3]
             total[key] += float(risks[event])
             if key not in worst or risks[event] > worst[key][0]:
-                worst[key] = (float(risks[event]), exposure)
+                worst[key] = (float(risks[event]), risk_item)
     ranked = sorted(total, key=lambda key: -total[key])
     return tuple((worst[key][1], total[key]) for key in ranked)
 

@@ -8,7 +8,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.explain import impossible_places
 from radmpc.planners.wording import listed
-from radmpc.program.build import whole_subjects
+from radmpc.program.build import condensed_models
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
@@ -103,9 +103,9 @@ def _without_noise(scenario: Scenario) -> Scenario:
 
 def _search(scenario: Scenario, limits: Limits) -> RiskTree:
     """Search for any plan, whatever its risk."""
-    subjects = whole_subjects(scenario)
-    everyone = tuple(range(len(subjects)))
-    problem = SetProblem.of(scenario, everyone, subjects, _UNIT).without_cost()
+    models = condensed_models(scenario)
+    everyone = tuple(range(len(models)))
+    problem = SetProblem.of(scenario, everyone, models, _UNIT).without_cost()
     tree = RiskTree(
         problem.program, _UNIT, 1.0, gap=1.0, scale=1.0, limits=limits, rater=problem.rater
     )

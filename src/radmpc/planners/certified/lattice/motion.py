@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Vector
-from radmpc.program.subject import Subject
+from radmpc.program.condensed import CondensedModel
 
 __all__ = ["Motion"]
 
@@ -46,9 +46,9 @@ class Motion:
     weight: float
 
     @classmethod
-    def of(cls, subject: Subject) -> Motion:
+    def of(cls, model: CondensedModel) -> Motion:
         """Read the motion off a vehicle's dynamics and reach."""
-        system = subject.vehicle.system
+        system = model.vehicle.system
         place = list(system.position)
         reply = [np.abs(system.B[place]).sum(axis=1)]
         power = system.B
@@ -59,12 +59,12 @@ class Motion:
         coasts = reply[1] > 1e-9
         gain = np.where(coasts, reply[1], reply[0])
         decay = np.where(coasts, np.minimum(reply[2] / np.where(coasts, reply[1], 1.0), 1.0), 0.0)
-        rise = np.diff(subject.reach_upper, axis=0).max(axis=0)
-        fall = -np.diff(subject.reach_lower, axis=0).min(axis=0)
+        rise = np.diff(model.reach_upper, axis=0).max(axis=0)
+        fall = -np.diff(model.reach_lower, axis=0).min(axis=0)
         longest = np.maximum(rise, fall)
-        most = np.full(len(place), float(subject.control_bounds.max(initial=0.0)))
-        first = np.diff(subject.drift_position[:2], axis=0)[0]
-        return cls(decay, gain, first, longest, most, float(subject.vehicle.cost_weight))
+        most = np.full(len(place), float(model.control_bounds.max(initial=0.0)))
+        first = np.diff(model.drift_position[:2], axis=0)[0]
+        return cls(decay, gain, first, longest, most, float(model.vehicle.cost_weight))
 
     @property
     def is_planar(self) -> bool:

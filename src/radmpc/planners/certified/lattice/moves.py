@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.lattice.half_planes import Danger, gap_middles, limits_at
-from radmpc.program.subject import Subject
+from radmpc.program.condensed import CondensedModel
 
 __all__ = ["Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
 
@@ -81,13 +81,13 @@ class Lattice:
 
 
 def coarse_lattice(
-    subject: Subject, dangers: list[list[Danger]], longest: Vector, moves: int
+    model: CondensedModel, dangers: list[list[Danger]], longest: Vector, moves: int
 ) -> Lattice:
     """Return the lattice over everything within reach and borders.
 
     Parameters
     ----------
-    subject : Subject
+    model : Subject
         The vehicle.
     dangers : list of list of Danger
         Those of each window.
@@ -96,10 +96,10 @@ def coarse_lattice(
     moves : int
         Cells that this is.
     """
-    start = subject.drift_position[0]
+    start = model.drift_position[0]
     lower, upper = limits_at(dangers)
-    low = np.maximum(subject.reach_lower, lower).min(axis=0)
-    high = np.minimum(subject.reach_upper, upper).max(axis=0)
+    low = np.maximum(model.reach_lower, lower).min(axis=0)
+    high = np.minimum(model.reach_upper, upper).max(axis=0)
     low, high = np.minimum(low - start, 0.0), np.maximum(high - start, 0.0)
     stride = longest / moves
     while np.prod(np.floor(high / stride) - np.ceil(low / stride) + 1) > _MAX_CELLS:
@@ -107,7 +107,7 @@ def coarse_lattice(
     first = np.ceil(low / stride).astype(np.int64)
     last = np.floor(high / stride).astype(np.int64)
     shape = (int(last[0] - first[0]) + 1, int(last[1] - first[1]) + 1)
-    still = np.zeros((subject.horizon + 1, 2), dtype=np.int64)
+    still = np.zeros((model.horizon + 1, 2), dtype=np.int64)
     return Lattice(stride, start, still, first, shape, moves)
 
 

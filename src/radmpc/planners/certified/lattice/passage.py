@@ -105,7 +105,7 @@ class Passage:
         program = along(self.rater.program, walk.places, way.ravel(), room)
         rater = Rater(program, unit)
         found = self._along(rater, way, _Pace(rate * unit, haste, limits, _NODES_ALONG))
-        # The lattice knows no bow: a side that it passes on may not hold, or not be the best.
+        # The lattice knows no sagitta: a side that it passes on may not hold, or not be the best.
         tree = RiskTree(
             program, unit, rate * unit, gap=_ROUGH_GAP, scale=haste, limits=limits, rater=rater
         )

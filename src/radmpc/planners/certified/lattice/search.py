@@ -3,7 +3,7 @@
 Dynamic programming over (place, last move): a change of move costs the effort it takes, and a move
 costs what the program's own rows say it risks, each avoidance at its best side along the whole
 move. First on a coarse lattice over all the vehicle can reach, then on finer ones in a tube around
-the way found. Dynamics, bow and the goal's variance are left to the linear program of the sides
+the way found. Dynamics, sagitta and the goal's variance are left to the linear program of the sides
 that the way passes things on. A heuristic where branching takes long to find a passage; it proves
 nothing.
 """
@@ -26,8 +26,8 @@ from radmpc.planners.certified.lattice.moves import (
     finer_lattice,
     snapped_lattice,
 )
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.subject import Subject
 
 __all__ = ["Walk"]
 
@@ -57,7 +57,7 @@ class Walk:
     ----------
     program : DisjunctiveProgram
         Of one vehicle; others may be placed in it, as moving obstacles.
-    subject : Subject
+    model : Subject
         The vehicle.
     unit : float
         Budget of risk; an avoidance may risk as much along a move, up to `CONVEX_RISK`.
@@ -70,7 +70,7 @@ class Walk:
     """
 
     program: DisjunctiveProgram
-    subject: Subject
+    model: CondensedModel
     unit: float
     first: int = 0
     level: int = 0
@@ -83,7 +83,7 @@ class Walk:
 
     def __post_init__(self) -> None:
         """Read the moves off the dynamics; the dangers follow when first needed."""
-        self.motion = Motion.of(self.subject)
+        self.motion = Motion.of(self.model)
         self._near_by = float(clearance_for(_NEAR * self.unit))
 
     @property
@@ -94,7 +94,7 @@ class Walk:
     @property
     def places(self) -> slice:
         """The outputs that are the vehicle's positions, step by step."""
-        return slice(self.first, self.first + 2 * (self.subject.horizon + 1))
+        return slice(self.first, self.first + 2 * (self.model.horizon + 1))
 
     def way(self, rate: float, haste: float = 0.0) -> Matrix | None:
         """Return the best positions at each step.
@@ -112,7 +112,7 @@ class Walk:
             Positions [m]; None where the lattice knows no way.
         """
         if not self._dangers:
-            self._dangers = dangers_of(self.program, self.subject.horizon, self.places)
+            self._dangers = dangers_of(self.program, self.model.horizon, self.places)
             for danger in (danger for at in self._dangers for danger in at):
                 known = self._deviations.get(danger.key, 0.0)
                 self._deviations[danger.key] = max(known, danger.deviation)
@@ -124,7 +124,7 @@ class Walk:
         """Seek a way, on finer lattices where coarser ones know none, from then on there alone."""
         while True:
             moves = _MOVES[min(self.level, len(_MOVES) - 1)]
-            lattice = coarse_lattice(self.subject, self._dangers, self.motion.longest, moves)
+            lattice = coarse_lattice(self.model, self._dangers, self.motion.longest, moves)
             if self.level == len(_MOVES):
                 # Narrow ways may lie between the lines.
                 lattice = snapped_lattice(lattice, self._dangers)
@@ -142,7 +142,7 @@ class Walk:
 
     def _search(self, lattice: Lattice, rate: float, haste: float) -> Indices | None:
         """Return the cheapest way over a lattice, (T+1, 2) cells from the start."""
-        motion, horizon = self.motion, self.subject.horizon
+        motion, horizon = self.motion, self.model.horizon
         moves = np.diff(lattice.reference, axis=0)
         width = 2 * lattice.moves + 1
         values = np.full((width, width, *lattice.shape), _INF, dtype=np.float32)
@@ -175,7 +175,7 @@ class Walk:
         last = np.unravel_index(int(arrivals[-1].argmin()), arrivals[-1].shape)
         move, place = np.array(last[:2]), np.array(last[2:])
         places = [place]
-        for k in range(self.subject.horizon - 1, -1, -1):
+        for k in range(self.model.horizon - 1, -1, -1):
             place = place - (move - lattice.moves)
             places.append(place)
             if k > 0:
@@ -189,11 +189,11 @@ class Walk:
 
     def _within_reach(self, lattice: Lattice, k: int) -> np.ndarray:
         """Whether places lie in the vehicle's reach at a step, up to half a cell."""
-        return self._in_box(lattice, k, self.subject.reach_lower[k], self.subject.reach_upper[k])
+        return self._in_box(lattice, k, self.model.reach_lower[k], self.model.reach_upper[k])
 
     def _in_goal(self, lattice: Lattice, k: int) -> np.ndarray:
         """Whether places lie in the goal at a step, up to half a cell."""
-        goal = self.subject.vehicle.goal
+        goal = self.model.vehicle.goal
         return self._in_box(lattice, k, goal.lower, goal.upper)
 
     def _in_box(self, lattice: Lattice, k: int, lower: Vector, upper: Vector) -> np.ndarray:

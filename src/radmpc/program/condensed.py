@@ -10,11 +10,11 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["Response", "Subject", "bent_covariances", "make_subject"]
+__all__ = ["CondensedModel", "PredictionMatrices", "bent_covariances", "condense"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Response:
+class PredictionMatrices:
     """How positions and velocities answer to the controls of earlier steps.
 
     Attributes
@@ -35,7 +35,7 @@ class Response:
     velocity: Tensor | None
 
     @classmethod
-    def of(cls, system: LinearSystem, horizon: int) -> Response:
+    def of(cls, system: LinearSystem, horizon: int) -> PredictionMatrices:
         """Compute the response over a horizon; its first steps serve shorter ones."""
         n, m = system.num_states, system.num_controls
         powers = np.empty((horizon + 1, n, n))
@@ -52,7 +52,7 @@ class Response:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Subject:
+class CondensedModel:
     """One vehicle over the horizon of one program.
 
     Attributes
@@ -90,16 +90,20 @@ class Subject:
     reach_upper: Matrix
 
 
-def make_subject(
-    vehicle: Vehicle, response: Response, start: Vector, covariances: Tensor, bounds: Matrix
-) -> Subject:
+def condense(
+    vehicle: Vehicle,
+    prediction: PredictionMatrices,
+    start: Vector,
+    covariances: Tensor,
+    bounds: Matrix,
+) -> CondensedModel:
     """Return a vehicle that starts somewhere with some steps to go.
 
     Parameters
     ----------
     vehicle : Vehicle
         Who.
-    response : Response
+    prediction : Response
         Of its system, over at least this horizon.
     start : (n,) array
         Mean state at the program's first step.
@@ -117,9 +121,9 @@ def make_subject(
     system = vehicle.system
     span = horizon * num_controls
     axes = list(system.position)
-    states = response.powers[: horizon + 1] @ start
-    position = response.position[: horizon + 1, :, :span]
-    velocity = None if response.velocity is None else response.velocity[: horizon + 1, :, :span]
+    states = prediction.powers[: horizon + 1] @ start
+    position = prediction.position[: horizon + 1, :, :span]
+    velocity = None if prediction.velocity is None else prediction.velocity[: horizon + 1, :, :span]
     drift = states[:, axes]
     drift_velocity = None if system.velocity is None else states[:, list(system.velocity)]
     lower, upper = _reach_by_boxes(vehicle, position, drift, np.maximum(bounds, 0.0).ravel())
@@ -128,7 +132,7 @@ def make_subject(
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
     # The start is where it is, also where no admissible control leads from there to the goal.
     lower[0] = upper[0] = drift[0]
-    return Subject(
+    return CondensedModel(
         vehicle=vehicle,
         horizon=horizon,
         control_bounds=bounds,
