@@ -135,7 +135,7 @@ def reproduce(
 @app.command()
 def check(scenario: given.ScenarioFile) -> int:
     """Say whether a scenario file is valid."""
-    from radmpc.console.report import scenario_line
+    from radmpc.console.words import scenario_line
     from radmpc.io.scenario_file import load_scenario
 
     show(f"valid: {scenario_line(load_scenario(scenario))}")
@@ -187,7 +187,8 @@ def import_file(
 ) -> int:
     """Import another format; print what had to be chosen."""
     from radmpc.console.files import check_output, check_separate, writing
-    from radmpc.console.report import facts, scenario_line
+    from radmpc.console.report import facts
+    from radmpc.console.words import scenario_line
     from radmpc.io.importing import ImportOptions, import_scenario
     from radmpc.io.scenario_file import save_scenario
 

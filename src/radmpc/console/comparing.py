@@ -15,7 +15,7 @@ from radmpc.console.interrupt import stop_on_interrupt
 from radmpc.console.output import note, show, show_json
 from radmpc.console.picture import check_picture
 from radmpc.console.progress import progress_line
-from radmpc.console.report import scenario_line
+from radmpc.console.words import scenario_line
 from radmpc.console.workers import workers
 from radmpc.errors import ScenarioError
 from radmpc.experiments.comparing import Comparison, compare

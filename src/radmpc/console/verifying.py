@@ -8,7 +8,8 @@ from rich.table import Table
 from rich.text import Text
 
 from radmpc.console.progress import progress_line
-from radmpc.console.report import facts, scenario_line, verdict
+from radmpc.console.report import facts, verdict
+from radmpc.console.words import scenario_line
 from radmpc.console.saturating import saturation_line, saturation_warning
 from radmpc.errors import ScenarioError
 from radmpc.model.ledger import bound_text
