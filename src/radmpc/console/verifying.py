@@ -9,8 +9,8 @@ from rich.text import Text
 
 from radmpc.console.progress import progress_line
 from radmpc.console.report import facts, verdict
-from radmpc.console.words import scenario_line
 from radmpc.console.saturating import saturation_line, saturation_warning
+from radmpc.console.words import scenario_line
 from radmpc.errors import ScenarioError
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status
