@@ -6,13 +6,12 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.gaussian import tail_probability
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
+from radmpc.planners.components import components
 
 __all__ = ["connected_sets", "couplings_of", "face_risk", "share_couplings"]
 
@@ -115,11 +114,7 @@ def connected_sets(
         Sets of vehicles, each ascending, ordered by their first vehicle.
     """
     edges = np.maximum(pair_risk, pair_risk.T) > threshold
-    for i, j in forced:
-        edges[i, j] = True
-    count, labels = connected_components(coo_array(edges), directed=False)
-    sets = [tuple(int(i) for i in np.flatnonzero(labels == c)) for c in range(count)]
-    return tuple(sorted(sets))
+    return components(len(edges), [*((int(i), int(j)) for i, j in np.argwhere(edges)), *forced])
 
 
 def couplings_of(
