@@ -58,17 +58,17 @@ def face_risk(
     if far is None:
         return float(tail_probability(_held(before, 0.0).max()))
     after = [_margins(faces, radius, far)]
-    sagitta = np.zeros(len(faces[1]))
+    height = np.zeros(len(faces[1]))
     if sagitta is not None:
-        sagitta = np.maximum(faces[0] @ sagitta, 0.0)
-    low, high = np.zeros(sagitta.size), np.ones(sagitta.size)
-    best = np.full(sagitta.size, -np.inf)
+        height = np.maximum(faces[0] @ sagitta, 0.0)
+    low, high = np.zeros(height.size), np.ones(height.size)
+    best = np.full(height.size, -np.inf)
     # The near end has less left the more of the reserve it keeps, the far end more.
     for _ in range(_ROUNDS):
         share = 0.5 * (low + high)
         ends = (
-            _held(before, 4.0 * sagitta * share**2),
-            _held(after, 4.0 * sagitta * (1.0 - share) ** 2),
+            _held(before, 4.0 * height * share**2),
+            _held(after, 4.0 * height * (1.0 - share) ** 2),
         )
         best = np.maximum(best, np.minimum(*ends))
         has_spare = ends[0] > ends[1]
