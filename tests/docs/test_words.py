@@ -143,14 +143,9 @@ def test_files_and_names_that_explain_the_code_exist(name: str) -> None:
     }
     ours = {word for word in named if re.search(r"_|[A-Z]", word)}
     assert len(ours) >= 20
-    known = set(re.findall(r"\w+", code)) | problems_of_others()
-    assert sorted(ours - known) == []
-
-
-def problems_of_others() -> set[str]:
-    """Return the names of problems that come with the package's instances."""
-    stems = {path.stem for path in (ROOT / "instances").rglob("*") if path.is_file()}
-    return {word for stem in stems for word in (stem, stem.removesuffix("_double_integrator"))}
+    problems = "\n".join(path.stem for path in (ROOT / "instances").rglob("*"))
+    known = re.findall(r"\w+", code) + re.findall(r"\b[^\W_]+_[^\W_]+", problems)
+    assert sorted(ours - set(known)) == []
 
 
 def test_the_glossary_is_linked_from_the_front_pages() -> None:
