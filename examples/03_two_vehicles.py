@@ -1,8 +1,8 @@
 """Two vehicles swap places.
 
-East and west meet head-on and share one risk bound. The certificate is proven: no more than that
-share of missions can collide. Flying 100,000 random missions counts how many do. The count must
-be below the certificate, and it is a little below: a half-space is charged for what is a disc.
+East and west meet head-on and share one risk bound. The certificate is proven: the probability of
+a collision is at most that number. Of 100,000 random samples of the plan, the share that collides
+must be below the certificate, and it is a little below: a half-space is charged instead of a disc.
 """
 
 from pathlib import Path

@@ -2,8 +2,8 @@
 
 A wall of 10 cm stands across the way, and the vehicle covers 2 m in a step. Planned for the steps
 alone it is before the wall at one step and behind it at the next: certified, and through the wall
-in every flight. Planned along intervals, the default, it goes around. To judge a plan along its
-true path, give its scenario another `avoidance`: the number is the share of flights of the first
+in every sample. Planned along intervals, the default, it goes around. To judge a plan along its
+true path, give its scenario another `avoidance`: the number is the share of samples of the first
 plan that then collide, and it is all of them.
 """
 

@@ -1,7 +1,7 @@
 """Three drones in space.
 
 With three coordinates everything stays the same: vehicles are balls, obstacles solids, and pairs
-keep apart along any of six directions. The ways of three drones cross near one point at one time.
+keep apart along any of six directions. The paths of three drones cross near one point at one time.
 Each alone would need 2 L / (T - 1) along each axis; the number is what the fleet needs, relative
 to that.
 """

@@ -1,8 +1,8 @@
 """Four planners, one scenario.
 
 `dlp` ignores the noise, `radmpc` plans one vehicle after the other, `multi-vehicle` plans those
-together that met in such a first plan, and `certified`, the default, optimizes sides and risks at
-once. The referee judges them all alike, and 10,000 random flights of each plan confirm it. The
+together that met in such a first plan, and `certified`, the default, optimizes faces and risks at
+once. The referee judges them all alike, and 10,000 random samples of each plan confirm it. The
 number is how many of the four keep the risk bound: all but the one that ignores the noise.
 """
 
@@ -34,7 +34,7 @@ def main(out: Path) -> float:
         assert answer.simulation.rate_low <= certified
     save_panels([Panel(*item) for item in plans.items()], out / "08_planners.png")
 
-    # Whoever ignores the noise needs less; no one who keeps simple bounds within Δ does.
+    # Whoever ignores the noise needs less; no plan whose union bound is within Δ does.
     best, careless = plans["certified"], plans["dlp"]
     assert careless.cost is not None
     assert best.lower_bound is not None
