@@ -203,10 +203,7 @@ def _largest_counts(program: DisjunctiveProgram) -> Indices:
     num = len(program.risk_items)
     if rows.count == 0:
         return np.zeros(num, dtype=np.int64)
-    alternative = np.repeat(
-        np.arange(program.num_alternatives), np.diff(program.alternative_starts)
-    )
-    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
+    alternative, owner = program.entry_owners(), program.layout.owners
     # Distinct events that one alternative has of a risk item, the most of any in its avoidance.
     events = np.unique(alternative * rows.risk_items.size + rows.events[program.alternative_rows])
     holder, risk_item = (

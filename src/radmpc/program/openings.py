@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import clearance, tail_probability
 
 __all__ = ["best_clearance", "clearances", "opening_directions"]
 
@@ -19,9 +19,6 @@ _POOR = 1e-3
 
 _WORTH = 0.1
 """Share of that risk that another direction must get below to be added."""
-
-_CONTACT = 1e-9
-"""Slack down to which touching is no contact [m], as the referee has it."""
 
 _HALVINGS = 80
 
@@ -51,10 +48,7 @@ def clearances(
     """
     slack = normals @ mean - (normals @ corners.T).max(axis=1) - radius
     variances = np.einsum("fa,ab,fb->f", normals, covariance, normals)
-    noisy = variances > 0.0
-    certain = np.where(slack >= -_CONTACT, np.inf, -np.inf)
-    with np.errstate(over="ignore"):
-        return np.where(noisy, slack / np.sqrt(np.where(noisy, variances, 1.0)), certain)
+    return clearance(slack, np.sqrt(np.maximum(variances, 0.0)))
 
 
 def best_clearance(
@@ -118,8 +112,8 @@ def opening_directions(
             continue
         middle = points.mean(axis=0)
         away = np.where(0.5 * (lower + upper) >= middle, upper, lower)
-        clearance, direction = best_clearance(away, covariance, normals, points, radius)
-        if float(tail_probability(clearance)) < _WORTH * risk:
+        around, direction = best_clearance(away, covariance, normals, points, radius)
+        if float(tail_probability(around)) < _WORTH * risk:
             found.append(direction)
     return np.array(found).reshape(-1, normals.shape[1])
 

@@ -9,6 +9,7 @@ from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import clearance_for
+from radmpc.program.layout import owners_of_runs
 from radmpc.program.program import PRESOLVED_SHARE, ChanceRows, DisjunctiveProgram
 
 __all__ = ["Restriction", "along", "avoidance_blocks", "restrict", "restrict_around"]
@@ -44,11 +45,9 @@ def avoidance_blocks(program: DisjunctiveProgram) -> csr_array:
     n = program.num_columns
     block_of_column = csr_array((np.ones(n), (np.arange(n), program.blocks)), shape=(n, num_blocks))
     row_blocks = csr_array(abs(rows.normals) @ (abs(program.outputs) @ block_of_column))
-    sizes = np.diff(program.alternative_starts)
-    alternative = np.repeat(np.arange(program.num_alternatives), sizes)
-    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
+    owners = program.layout.owners[program.entry_owners()]
     members = csr_array(
-        (np.ones(alternative.size), (owner[alternative], program.alternative_rows)),
+        (np.ones(owners.size), (owners, program.alternative_rows)),
         shape=(program.num_avoidances, rows.count),
     )
     return csr_array(members @ row_blocks)
@@ -203,6 +202,7 @@ def _with_avoidances(
     alternatives = _runs(program.avoidance_starts, avoidances)
     entries = _runs(program.alternative_starts, alternatives)
     rows, place = np.unique(program.alternative_rows[entries], return_inverse=True)
+    avoidance_starts = _starts(np.diff(program.avoidance_starts)[avoidances])
     smaller = replace(
         part.program,
         rows=ChanceRows(
@@ -214,8 +214,9 @@ def _with_avoidances(
         ),
         alternative_starts=_starts(np.diff(program.alternative_starts)[alternatives]),
         alternative_rows=place,
-        avoidance_starts=_starts(np.diff(program.avoidance_starts)[avoidances]),
+        avoidance_starts=avoidance_starts,
         avoidances=tuple(program.avoidances[int(i)] for i in avoidances),
+        layout=replace(program.layout, owners=owners_of_runs(avoidance_starts)),
     )
     return Restriction(smaller, part.columns, rows, alternatives, avoidances)
 
@@ -229,9 +230,8 @@ def _runs(starts: Indices, chosen: Indices) -> Indices:
 
 def _counts(starts: Indices, marked: np.ndarray) -> Vector:
     """Return how many members of each run are marked; 0 for an empty one."""
-    owners = np.repeat(np.arange(starts.size - 1), np.diff(starts))
     counts: Vector = np.zeros(starts.size - 1)
-    np.add.at(counts, owners, marked)
+    np.add.at(counts, owners_of_runs(starts), marked)
     return counts
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.program.danger import Body, End, Part, RowBlock, Windows
+from radmpc.program.avoidance import Body, End, Part, RowBlock, Windows
 
 __all__ = ["empty_block", "lay_out"]
 

@@ -1,17 +1,17 @@
-"""Chance rows of one danger over all windows: faces, noise, sagitta, and what reach settles."""
+"""Chance rows of one avoidance over all windows: faces, noise, sagitta, and the presolve."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
-from radmpc.program.danger import Body, End, RowBlock, Windows
+from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
+from radmpc.program.avoidance import Body, End, RowBlock, Windows
 from radmpc.program.program import PRESOLVED_RISK, PRESOLVED_SHARE
 from radmpc.program.reserve import chosen_shares, shares_of_reserve
 from radmpc.program.row_layout import empty_block, lay_out
 
-__all__ = ["danger_rows"]
+__all__ = ["avoidance_rows"]
 
 _LEAST_DEVIATION = 1e-8
 """Noise that is there counts as at least so much [m]: solvers refuse slopes of 1e15 and more, which
@@ -21,7 +21,7 @@ _SOME = 0.25
 """Share of Δ that a start or goal of little room may risk for more of the sagitta's reserve [-]."""
 
 
-def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
+def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
     """Return the rows of one danger, or its settled risk alone.
 
     A window some face of which holds for every admissible control with a risk of at most
@@ -63,7 +63,7 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         if windows.shares is not None:
             shares = chosen_shares(windows.shares, shares)
     worst = [_worst(ends, sagitta, share) for share in shares]
-    best = np.minimum.reduce([_in_deviations(end.most, end.deviations) for end in ends])
+    best = np.minimum.reduce([clearance(end.most, end.deviations) for end in ends])
     settled_by = worst[0].max(axis=1)
     settled = settled_by >= enough
     safest = worst[0].argmax(axis=1)
@@ -119,20 +119,12 @@ def _clearance(end: End, sagitta: Vector, share: Vector) -> Vector:
     """Return the least clearance of an end over the reach, its share of the reserve kept."""
     kept = share if end.is_near else 1.0 - share
     reserve = 4.0 * np.square(np.where(np.isfinite(share), kept, 0.5)) * sagitta
-    return _in_deviations(end.least - reserve, end.deviations)
+    return clearance(end.least - reserve, end.deviations)
 
 
 def _worst(ends: list[End], sagitta: Vector, share: Vector) -> Vector:
     """Return the least clearance of all ends over the reach."""
     return np.asarray(np.minimum.reduce([_clearance(end, sagitta, share) for end in ends]))
-
-
-def _in_deviations(slack: Vector, deviations: Vector) -> Vector:
-    """Return slacks in standard deviations, ±inf without noise."""
-    noisy = deviations > 0.0
-    certain = np.where(slack >= 0.0, np.inf, -np.inf)
-    with np.errstate(over="ignore"):
-        return np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
 
 
 def _worst_sagitta(body: Body, windows: Windows) -> Vector:

@@ -14,8 +14,8 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.geometry import sphere_directions
+from radmpc.program.avoidance import Windows
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.danger import Windows
 from radmpc.program.keepout import KeepOut
 
 __all__ = ["Turned"]

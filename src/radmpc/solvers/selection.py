@@ -54,10 +54,9 @@ def possible_alternatives(program: DisjunctiveProgram, margins: Vector) -> np.nd
 
 def side_table(program: DisjunctiveProgram, possible: np.ndarray) -> Indices:
     """Return the possible alternatives of every avoidance, (v, most), filled up with −1."""
-    sizes = np.diff(program.avoidance_starts)
-    owner = np.repeat(np.arange(sizes.size), sizes)[possible]
-    counts = np.bincount(owner, minlength=sizes.size)
-    table = np.full((sizes.size, int(counts.max(initial=1))), -1, dtype=np.int64)
+    owner = program.layout.owners[possible]
+    counts = np.bincount(owner, minlength=program.num_avoidances)
+    table = np.full((program.num_avoidances, int(counts.max(initial=1))), -1, dtype=np.int64)
     place = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
     table[owner, place] = np.flatnonzero(possible)
     return table

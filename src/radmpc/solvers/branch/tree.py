@@ -89,9 +89,7 @@ class Tree:
         self._lp = WarmLp(program, margins, cost_rows)
         self._open: Dives[_Node] = Dives(_PATIENCE)
         self._weights = np.ones(program.num_avoidances)
-        self._owner = np.repeat(
-            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
-        )
+        self._owner = program.layout.owners
         self._created = 0
         self._closed = float("inf")
         self._possible = possible_alternatives(program, margins)

@@ -131,12 +131,13 @@ def encode(program: DisjunctiveProgram, margins: Vector) -> MilpModel:
     seen = np.flatnonzero(abs(rows.normals).sum(axis=0) > 0.0)
     outputs = csr_array(program.outputs[seen])
     num_seen, num_off = seen.size, program.num_alternatives
-    owner = np.repeat(np.arange(num_off), np.diff(program.alternative_starts))
     big_m = _largest_excess(program, margins)
-    switch = coo_array((-big_m, (program.alternative_rows, owner)), shape=(rows.count, num_off))
+    switch = coo_array(
+        (-big_m, (program.alternative_rows, program.entry_owners())), shape=(rows.count, num_off)
+    )
     sizes = np.diff(program.avoidance_starts)
     cover = coo_array(
-        (np.ones(num_off), (np.repeat(np.arange(sizes.size), sizes), np.arange(num_off))),
+        (np.ones(num_off), (program.layout.owners, np.arange(num_off))),
         shape=(sizes.size, num_off),
     )
     matrix = block_array(

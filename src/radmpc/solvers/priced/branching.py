@@ -29,9 +29,7 @@ class BranchingChoice:
     def __init__(self, program: DisjunctiveProgram, rater: Rater) -> None:
         self._table = rater.table
         self._weights = np.ones(program.num_avoidances)
-        self._owner = np.repeat(
-            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
-        )
+        self._owner = program.layout.owners
 
     def failed(self, side: int) -> None:
         """Note that choosing a side ended a branch."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
+from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.selection import possible_alternatives, side_table
 
@@ -82,7 +82,7 @@ class Rater:
         self._rows = program.alternative_rows
         self._is_single = bool(np.all(np.diff(starts) == 1))
         # Rows of one event are neighbors within an alternative and are charged once.
-        owners = np.repeat(np.arange(program.num_alternatives), np.diff(starts))
+        owners = program.entry_owners()
         events = program.rows.events[self._rows]
         begins = np.append(True, (np.diff(owners) != 0) | (np.diff(events) != 0))[: owners.size]
         self._event_starts = np.flatnonzero(begins)
@@ -101,8 +101,8 @@ class Rater:
         slacks = program.slacks(z)
         clearances = slacks * self._inverse
         if self._certain.any():
-            # A hard row holds up to the solver's own feasibility tolerance.
-            clearances[self._certain] = np.where(slacks[self._certain] >= -1e-8, np.inf, -np.inf)
+            certain = slacks[self._certain]
+            clearances[self._certain] = clearance(certain, np.zeros(certain.size))
         risks: Vector = np.asarray(tail_probability(clearances))
         if program.num_avoidances == 0 or self.is_infeasible:
             risk = np.inf if self.is_infeasible else 0.0

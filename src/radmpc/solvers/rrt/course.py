@@ -148,7 +148,7 @@ def course_of(
     block: int,
     avoidances: Indices,
     z: Vector,
-) -> Course | None:
+) -> Course:
     """Return one block's part of a program.
 
     Parameters
@@ -168,17 +168,13 @@ def course_of(
 
     Returns
     -------
-    Course or None
-        None where the columns are not those of a vehicle.
+    Course
+        Over the block's own columns.
     """
     columns = np.flatnonzero(program.blocks == block)
     plus = columns[: columns.size // 2]
-    shape = _shape(program, block, plus)
-    if shape is None:
-        return None
-    horizon, dimension = shape
-    width = (horizon + 1) * dimension
-    span = slice(block * width, (block + 1) * width)
+    layout = program.layout
+    horizon, dimension, span = layout.horizon, layout.dimension, layout.positions[block]
     steps = np.repeat(np.arange(horizon), plus.size // horizon)
     places = program.outputs[span].toarray()[:, plus]
     numbers = np.flatnonzero(abs(program.hard)[:, plus].sum(axis=1) > 0.0)
@@ -212,23 +208,6 @@ def course_of(
         avoidances=chance.avoidances,
         levels=levels,
     )
-
-
-def _shape(program: DisjunctiveProgram, block: int, plus: Indices) -> tuple[int, int] | None:
-    """Return steps and axes of a vehicle, told by its response: the same at every step."""
-    prediction = program.outputs[: program.num_positions].toarray()[:, plus]
-    for dimension in (2, 3):
-        for horizon in (t for t in range(1, plus.size + 1) if plus.size % t == 0):
-            width = dimension * (horizon + 1)
-            if program.num_positions % width or (block + 1) * width > program.num_positions:
-                continue
-            own = prediction[block * width : (block + 1) * width]
-            moved = own.reshape(horizon + 1, dimension, horizon, plus.size // horizon)
-            is_whole = np.count_nonzero(own) == np.count_nonzero(prediction)
-            is_alike = np.array_equal(moved[1:, :, 1:], moved[:-1, :, :-1])
-            if is_whole and is_alike and not moved[0].any():
-                return horizon, dimension
-    return None
 
 
 def _levels(matrix: Matrix, steps: Indices) -> Indices:

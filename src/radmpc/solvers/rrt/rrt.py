@@ -104,8 +104,7 @@ def _is_infeasible(program: DisjunctiveProgram, possible: np.ndarray) -> bool:
 
     What the samples do not find is no proof; this is.
     """
-    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
-    left = np.bincount(owner[possible], minlength=program.num_avoidances)
+    left = np.bincount(program.layout.owners[possible], minlength=program.num_avoidances)
     return bool(
         np.any(left == 0)
         or np.any(program.upper < program.lower)
@@ -165,8 +164,6 @@ class _Fleet:
         is_own = np.asarray(touched[:, [block]].sum(axis=1)).ravel() > 0.0
         avoidances = np.flatnonzero(is_due & is_own)
         course = course_of(self.program, self.margins, self.possible, block, avoidances, z)
-        if course is None:
-            return False
         tree = RandomTree(course, self.max_nodes, self.rng, self.limits)
         tree.run()
         self.nodes += tree.count
