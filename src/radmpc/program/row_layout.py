@@ -57,23 +57,7 @@ def lay_out(
     counts = 1 + ((reserves > 0.0) & (_num_pulls(body, normals) > 1)[:, None])
     firsts = np.cumsum(counts.ravel()) - counts.ravel()
     firsts = firsts.reshape(count, num_ends)
-    entries: list[tuple[Indices, Indices, Vector]] = []
-    for e, end in enumerate(ends):
-        steps, reserve = end.steps[window], reserves[:, e]
-        is_split = counts[:, e] == 2
-        plain = firsts[:, e]
-        bent = plain[is_split] + 1
-        for part in body.parts:
-            entries.append(_position_entries(part, plain, normals, steps))
-            entries.append(_position_entries(part, bent, normals[is_split], steps[is_split]))
-            if windows.intervals and part.sagitta.any():
-                one, two = ~is_split & (reserve > 0.0), is_split
-                entries.append(
-                    _half_sagitta_entries(part, plain[one], normals[one], window[one], reserve[one])
-                )
-                entries.append(
-                    _sagitta_entries(part, bent, normals[two], window[two], reserve[two])
-                )
+    entries = _entries(body, windows, ends, (window, normals, reserves), (firsts, counts))
     repeats = counts.ravel()
     direction = np.repeat(windows.directions[window, face], num_ends)
     kinds = np.tile([end.kind for end in ends], count)
@@ -95,6 +79,46 @@ def lay_out(
         presolved_risk=presolved_risk,
         num_presolved=int(np.count_nonzero(~kept[0])),
     )
+
+
+def _entries(
+    body: Body,
+    windows: Windows,
+    ends: list[End],
+    chosen: tuple[Indices, Vector, Vector],
+    numbered: tuple[Indices, Indices],
+) -> list[tuple[Indices, Indices, Vector]]:
+    """Return rows, outputs and values of the entries of every alternative's rows.
+
+    Parameters
+    ----------
+    body, windows, ends
+        As in `lay_out`.
+    chosen : tuple of (a,), (a, d) and (a, ends) array
+        Window and normal of each alternative, and what multiple of the sagitta each end reserves.
+    numbered : tuple of (a, ends) int array
+        Number of the first row of each end, and how many rows it has.
+    """
+    window, normals, reserves = chosen
+    firsts, counts = numbered
+    entries: list[tuple[Indices, Indices, Vector]] = []
+    for e, end in enumerate(ends):
+        steps, reserve = end.steps[window], reserves[:, e]
+        is_split = counts[:, e] == 2
+        plain = firsts[:, e]
+        bent = plain[is_split] + 1
+        for part in body.parts:
+            entries.append(_position_entries(part, plain, normals, steps))
+            entries.append(_position_entries(part, bent, normals[is_split], steps[is_split]))
+            if windows.intervals and part.sagitta.any():
+                one, two = ~is_split & (reserve > 0.0), is_split
+                entries.append(
+                    _half_sagitta_entries(part, plain[one], normals[one], window[one], reserve[one])
+                )
+                entries.append(
+                    _sagitta_entries(part, bent, normals[two], window[two], reserve[two])
+                )
+    return entries
 
 
 def _position_entries(

@@ -14,7 +14,7 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "relative_gap"]
+__all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "cutoff_below", "relative_gap"]
 
 Guide = Callable[[], Indices | None]
 """Proposes one alternative per avoidance, from knowledge that solvers do not have."""
@@ -117,13 +117,44 @@ class Solution:
         return relative_gap(self.cost, self.bound)
 
 
+_LEAST_SCALE = 1e-9
+"""Costs below this count as this in relative gaps: a plan may cost nothing."""
+
+_HAIR = 1e-6
+"""Share of the gap by which the cutoff lies inside it [-], so that a node cut off counts as within
+the gap whatever rounding does."""
+
+
 def relative_gap(cost: float, bound: float) -> float:
-    """Return ``(cost − bound) / |cost|``; 0 where they agree, inf without a cost."""
+    """Return ``(cost − bound) / |cost|``; 0 where they agree, inf without a cost.
+
+    Parameters
+    ----------
+    cost : float
+        Cost of the incumbent; inf without one.
+    bound : float
+        Proven lower bound.
+    """
     if cost <= bound:
         return 0.0
     if cost == float("inf"):
         return float("inf")
-    return (cost - bound) / max(abs(cost), 1e-9)
+    return (cost - bound) / max(abs(cost), _LEAST_SCALE)
+
+
+def cutoff_below(value: float, gap: float, scale: float = _LEAST_SCALE) -> float:
+    """Return the bound from which on a node cannot improve an incumbent by more than the gap.
+
+    Parameters
+    ----------
+    value : float
+        Value of the incumbent.
+    gap : float
+        Relative gap at which the search stops.
+    scale : float
+        Values below this count as this.
+    """
+    return value - gap * (1.0 - _HAIR) * max(abs(value), scale)
 
 
 class Solver(ABC):

@@ -20,7 +20,7 @@ from radmpc.solvers.diving import Dives, OpenNode
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import CostRow, WarmLp
 from radmpc.solvers.selection import possible_alternatives, side_table, violations_of
-from radmpc.solvers.solution import Limits, relative_gap
+from radmpc.solvers.solution import Limits, cutoff_below, relative_gap
 
 __all__ = ["Tree"]
 
@@ -211,10 +211,7 @@ class Tree:
 
     def _cutoff(self) -> float:
         """Return the cost from which on a node cannot matter."""
-        if self.z is None:
-            return float("inf")
-        # A hair above what the gap allows, so that a node cut off counts as within it.
-        return self.cost - self.gap * (1.0 - 1e-6) * max(abs(self.cost), 1e-9)
+        return float("inf") if self.z is None else cutoff_below(self.cost, self.gap)
 
     def _close(self, bound: float) -> None:
         """Account for the bound of a node that is not split further."""

@@ -29,13 +29,20 @@ Seek = Callable[[Rater, int, bool], Incumbent | None]
 or at its own pace."""
 
 _ROUGH_GAP = 5e-3
+"""Relative gap at which the search for one group of blocks stops [-]: the whole is not optimal in
+any case, and smaller gaps take nodes from other groups."""
+
 _NODES_AROUND = 60
+"""Nodes per free block of the search around the plan at hand, before the search proper [-]."""
+
 _TRIES = 3
+"""Orders in which blocks are placed [-]; each new one begins with the block that found no path."""
+
 _TRIES_IN_HASTE = 5
-"""Orders in which blocks are placed."""
+"""The same where each block is placed by the construction heuristic [-], whose runs are short."""
 
 _NODES = 200
-"""Nodes per free block: it is a heuristic, not a proof."""
+"""Nodes per free block [-]: it is a heuristic, not a proof."""
 
 
 @dataclass(eq=False)
@@ -191,19 +198,7 @@ class Neighborhood:
         if tree.value <= least + _ROUGH_GAP * max(least, self.scale):
             return z
         if tree.best is not None:
-            near = search_around(
-                tree.rater,
-                part.program.slacks(tree.best.z),
-                tree.best,
-                move=self.move,
-                unit=self.unit,
-                price=self.price,
-                scale=self.scale,
-                limits=self.limits,
-                max_nodes=_NODES_AROUND * len(free),
-            )
-            if near is not None:
-                tree.consider(near.z)
+            self._search_around(tree, tree.best, _NODES_AROUND * len(free))
         tree.run(_NODES * len(free))
         if tree.best is None and is_new and self.seek is not None and not self.limits.reached:
             found = self.seek(tree.rater, free[0], False)
@@ -214,6 +209,22 @@ class Neighborhood:
         moved = z.copy()
         moved[part.columns] = tree.best.z
         return moved
+
+    def _search_around(self, tree: RiskTree, best: Incumbent, max_nodes: int) -> None:
+        """Offer a tree the best plan near one that it has."""
+        near = search_around(
+            tree.rater,
+            tree.program.slacks(best.z),
+            best,
+            move=self.move,
+            unit=self.unit,
+            price=self.price,
+            scale=self.scale,
+            limits=self.limits,
+            max_nodes=max_nodes,
+        )
+        if near is not None:
+            tree.consider(near.z)
 
     def _around(self, z: Vector, free: Sequence[int], placed: Sequence[int]) -> Restriction:
         """Return the program of some blocks around placed others."""
