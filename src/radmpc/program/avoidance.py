@@ -1,4 +1,4 @@
-"""One danger: what is kept apart from what and when, and the rows that come of it."""
+"""One avoidance over all windows: what is kept out of what and when, and the resulting rows."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ __all__ = ["Body", "End", "Part", "RowBlock", "Windows"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """What is kept apart, one vehicle or the relative motion of two, over the outputs.
+    """What avoids: one vehicle, or the relative motion of two, over the outputs.
 
     Attributes
     ----------
     lower, upper : (T+1, d) array
-        Reach of the (relative) position [m].
+        Box that holds the (relative) mean position under every admissible control [m].
     covariances : (T+1, d, d) array
         Covariance of the (relative) position [m²].
     bent : (T, d, d) array or None
@@ -26,8 +26,8 @@ class Body:
         One vehicle, or two with signs +1 and −1.
     """
 
-    lower: Vector
-    upper: Vector
+    lower: Matrix
+    upper: Matrix
     covariances: Tensor
     bent: Tensor | None
     parts: tuple[Part, ...]
@@ -54,7 +54,7 @@ class Part:
     sign: float
     position: int
     controls: int
-    control_bounds: Vector
+    control_bounds: Matrix
     sagitta: Matrix
 
 
@@ -77,16 +77,42 @@ class Windows:
     """
 
     normals: Tensor
-    near: Vector
-    far: Vector
+    near: Matrix
+    far: Matrix
     directions: Indices
     intervals: bool
-    shares: Vector | None = None
+    shares: Matrix | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RowBlock:
-    """The rows of one danger; numbers of rows, events and steps count from 0 within the block."""
+    """The rows of one avoidance over all windows; numbers count from 0 within the block.
+
+    Attributes
+    ----------
+    entry_rows, entry_outputs : (entries,) int array
+        Row and output of each coefficient.
+    entry_values : (entries,) array
+        The coefficients.
+    offsets : (r,) array
+        Right sides [m].
+    deviations : (r,) array
+        Standard deviations of the left sides [m].
+    events : (r,) int array
+        The event each row belongs to.
+    event_steps : (e,) int array
+        Step of each event, from the program's first on.
+    alternative_sizes : (a,) int array
+        Rows of each alternative; they follow one another.
+    avoidance_sizes : (v,) int array
+        Alternatives of each window that asks for a choice.
+    avoidance_windows : (v,) int array
+        The windows that do.
+    presolved_risk : float
+        Risk charged for all other windows.
+    num_presolved : int
+        How many those are.
+    """
 
     entry_rows: Indices
     entry_outputs: Indices
@@ -104,17 +130,29 @@ class RowBlock:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class End:
-    """One condition at all windows: which step, right sides, deviations, slacks over the reach.
+    """One condition at all windows, rated over the reachable boxes.
 
-    ``kind`` tells apart deviations of one step that are not nested: 0 is the position's own, 1
-    what feedback held over the following step makes of it. ``is_near`` tells whose share of the
-    reserve for the sagitta it keeps. ``least`` and ``most`` are slacks without any reserve [m].
+    Attributes
+    ----------
+    kind : {0, 1}
+        Tells apart deviations of one step that are not nested: 0 is the position's own, 1 what
+        feedback held over the following step makes of it.
+    is_near : bool
+        Whether it reserves the near end's share of the sagitta, or the far end's.
+    steps : (w,) int array
+        Step at which it is asked.
+    offsets : (w, f) array
+        Right sides [m].
+    deviations : (w, f) array
+        Standard deviations along the faces [m].
+    least, most : (w, f) array
+        Slacks over the reachable box, no sagitta reserved [m].
     """
 
     kind: int
     is_near: bool
     steps: Indices
-    offsets: Vector
-    deviations: Vector
-    least: Vector
-    most: Vector
+    offsets: Matrix
+    deviations: Matrix
+    least: Matrix
+    most: Matrix

@@ -36,7 +36,33 @@ _NEGLIGIBLE = 1e-9
 
 @dataclass(slots=True, eq=False)
 class ProgramBuilder:
-    """Collects blocks of rows; numbers rows, events, risk items as they come."""
+    """Collects blocks of rows; numbers rows, events, risk items as they come.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Workspace, faces of pairs, and what counts as a collision.
+    models : tuple of CondensedModel
+        The vehicles, in the order of blocks.
+    first_step : int
+        Absolute step at which the program starts.
+    turned : Turned or None
+        Paths that half-spaces are turned to, in place of faces.
+    blocks : list of RowBlock
+        Rows collected so far.
+    block_risk_items : list of (e,) int array
+        The risk item of each event of each block.
+    risk_items, avoidances : list of RiskItem
+        Those of all blocks.
+    initial : list of (RiskItem, float)
+        Risk at k = 0 that is not negligible.
+    presolved_risk, initial_risk : float
+        Risk of presolved windows, and at k = 0.
+    num_presolved : int
+        Number of presolved windows.
+    parts : tuple of Part
+        Each vehicle's place among the outputs.
+    """
 
     scenario: Scenario
     models: tuple[CondensedModel, ...]
@@ -70,7 +96,17 @@ class ProgramBuilder:
         return self.scenario.avoidance == "intervals"
 
     def keep_out(self, i: int, cause: Cause, keepout: KeepOut) -> None:
-        """Keep a vehicle out of a convex thing."""
+        """Keep a vehicle out of a convex set.
+
+        Parameters
+        ----------
+        i : int
+            Number of the vehicle.
+        cause : {'obstacle', 'pair'}
+            What the set stands for.
+        keepout : KeepOut
+            The set, window by window.
+        """
         model = self.models[i]
         radius = model.vehicle.radius
         body = self._body(i)
@@ -97,7 +133,13 @@ class ProgramBuilder:
         self._add(body, windows, cause, model.vehicle.name, keepout.name)
 
     def keep_apart(self, i: int, j: int) -> None:
-        """Keep two vehicles apart by faces around their relative position, or by turned ones."""
+        """Keep two vehicles apart by faces around their relative position, or by turned ones.
+
+        Parameters
+        ----------
+        i, j : int
+            Numbers of the vehicles; the position of i relative to j is kept out of the faces.
+        """
         one, two = self.models[i], self.models[j]
         faces = sphere_directions(self.scenario.num_pair_faces, self.scenario.dimension)
         distance = one.vehicle.radius + two.vehicle.radius

@@ -1,4 +1,4 @@
-"""A vehicle as the program sees it: its response to controls, its noise and its reach."""
+"""A vehicle condensed to its controls: prediction matrices, noise, and the box it can reach."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["CondensedModel", "PredictionMatrices", "bent_covariances", "condense
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PredictionMatrices:
-    """How positions and velocities answer to the controls of earlier steps.
+    """Positions and velocities as linear functions of the controls of earlier steps.
 
     Attributes
     ----------
@@ -36,7 +36,15 @@ class PredictionMatrices:
 
     @classmethod
     def of(cls, system: LinearSystem, horizon: int) -> PredictionMatrices:
-        """Compute the response over a horizon; its first steps serve shorter ones."""
+        """Compute the matrices over a horizon; their first steps serve shorter ones.
+
+        Parameters
+        ----------
+        system : LinearSystem
+            n states, m controls.
+        horizon : int
+            Steps T.
+        """
         n, m = system.num_states, system.num_controls
         powers = np.empty((horizon + 1, n, n))
         powers[0] = np.eye(n)
@@ -58,7 +66,7 @@ class CondensedModel:
     Attributes
     ----------
     vehicle : Vehicle
-        Who.
+        The vehicle.
     horizon : int
         Steps of the program.
     control_bounds : (T, m) array
@@ -70,7 +78,7 @@ class CondensedModel:
         feedback held over a step makes of the deviation at its start [m²]. None where the path
         between steps does not depend on the feedback.
     position, velocity : (T+1, d, T*m) array
-        Response to the controls; velocity None where the model has none.
+        Their dependence on the controls; velocity None where the model has none.
     drift_position, drift_velocity : (T+1, d) array
         Positions and velocities without control.
     reach_lower, reach_upper : (T+1, d) array
@@ -97,13 +105,13 @@ def condense(
     covariances: Tensor,
     bounds: Matrix,
 ) -> CondensedModel:
-    """Return a vehicle that starts somewhere with some steps to go.
+    """Return a vehicle condensed over the steps that are left, from its state at the first of them.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Who.
-    prediction : Response
+        The vehicle.
+    prediction : PredictionMatrices
         Of its system, over at least this horizon.
     start : (n,) array
         Mean state at the program's first step.
@@ -114,8 +122,8 @@ def condense(
 
     Returns
     -------
-    Subject
-        With its reach computed.
+    CondensedModel
+        With its reachable box computed.
     """
     horizon, num_controls = bounds.shape
     system = vehicle.system
@@ -152,6 +160,18 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
 
     Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,
     ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: the first bracket runs from ``P δ_k`` to this.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With its feedback gain K, if any.
+    covariances : (T+1, n, n) array
+        State covariances.
+
+    Returns
+    -------
+    (T, d, d) array or None
+        See `CondensedModel.bent_covariances` [m²].
     """
     system = vehicle.system
     if vehicle.gain is None or not system.is_double_integrator:

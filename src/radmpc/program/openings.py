@@ -1,8 +1,8 @@
 """Directions beside the faces, for starts and goals that the faces alone call contact.
 
 Faces see a round hull as a box: what is apart along a diagonal may touch by every face. Where a
-start or a goal is such a place, the direction that separates it best joins the faces of that one
-danger. Everything else keeps its faces.
+start or a goal is such a position, the direction that separates it best joins the faces of that
+one avoidance. All others keep their faces.
 """
 
 from __future__ import annotations
@@ -15,18 +15,19 @@ from radmpc.gaussian import clearance, tail_probability
 __all__ = ["best_clearance", "clearances", "opening_directions"]
 
 _POOR = 1e-3
-"""Risk of the best face from which on a start or a goal is looked at more closely."""
+"""Risk of the best face from which on further directions are tried at a start or a goal [-]."""
 
 _WORTH = 0.1
-"""Share of that risk that another direction must get below to be added."""
+"""Share of that risk below which another direction must come to be added [-]."""
 
 _HALVINGS = 80
+"""Steps that bracket the multiplier of the nearest point, then bisections [-]: all digits of it."""
 
 
 def clearances(
     mean: Vector, covariance: Matrix, normals: Matrix, corners: Matrix, radius: float
 ) -> Vector:
-    """Return how many deviations half-spaces keep a mean away from a convex set.
+    """Return the clearance of half-spaces between a mean and a convex set.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def clearances(
     Returns
     -------
     (f,) array
-        Without noise +inf where they touch at most, else −inf.
+        In standard deviations; without noise +inf where they touch at most, else −inf.
     """
     slack = normals @ mean - (normals @ corners.T).max(axis=1) - radius
     variances = np.einsum("fa,ab,fb->f", normals, covariance, normals)
@@ -59,7 +60,7 @@ def best_clearance(
     Parameters
     ----------
     mean, covariance, normals, corners, radius
-        As of `clearances`; the normals are the faces of the set.
+        As in `clearances`; the normals are the faces of the set.
 
     Returns
     -------
@@ -81,7 +82,7 @@ def opening_directions(
     corners: tuple[Matrix, ...],
     radius: float,
 ) -> Matrix:
-    """Return directions that open places which the faces close.
+    """Return directions that separate where no face does.
 
     Parameters
     ----------

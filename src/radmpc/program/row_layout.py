@@ -11,7 +11,15 @@ __all__ = ["empty_block", "lay_out"]
 
 
 def empty_block(presolved_risk: float, num_presolved: int) -> RowBlock:
-    """Return a block without rows."""
+    """Return a block without rows.
+
+    Parameters
+    ----------
+    presolved_risk : float
+        Risk charged for its windows.
+    num_presolved : int
+        How many windows it has, all of them presolved.
+    """
     none, ints = np.zeros(0), np.zeros(0, dtype=np.int64)
     return RowBlock(
         ints, ints, none, none, none, ints, ints, ints, ints, ints, presolved_risk, num_presolved
@@ -31,15 +39,15 @@ def lay_out(
     Parameters
     ----------
     body : Body
-        What is kept apart.
+        What avoids.
     windows : Windows
-        From what, when.
+        What it avoids, and when.
     ends : list of End
-        What an alternative holds, its conditions.
+        The conditions of an alternative.
     chosen : tuple of (a,) array
         Window, face and share θ of the near end of each alternative.
     presolved_risk : float
-        Charged for the windows without a choice.
+        Charged for the windows that ask for no choice.
     kept : tuple of (w,) array
         Which windows ask for a choice, and how many alternatives each of these has.
 

@@ -21,19 +21,22 @@ from radmpc.program.keepout import KeepOut
 __all__ = ["Turned"]
 
 _COARSE = {2: 48, 3: 162}
-"""Directions tried first, by dimension; 7.5 degrees apart in the plane, about 16 in space."""
+"""Number of directions tried first, by dimension [-]: 7.5 degrees apart in the plane, some 16 in
+space. More find the better of two valleys more often and take time in proportion."""
 
 _SPACING = {2: 0.13, 3: 0.28}
-"""Angle between neighbors among them [rad]."""
+"""Angle between neighbors among them, by dimension [rad]: the refinement starts at half of it."""
 
 _LEVELS = 5
-"""Times that the directions around the best are tried, at a third of the distance each."""
+"""Refinements around the best direction [-], each at a third of the angle: the last is at an
+eightieth of the first."""
 
 _LEAST_DEVIATION = 1e-9
-"""Noise below which clearances are compared by their length [m]."""
+"""Least standard deviation assumed [m]: below it, directions are compared by their slack."""
 
 Supports = Callable[[Tensor], tuple[Vector, Vector]]
-"""From normals, (w, c, d), to how far what is avoided reaches along them at both ends [m]."""
+"""Support function: from normals, (w, c, d), to how far what is avoided extends along them at both
+ends of each window, (w, c) each [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,7 +106,7 @@ class Turned:
 
     Attributes
     ----------
-    models : tuple of Subject
+    models : tuple of CondensedModel
         The vehicles.
     means : (n, T+1, d) array
         Their mean positions [m].
@@ -124,9 +127,9 @@ class Turned:
         Parameters
         ----------
         i : int
-            Whose path.
+            Number of the vehicle.
         keepout : KeepOut
-            With its shapes.
+            What it keeps out of, with its shapes.
         """
         model, shapes = self.models[i], keepout.shapes
         count = len(keepout.near)
@@ -161,7 +164,13 @@ class Turned:
         )
 
     def between(self, i: int, j: int) -> Windows:
-        """Return the best half-space between two vehicles at every window."""
+        """Return the best half-space between two vehicles at every window.
+
+        Parameters
+        ----------
+        i, j : int
+            Numbers of the vehicles; the half-spaces are over i's position relative to j's.
+        """
         one, two = self.models[i], self.models[j]
         distance = one.vehicle.radius + two.vehicle.radius
 
@@ -221,7 +230,7 @@ def _best_shares(
 
 
 def _around(normals: Tensor, step: float) -> Tensor:
-    """Return normals and others by about a step from them, (w, c, d)."""
+    """Return normals and others one and two angular steps around them, (w, c, d)."""
     dimension = normals.shape[1]
     if dimension == 2:
         tangents = np.stack([-normals[:, 1], normals[:, 0]], axis=1)[:, None, :]

@@ -1,4 +1,4 @@
-"""What a solver is asked for besides the program, and what it answers."""
+"""The interface of solvers: limits, outcomes, solutions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from radmpc.program.program import DisjunctiveProgram
 __all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "cutoff_below", "relative_gap"]
 
 Guide = Callable[[], Indices | None]
-"""Proposes one alternative per avoidance, from knowledge that solvers do not have."""
+"""Proposes one alternative per avoidance, or None, from knowledge that solvers do not have."""
 
 
 def never() -> bool:
@@ -35,13 +35,13 @@ class Limits:
         Value of ``time.monotonic()`` at which to stop; inf is never.
     is_stopped : callable
         Returns True once the user asked to stop.
-    granted : float or None
-        Seconds that were granted in all, for texts.
+    time_limit : float or None
+        Seconds allowed in all, for messages.
     """
 
     deadline: float = float("inf")
     is_stopped: Callable[[], bool] = never
-    granted: float | None = None
+    time_limit: float | None = None
 
     @property
     def reached(self) -> bool:
@@ -59,9 +59,9 @@ class Limits:
             return "it was stopped on request (Ctrl-C)"
         if time.monotonic() < self.deadline:
             return ""
-        if self.granted is None:
+        if self.time_limit is None:
             return "the time limit was reached"
-        return f"the time limit of {self.granted:g} s was reached"
+        return f"the time limit of {self.time_limit:g} s was reached"
 
     @property
     def seconds_left(self) -> float:
@@ -97,7 +97,7 @@ class Solution:
     nodes : int
         Nodes of the search tree.
     lps : int
-        Linear programs solved; 0 where the backend does not tell.
+        Linear programs solved; 0 where the backend does not report it.
     seconds : float
         Time taken.
     """
@@ -192,7 +192,7 @@ class Solver(ABC):
         start : (v,) int array or None
             A selection to try first.
         guide : callable or None
-            Proposes a selection; asked at most once, where the search is slow to find any.
+            Proposes a selection; called at most once, where the search is slow to find a solution.
         rng : Generator or None
             For solvers that draw samples; None is seed 0.
 

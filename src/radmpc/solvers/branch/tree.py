@@ -19,7 +19,7 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.diving import Dives, OpenNode
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import CostRow, WarmLp
-from radmpc.solvers.selection import possible_alternatives, side_table, violations_of
+from radmpc.solvers.selection import alternative_table, possible_alternatives, violations_of
 from radmpc.solvers.solution import Limits, cutoff_below, relative_gap
 
 __all__ = ["Tree"]
@@ -93,7 +93,7 @@ class Tree:
         self._created = 0
         self._closed = float("inf")
         self._possible = possible_alternatives(program, margins)
-        self._table = side_table(program, self._possible)
+        self._table = alternative_table(program, self._possible)
         left = (self._table >= 0).sum(axis=1)
         self._is_infeasible = bool(np.any(left == 0)) or bool(np.any(program.upper < program.lower))
         self._forced = tuple(int(self._table[v, 0]) for v in np.flatnonzero(left == 1))

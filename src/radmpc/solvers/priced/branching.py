@@ -56,7 +56,7 @@ class BranchingChoice:
         second = np.where(np.isfinite(nearest[:, 1]), nearest[:, 1], 2.0 * nearest[:, 0] + 5.0)
         return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * second).argmax()]), True
 
-    def sides(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
+    def alternatives(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
         """Return the possible alternatives of an avoidance, the one violated least first."""
         short = rating.short[avoidance]
         order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]

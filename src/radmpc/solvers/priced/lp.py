@@ -227,7 +227,7 @@ class RiskLp:
         """Return the decision variables, then all other columns, of the last optimal solve."""
         return self._lp.point()
 
-    def taken(self, rows: Indices, point: Vector) -> Vector:
+    def allocated(self, rows: Indices, point: Vector) -> Vector:
         """Return the risk that a point's columns grant to active rows, in probability."""
         events = self.program.rows.events[rows]
         columns = [self._risk_columns[int(e)] for e in events]

@@ -41,9 +41,9 @@ class Node(OpenNode):
     ----------
     is_solved : bool
         Whether it has been.
-    sides : tuple of int
+    alternatives : tuple of int
         The alternatives to branch on; empty where there is nothing left to decide.
     """
 
     is_solved: bool = field(compare=False, default=False)
-    sides: tuple[int, ...] = field(compare=False, default=())
+    alternatives: tuple[int, ...] = field(compare=False, default=())

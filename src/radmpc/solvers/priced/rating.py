@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.selection import possible_alternatives, side_table
+from radmpc.solvers.selection import alternative_table, possible_alternatives
 
 __all__ = ["Rater", "Rating"]
 
@@ -74,7 +74,7 @@ class Rater:
         self.floor = deviations * float(clearance_for(self.row_cap))
         self.possible = possible_alternatives(program, self.floor)
         self._reference = deviations * float(clearance_for(min(_REFERENCE * unit, CONVEX_RISK)))
-        self.table = side_table(program, self.possible)
+        self.table = alternative_table(program, self.possible)
         self._blank = self.table < 0
         self._every = np.arange(program.num_avoidances)
         starts = program.alternative_starts

@@ -79,7 +79,7 @@ class Tangents:
         if rows.size == 0:
             return False
         # Rows of one event share a column: that one runs less than it grants hides no other.
-        missing = np.maximum(rating.risks[rows] - lp.taken(rows, point), 0.0)
+        missing = np.maximum(rating.risks[rows] - lp.allocated(rows, point), 0.0)
         missing *= lp.price / self._unit
         if missing.sum() <= tolerance:
             return False

@@ -202,10 +202,10 @@ class RiskTree:
         if not node.is_solved:
             self._solve(node)
         children = []
-        for side in node.sides:
-            child = self._node(node.bound, (*node.chosen, side))
+        for alternative in node.alternatives:
+            child = self._node(node.bound, (*node.chosen, alternative))
             self._solve(child)
-            if child.sides:
+            if child.alternatives:
                 children.append(child)
         children.sort()
         for child in children:
@@ -244,7 +244,7 @@ class RiskTree:
                     continue
                 if avoidance is None:
                     break
-                node.sides = self._choice.sides(avoidance, rating)
+                node.alternatives = self._choice.alternatives(avoidance, rating)
                 return
         node.is_open = True
         self._parked.append(node)

@@ -1,7 +1,7 @@
 """Solver ``rrt``: no optimizer at all, only random samples that are checked.
 
 Vehicles are planned one after the other, each by a random tree around those before it. The answer
-satisfies the program; nothing is proven about its cost, and finding none proves nothing.
+satisfies the program; nothing is proven of its cost, and finding none proves nothing.
 """
 
 from __future__ import annotations
@@ -26,10 +26,14 @@ from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, re
 __all__ = ["Rrt"]
 
 _VIOLATION_TOL = 1e-7
-"""What linear solvers take for satisfied too."""
+"""Violation up to which a point satisfies the program [m], as linear solvers have it by default."""
 
 _REACH_TOL = 1e-6
+"""Amount by which bounds of outputs may cross before nothing is reachable [m]: they are exact only up
+to rounding."""
+
 _MAX_ROUNDS = 3
+"""Orders in which vehicles are placed [-]; each new one begins with the vehicle that found no path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +71,12 @@ class Rrt(Solver):
     ) -> Solution:
         """Look for a cheap point at fixed margins; see `radmpc.solvers.solution.Solver`.
 
-        ``start`` and ``guide`` are not used: selections say nothing about samples.
+        Parameters
+        ----------
+        program, margins, gap, limits, rng
+            As there.
+        start, guide
+            Ignored: a selection is of no use to samples.
         """
         del start, guide
         begun = time.perf_counter()
@@ -100,9 +109,9 @@ class Rrt(Solver):
 
 
 def _is_infeasible(program: DisjunctiveProgram, possible: np.ndarray) -> bool:
-    """Whether limits alone leave nothing: the goal is out of reach, or all ways around a thing.
+    """Whether limits alone rule every solution out: no goal, or no alternative, within reach.
 
-    What the samples do not find is no proof; this is.
+    Samples that find nothing prove nothing; this does.
     """
     left = np.bincount(program.layout.owners[possible], minlength=program.num_avoidances)
     return bool(
@@ -138,7 +147,7 @@ class _Fleet:
     def run(self) -> Vector | None:
         """Return a point, or None.
 
-        A block that finds no way is put first and all begins again, a few times.
+        A block that finds no path is put first and all begins again, a few times.
         """
         order = [int(block) for block in np.unique(self.program.blocks)]
         touched = avoidance_blocks(self.program)
@@ -158,7 +167,7 @@ class _Fleet:
         return None
 
     def _place(self, block: int, placed: list[int], touched: csr_array, z: Vector) -> bool:
-        """Plan one block around those placed; write it into the point if there is a way."""
+        """Plan one block around those placed; write it into the point if there is a path."""
         absent = np.setdiff1d(np.arange(touched.shape[1]), [*placed, block])
         is_due = np.asarray(touched[:, absent].sum(axis=1)).ravel() == 0.0
         is_own = np.asarray(touched[:, [block]].sum(axis=1)).ravel() > 0.0
