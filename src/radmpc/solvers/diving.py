@@ -48,7 +48,7 @@ class Dives(Generic[Node]):
     Parameters
     ----------
     patience : int
-        Nodes after which a dive no longer backtracks to its last choice, while there is no solution.
+        Nodes after which a dive without a solution no longer backtracks to its last choice.
     """
 
     def __init__(self, patience: int) -> None:

@@ -1,4 +1,4 @@
-"""Rating a point by its true risks: what every avoidance costs at its cheapest side."""
+"""Rating a point by its true risks: every avoidance at its alternative of least risk."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ from radmpc.solvers.selection import alternative_table, possible_alternatives
 __all__ = ["Rater", "Rating"]
 
 _REFERENCE = 0.1
-"""Share of the unit at whose clearance an alternative counts as kept, when branching."""
+"""Share of the unit at whose clearance an alternative counts as satisfied when branching [-]:
+larger ones branch on fewer avoidances, and leave more to the exact account of risks."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rating:
-    """What a point is worth.
+    """The risks of a point.
 
     Attributes
     ----------
     clearances, risks : (r,) array
-        Of every row.
+        Of every row [standard deviations], [-].
     cheapest : (v,) array
-        Least risk of any side of each avoidance.
+        Least risk of any alternative of each avoidance.
     selection : (v,) int array
-        The side that has it.
+        The alternative that has it.
     short : (v, w) array
-        By how much each side misses the reference clearance [m]; inf where there is none.
+        By how much each alternative misses the reference clearance [m]; inf where there is none.
     risk : float
         Risk of the selection, shared rows counted once.
     largest : float
@@ -54,7 +55,7 @@ class Rater:
     program : DisjunctiveProgram
         The program.
     unit : float
-        The budget of risk; no row may take more than it, nor than `CONVEX_RISK`.
+        Risk budget; no row may risk more than it, nor than `CONVEX_RISK`.
 
     Attributes
     ----------
@@ -92,11 +93,11 @@ class Rater:
             np.any(program.upper < program.lower)
         )
         if self._is_single and program.num_alternatives:
-            # One row per side: the table of sides is a table of rows.
+            # One row per alternative: the table of alternatives is a table of rows.
             self._row_table = np.where(self._blank, 0, self._rows[self.table])
 
     def rate(self, z: Vector) -> Rating:
-        """Return the rating of a point; where some avoidance has no side left, an infinite risk."""
+        """Return the rating of a point; infinite risk if an avoidance has no possible alternative."""
         program = self.program
         slacks = program.slacks(z)
         clearances = slacks * self._inverse
@@ -112,19 +113,19 @@ class Rater:
             )
         misses = self._reference - slacks
         if self._is_single:
-            by_side = risks[self._row_table]
+            by_alternative = risks[self._row_table]
             short = misses[self._row_table]
         else:
             members = self._rows
             by_event = risks[members]
             if self._has_twins:
                 by_event = np.maximum.reduceat(by_event, self._event_starts)
-            by_side = np.add.reduceat(by_event, self._starts_of_events)[self.table]
+            by_alternative = np.add.reduceat(by_event, self._starts_of_events)[self.table]
             short = np.maximum.reduceat(misses[members], self._starts)[self.table]
-        by_side = np.where(self._blank, np.inf, by_side)
+        by_alternative = np.where(self._blank, np.inf, by_alternative)
         short = np.where(self._blank, np.inf, short)
-        places = by_side.argmin(axis=1)
-        cheapest = by_side[self._every, places]
+        places = by_alternative.argmin(axis=1)
+        cheapest = by_alternative[self._every, places]
         selection = self.table[self._every, places]
         risk, largest = self._total(z, selection, cheapest)
         return Rating(clearances, risks, cheapest, selection, short, risk, largest)

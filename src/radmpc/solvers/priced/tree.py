@@ -1,13 +1,14 @@
-"""Branch and bound over faces and risks together.
+"""Branch and bound over alternatives and risks together.
 
 A node is a set of chosen alternatives; its linear program (`RiskLp`) underestimates their risk
-and ignores all others', so its optimum bounds every solution below it. Every point met on the way
-is a solution of the priced problem
+and ignores that of all others, so its optimum bounds every solution below it. Every point of a
+node is a solution of the priced problem
 
-    minimize  cost(z) + price · risk(z) / unit,  risk(z) = Σ of every avoidance's cheapest side
+    minimize  cost(z) + price · risk(z) / unit,
 
-at its true risk, so incumbents come for free and are exact. Nodes that the cutoff closes are kept
-with their bounds: at another price, or for a smaller gap, the search goes on from them.
+with risk(z) the sum over avoidances of the least risk of their alternatives,
+at its true risk, so incumbents come for free and are exact. Nodes closed by the cutoff are kept
+with their bounds: at another price, or for a smaller gap, the search resumes from them.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ __all__ = ["RiskTree"]
 _INF = float("inf")
 
 _PATIENCE = 100
-"""Nodes that a dive without any solution may backtrack through before the best bound is tried again
-[-]: fewer return sooner to the bound, more find a first plan sooner in narrow scenes."""
+"""Nodes after which a dive without any solution gives up for the best bound [-]: fewer raise the
+bound sooner, more find a first plan sooner in narrow scenes."""
 
 _HEADROOM = 0.01
 """Share of the cutoff by which linear programs run beyond it [-], so that their bounds serve at a
@@ -40,14 +41,14 @@ higher price: for 48 vehicles, 51 of them instead of 589 when the price rises by
 
 
 class RiskTree:
-    """The running state of one search at a price of risk.
+    """The running state of one search at a price, the Lagrange multiplier of the risk bound.
 
     Parameters
     ----------
     program : DisjunctiveProgram
         The program.
     unit : float
-        Budget of risk that the price refers to; no row may take more than it, nor than one half.
+        Risk budget that the price refers to; no row may risk more than it, nor than one half.
     price : float
         Cost of one unit of risk.
     gap : float
@@ -57,7 +58,9 @@ class RiskTree:
     limits : Limits
         When to stop early.
     bounds : sequence of SetBound
-        Known bounds of parts, at this price.
+        Proven bounds of parts, at this price.
+    rater : Rater or None
+        The program laid out for rating, if at hand.
 
     Attributes
     ----------
@@ -68,7 +71,7 @@ class RiskTree:
     bound : float
         Proven lower bound of the value; inf where there is no solution at any price.
     nodes : int
-        Work done.
+        Nodes solved.
     is_limited : bool
         Whether a limit ended the last run, or a linear program that matters was not solved.
     """
@@ -134,7 +137,7 @@ class RiskTree:
     def resume(
         self, frontier: Frontier, price: float, best: Incumbent | None, base: float = 0.0
     ) -> None:
-        """Go on from another search's frontier, whatever its price and gap.
+        """Resume from another search's frontier, whatever its price and gap.
 
         A bound is concave in the price. One at a lower price holds as it is; one at a higher price
         gives, with what solutions cost where risk is free, the chord between.
@@ -156,8 +159,8 @@ class RiskTree:
         if self.rater.is_infeasible:
             return
         for bound, chosen in frontier:
-            known = bound if share == 1.0 else share * bound + (1.0 - share) * base
-            self._push(known, chosen)
+            lower = bound if share == 1.0 else share * bound + (1.0 - share) * base
+            self._push(lower, chosen)
         if best is not None:
             self.best = best
             self.value = best.cost + self.price * best.risk / self.unit
@@ -169,7 +172,7 @@ class RiskTree:
     def run(self, max_nodes: int) -> None:
         """Dive from the best open node until none can improve on the incumbent.
 
-        Stops after so many nodes; called again it goes on where it stood.
+        Stops after that many nodes; called again it resumes where it stopped.
         """
         last = self.nodes + max_nodes
         self.is_limited = False
@@ -214,7 +217,7 @@ class RiskTree:
         return children[0] if children else None
 
     def _solve(self, node: Node) -> None:
-        """Solve a node: find the sides to branch on, or park it, or drop it."""
+        """Solve a node: find the alternatives to branch on, or park it, or drop it."""
         self.nodes += 1
         node.is_solved = True
         if node.bound < self._cutoff():

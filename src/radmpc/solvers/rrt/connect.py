@@ -13,8 +13,8 @@ ROUNDS = 5
 proportion."""
 
 _RIDGE = 1e-11
-"""Ridge added to the Gram matrix, as a share of its trace [-]: larger ones miss point goals by more,
-smaller ones leave dependent rows singular."""
+"""Ridge added to the Gram matrix, as a share of its trace [-]: with larger ones point goals are
+missed by more, with smaller ones dependent rows make it singular."""
 
 _SPARSE = 1e-3
 """Weight that a control of size 0 keeps [-]; without any it would stay 0."""

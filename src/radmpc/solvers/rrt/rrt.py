@@ -29,11 +29,12 @@ _VIOLATION_TOL = 1e-7
 """Violation up to which a point satisfies the program [m], as linear solvers have it by default."""
 
 _REACH_TOL = 1e-6
-"""Amount by which bounds of outputs may cross before nothing is reachable [m]: they are exact only up
-to rounding."""
+"""Amount by which bounds of outputs may cross before nothing is reachable [m]: they are exact only
+up to rounding."""
 
 _MAX_ROUNDS = 3
-"""Orders in which vehicles are placed [-]; each new one begins with the vehicle that found no path."""
+"""Orders in which vehicles are placed [-]; each new one begins with the vehicle that found no
+path."""
 
 
 @dataclass(frozen=True, slots=True)

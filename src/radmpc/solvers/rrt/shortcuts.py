@@ -21,8 +21,8 @@ _RANK_TOL = 1e-9
 """Remainder of a row that counts as 0, as a share of the longest row [-]."""
 
 _PARTS = np.array([1.0, 0.7, 0.4, 0.2, 0.1, 0.05])
-"""Shares of the step toward a cheaper course that are tried [-]: all of them keep the states at both
-ends of the span."""
+"""Shares of the step toward a cheaper course that are tried [-]: all of them keep the states at
+both ends of the span."""
 
 
 class Shortcuts:

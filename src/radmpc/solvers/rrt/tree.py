@@ -70,7 +70,7 @@ class RandomTree:
         self._levels = np.zeros(max_nodes, dtype=np.int64)
         self._costs = np.zeros(max_nodes)
         self._paths = np.zeros((max_nodes, *course.drift.shape))
-        self._path = course.drift
+        self._best_path = course.drift
         self._shortcuts = Shortcuts(course)
 
     def run(self) -> None:
@@ -84,7 +84,7 @@ class RandomTree:
             self._note(root[0])
         if failure in {0, course.horizon + 1}:
             return
-        self._path = course.paths(course.to_goal(root, root == 0.0))[0]
+        self._best_path = course.paths(course.to_goal(root, root == 0.0))[0]
         self._add(root, start)
         # With one step there is nothing but the goal to grow to.
         for _ in range(0, self.max_nodes if course.horizon > 1 else 0, _BATCH):
@@ -124,7 +124,7 @@ class RandomTree:
         low, high = self.course.lower[ends], self.course.upper[ends]
         anywhere = low + self.rng.random(low.shape) * (high - low)
         scale = _SPREAD * self.rng.random((len(ends), 1)) * (high - low)
-        around = self._path[ends] + scale * self.rng.standard_normal(low.shape)
+        around = self._best_path[ends] + scale * self.rng.standard_normal(low.shape)
         is_near = self.rng.random((len(ends), 1)) < _NEAR
         return np.where(is_near, around, anywhere)
 
@@ -155,4 +155,4 @@ class RandomTree:
         cost = float(self.course.costs(controls[None])[0])
         if cost < self.cost:
             self.best, self.cost = controls, cost
-            self._path = self.course.paths(controls[None])[0]
+            self._best_path = self.course.paths(controls[None])[0]
