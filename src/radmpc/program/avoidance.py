@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 
 __all__ = ["Body", "End", "Part", "RowBlock", "Windows"]
@@ -31,6 +33,14 @@ class Body:
     covariances: Tensor
     bent: Tensor | None
     parts: tuple[Part, ...]
+
+    @property
+    def endpoints(self) -> tuple[tuple[Vector, Vector, Matrix], ...]:
+        """Box of the mean and covariance, at the first and at the last step."""
+        return (
+            (self.lower[0], self.upper[0], self.covariances[0]),
+            (self.lower[-1], self.upper[-1], self.covariances[-1]),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +92,32 @@ class Windows:
     directions: Indices
     intervals: bool
     shares: Matrix | None = None
+
+    @classmethod
+    def constant(
+        cls, normals: Matrix, offsets: Vector, horizon: int, *, intervals: bool
+    ) -> Windows:
+        """Return windows whose faces never change.
+
+        Parameters
+        ----------
+        normals : (f, d) array
+            Directions into what is avoided.
+        offsets : (f,) array
+            Right sides [m].
+        horizon : int
+            Number of windows.
+        intervals : bool
+            Whether windows are intervals.
+        """
+        repeated = np.tile(offsets, (horizon, 1))
+        return cls(
+            np.broadcast_to(normals, (horizon, *normals.shape)),
+            repeated,
+            repeated,
+            np.tile(np.arange(len(offsets)), (horizon, 1)),
+            intervals,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.gaussian import clearance, tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.plan import Cause
@@ -20,7 +20,7 @@ from radmpc.program.assembly import (
     stacked_hard_rows,
 )
 from radmpc.program.avoidance import Body, Part, RowBlock, Windows
-from radmpc.program.condensed import CondensedModel
+from radmpc.program.condensed import CondensedModel, joint_bent_covariances
 from radmpc.program.keepout import KeepOut
 from radmpc.program.layout import ProgramLayout, owners_of_runs
 from radmpc.program.openings import opening_directions
@@ -113,7 +113,7 @@ class ProgramBuilder:
         extra = np.zeros((0, self.scenario.dimension))
         if keepout.start is not None and keepout.shapes:
             ends = (keepout.shapes[0].vertices, keepout.shapes[-1].vertices)
-            extra = opening_directions(_places(body), keepout.start.normals, ends, radius)
+            extra = opening_directions(body.endpoints, keepout.start.normals, ends, radius)
         if self.turned is not None and keepout.shapes:
             keepout = self.turned.around(i, keepout)
         elif len(extra):
@@ -148,17 +148,17 @@ class ProgramBuilder:
             one.reach_lower - two.reach_upper,
             one.reach_upper - two.reach_lower,
             one.position_covariances + two.position_covariances,
-            _sum_of_bent(one, two),
+            joint_bent_covariances((one, two)),
             (self.parts[i], replace(other, sign=-1.0)),
         )
         if self.first_step == 0:
             origin = np.zeros((1, self.scenario.dimension))
-            extra = opening_directions(_places(body), faces, (origin, origin), distance)
+            extra = opening_directions(body.endpoints, faces, (origin, origin), distance)
             faces = np.vstack([faces, extra])
         offsets = np.full(len(faces), -distance)
         names = (one.vehicle.name, two.vehicle.name)
         self._charge_start(body, -faces, offsets, ("pair", *names))
-        windows = self._constant_windows(-faces, offsets)
+        windows = Windows.constant(-faces, offsets, one.horizon, intervals=self.intervals)
         if self.turned is not None:
             windows = self.turned.between(i, j)
         self._add(body, windows, "pair", *names)
@@ -177,7 +177,9 @@ class ProgramBuilder:
             one = slice(face, face + 1)
             name = model.vehicle.name
             self._charge_start(body, normals[one], offsets[one], ("workspace", name, None))
-            windows = self._constant_windows(normals[one], offsets[one])
+            windows = Windows.constant(
+                normals[one], offsets[one], model.horizon, intervals=self.intervals
+            )
             self._add(body, windows, "workspace", name, None)
 
     def _body(self, i: int) -> Body:
@@ -189,18 +191,6 @@ class ProgramBuilder:
             model.position_covariances,
             model.bent_covariances,
             (self.parts[i],),
-        )
-
-    def _constant_windows(self, normals: Matrix, offsets: Vector) -> Windows:
-        """Return windows whose faces never change."""
-        horizon = self.models[0].horizon
-        repeated = np.tile(offsets, (horizon, 1))
-        return Windows(
-            np.broadcast_to(normals, (horizon, *normals.shape)),
-            repeated,
-            repeated,
-            np.tile(np.arange(len(offsets)), (horizon, 1)),
-            self.intervals,
         )
 
     def _add(
@@ -298,22 +288,3 @@ class ProgramBuilder:
             ),
             owners=owners,
         )
-
-
-def _sum_of_bent(one: CondensedModel, two: CondensedModel) -> Tensor | None:
-    """Return the bent covariance of a relative position; None where neither is bent."""
-    if one.bent_covariances is None and two.bent_covariances is None:
-        return None
-    parts = [
-        s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
-        for s in (one, two)
-    ]
-    return np.asarray(parts[0] + parts[1])
-
-
-def _places(body: Body) -> tuple[tuple[Vector, Vector, Matrix], ...]:
-    """Return where a body is at the start and may be at the end, with its noise there."""
-    return (
-        (body.lower[0], body.upper[0], body.covariances[0]),
-        (body.lower[-1], body.upper[-1], body.covariances[-1]),
-    )

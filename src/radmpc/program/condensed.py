@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,13 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["CondensedModel", "PredictionMatrices", "bent_covariances", "condense"]
+__all__ = [
+    "CondensedModel",
+    "PredictionMatrices",
+    "bent_covariances",
+    "condense",
+    "joint_bent_covariances",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,6 +186,29 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
     place = list(system.position)
     bent = np.eye(system.num_states)[place] - system.B[place] @ vehicle.gain
     return np.asarray(bent @ covariances[:-1] @ bent.T)
+
+
+def joint_bent_covariances(models: Sequence[CondensedModel]) -> Tensor | None:
+    """Return the bent covariance of one vehicle, or of the position of one relative to another.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        One vehicle, or two.
+
+    Returns
+    -------
+    (T, d, d) array or None
+        Covariances summed [m²], a vehicle's own where its path does not bend; None where no path
+        does.
+    """
+    if all(s.bent_covariances is None for s in models):
+        return None
+    parts = [
+        s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
+        for s in models
+    ]
+    return np.asarray(np.sum(parts, axis=0))
 
 
 def _reach_by_boxes(

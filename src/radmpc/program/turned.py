@@ -15,7 +15,7 @@ import numpy as np
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.geometry import sphere_directions
 from radmpc.program.avoidance import Windows
-from radmpc.program.condensed import CondensedModel
+from radmpc.program.condensed import CondensedModel, joint_bent_covariances
 from radmpc.program.keepout import KeepOut
 
 __all__ = ["Turned"]
@@ -203,12 +203,9 @@ class Turned:
         if not self.intervals:
             return _Encounter((path[1:],), ((covariances[1:],),), sagittas, supports)
         at_start: tuple[Tensor, ...] = (covariances[:-1],)
-        if any(s.bent_covariances is not None for s in models):
-            bent = [
-                s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
-                for s in models
-            ]
-            at_start = (covariances[:-1], np.sum(bent, axis=0))
+        bent = joint_bent_covariances(models)
+        if bent is not None:
+            at_start = (covariances[:-1], bent)
         return _Encounter((path[:-1], path[1:]), (at_start, (covariances[1:],)), sagittas, supports)
 
 

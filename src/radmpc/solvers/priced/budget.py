@@ -29,8 +29,7 @@ class BudgetTree(RiskTree):
     """The search for the least cost within a budget; see `RiskTree`, whose unit is the budget."""
 
     rounds = 60
-    """Times that a node's linear program is solved at most: a hard budget takes more tangents than a
-    price."""
+    """Times that a node's linear program is solved at most: a hard budget takes more tangents."""
 
     def _worth(self, z: Vector, rating: Rating) -> float:
         """Return a point's value; inf beyond the budget."""

@@ -97,7 +97,7 @@ class Rater:
             self._row_table = np.where(self._blank, 0, self._rows[self.table])
 
     def rate(self, z: Vector) -> Rating:
-        """Return the rating of a point; infinite risk if an avoidance has no possible alternative."""
+        """Return a point's rating; infinite risk if an avoidance has no possible alternative."""
         program = self.program
         slacks = program.slacks(z)
         clearances = slacks * self._inverse

@@ -6,9 +6,9 @@ node is a solution of the priced problem
 
     minimize  cost(z) + price · risk(z) / unit,
 
-with risk(z) the sum over avoidances of the least risk of their alternatives,
-at its true risk, so incumbents come for free and are exact. Nodes closed by the cutoff are kept
-with their bounds: at another price, or for a smaller gap, the search resumes from them.
+with risk(z) the sum over avoidances of the least risk of their alternatives. It is rated at that
+true risk, so incumbents come for free and are exact. Nodes closed by the cutoff are kept with
+their bounds: at another price, or for a smaller gap, the search resumes from them.
 """
 
 from __future__ import annotations
