@@ -1,6 +1,6 @@
 """From a risk budget to the risks of rows, and from risks to margins. Arithmetic only.
 
-An allocation gives a risk to every risk item; all events of the item (the faces of one thing at
+An allocation gives a risk to every risk item; all events of the item (the faces of one set at
 one step) get it, and each distinct event that is chosen pays it.
 """
 

@@ -145,7 +145,7 @@ def condense(
     if system.rates is not None:
         low, high = _reach_by_speeds(vehicle, system.rates, start, np.maximum(bounds, 0.0))
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
-    # The start is where it is, also where no admissible control leads from there to the goal.
+    # The start is fixed, even where no admissible control leads from it to the goal.
     lower[0] = upper[0] = drift[0]
     return CondensedModel(
         vehicle=vehicle,

@@ -77,7 +77,7 @@ def best_clearance(
 
 
 def opening_directions(
-    places: tuple[tuple[Vector, Vector, Matrix], ...],
+    endpoints: tuple[tuple[Vector, Vector, Matrix], ...],
     normals: Matrix,
     corners: tuple[Matrix, ...],
     radius: float,
@@ -86,22 +86,22 @@ def opening_directions(
 
     Parameters
     ----------
-    places : tuple of ((d,) array, (d,) array, (d, d) array)
+    endpoints : tuple of ((d,) array, (d,) array, (d, d) array)
         Boxes that hold the mean at the start and at the end [m], and its covariance [m²].
     normals : (f, d) array
         The faces.
     corners : tuple of (v, d) array
-        Corners of the set at each place [m].
+        Corners of the set at each of them [m].
     radius : float
         By how much it is grown [m].
 
     Returns
     -------
     (e, d) array
-        At most one per place; mostly none.
+        At most one per endpoint; mostly none.
     """
     found: list[Vector] = []
-    for (lower, upper, covariance), points in zip(places, corners, strict=True):
+    for (lower, upper, covariance), points in zip(endpoints, corners, strict=True):
         # Each face at the corner of the box that is best for it.
         best = -np.inf
         for normal in (*normals, *found):

@@ -59,7 +59,7 @@ def shares_of_reserve(
     usual = np.where(free_near > 0.5, free_near, usual)
     shares = [usual]
     for window, ends in ((0, near), (-1, far)):
-        # A start is where it is, and a goal nearly so: what they can spare is known beforehand.
+        # Positions at the start are fixed, at the goal nearly so: their slack is known beforehand.
         own: Vector = usual[window] if window == 0 else 1.0 - usual[window]
         rooms = [largest(spare)[window] for spare in ends]
         tried = [own]

@@ -1,4 +1,4 @@
-"""Risk between vehicles that is there before anyone moves."""
+"""Risk between vehicles at the start, before anyone moves."""
 
 from __future__ import annotations
 

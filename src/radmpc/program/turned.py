@@ -52,7 +52,7 @@ class _Encounter:
     sagittas : (w, d) array
         How far the mean path hangs off its chord at mid-step [m].
     supports : callable
-        Of what is avoided, its size and the vehicle's.
+        Of what is avoided, grown by the vehicle's radius.
     """
 
     ends: tuple[Tensor, ...]
@@ -122,7 +122,7 @@ class Turned:
     intervals: bool
 
     def around(self, i: int, keepout: KeepOut) -> KeepOut:
-        """Return a thing with the best half-space at every window in place of its faces.
+        """Return a convex set with the best half-space at every window in place of its faces.
 
         Parameters
         ----------

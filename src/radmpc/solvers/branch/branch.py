@@ -108,7 +108,7 @@ class _Groups:
         self.z: Vector | None = None
         self.touched = touched
         self.whole = frozenset(range(int(self.touched.shape[1])))
-        self.known: dict[frozenset[int], float] = {}
+        self.bounds: dict[frozenset[int], float] = {}
         self.solved: dict[frozenset[int], tuple[Restriction, Vector | None]] = {}
 
     def solve(self, begun: float) -> Solution:
@@ -118,9 +118,9 @@ class _Groups:
             for group in groups:
                 if group not in self.solved:
                     self._grow(group)
-                if self.known[group] == float("inf"):
+                if self.bounds[group] == float("inf"):
                     return self._answer(begun, float("inf"))
-            bound = sum(self.known[group] for group in groups)
+            bound = sum(self.bounds[group] for group in groups)
             conflicts = self._conflicts(groups)
             if not conflicts or len(groups) == 1:
                 return self._answer(begun, bound)
@@ -147,8 +147,8 @@ class _Groups:
                 tree.run(max(left - tree.nodes, 1))
         self.nodes += tree.nodes
         self.lps += tree.lps
-        parts = [value for other, value in self.known.items() if other < group]
-        self.known[group] = max([tree.bound, *parts])
+        parts = [value for other, value in self.bounds.items() if other < group]
+        self.bounds[group] = max([tree.bound, *parts])
         self.solved[group] = (part, tree.z)
 
     def _start_of(self, part: Restriction) -> Indices:
@@ -162,7 +162,7 @@ class _Groups:
         blocks = part.program.blocks
         rows = [
             CostRow(np.flatnonzero(np.isin(blocks, list(other))), bound)
-            for other, bound in self.known.items()
+            for other, bound in self.bounds.items()
             if other < group
         ]
         margins = self.margins[part.rows]

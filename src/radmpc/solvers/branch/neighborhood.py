@@ -1,7 +1,7 @@
 """Incumbents by planning one block (vehicle) at a time around the others.
 
-A block whose columns are fixed at a known point is a moving obstacle to the rest: its rows need
-no new mathematics, only bounds that allow one value.
+A block whose columns are fixed is a moving obstacle to the rest: it needs no new rows, only column
+bounds that allow one value.
 """
 
 from __future__ import annotations

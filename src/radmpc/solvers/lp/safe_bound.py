@@ -24,7 +24,7 @@ _ULP = float(np.finfo(np.float64).eps)
 """Twice the largest relative error of one operation."""
 
 _BEGIN = 256
-"""Entries that a growing array has room for at first [-]; it doubles from there."""
+"""Initial capacity of a growing array [-]; it doubles from there."""
 
 _Integers = npt.NDArray[np.signedinteger]
 

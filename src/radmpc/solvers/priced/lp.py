@@ -61,7 +61,7 @@ class SetBound:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Row:
-    """A chance row's place: its linear program rows, their right sides, their tangents."""
+    """A chance row in the linear program: its rows there, their right sides, their tangents."""
 
     numbers: list[int]
     lowers: list[float]

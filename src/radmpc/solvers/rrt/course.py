@@ -231,13 +231,13 @@ def course_of(
 
 
 def _levels(matrix: Matrix, steps: Indices) -> Indices:
-    """Return after how many steps each row is known, (r,)."""
+    """Return the steps whose controls each row depends on, the first k of them, (r,)."""
     levels: Indices = np.where(matrix != 0.0, steps + 1, 0).max(axis=1, initial=0)
     return levels
 
 
 def _goal(hard: Matrix, levels: Indices, last: Matrix) -> Indices:
-    """Return the hard rows that see the last control or the last place."""
+    """Return the hard rows over the last position, or over the last control."""
     is_last_place = (hard[:, None, :] == last).all(axis=2).any(axis=1)
     return np.flatnonzero(is_last_place | (levels == levels.max(initial=0)))
 

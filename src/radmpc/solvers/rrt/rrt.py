@@ -87,7 +87,7 @@ class Rrt(Solver):
         rng = np.random.default_rng(0) if rng is None else rng
         fleet = _Fleet(program, margins, possible, self.max_nodes, rng, limits)
         z = fleet.run()
-        # No control costs less than nothing: all that is known about the least cost.
+        # Nothing is relaxed here: the only lower bound is that of the columns' own bounds.
         bound = float(np.minimum(program.cost * program.lower, program.cost * program.upper).sum())
         outcome, selection, cost = Outcome.LIMIT, None, float("inf")
         if z is not None:
