@@ -1,4 +1,4 @@
-r"""The Gaussian tail :math:`Q`, its slope and its inverse.
+r"""The Gaussian tail :math:`Q`, its slope and its inverse, and clearances in standard deviations.
 
 Tails go through ``ndtr(-q)``: :math:`\tfrac12-\tfrac12\mathrm{erf}` is exactly 0 from q = 8.4.
 """
@@ -13,10 +13,43 @@ from scipy.special import ndtr, ndtri
 from radmpc.arrays import Vector
 from radmpc.errors import RiskError
 
-__all__ = ["CONVEX_RISK", "clearance_for", "tail_probability", "tail_slope"]
+__all__ = [
+    "CONTACT_TOL",
+    "CONVEX_RISK",
+    "clearance",
+    "clearance_for",
+    "tail_probability",
+    "tail_slope",
+]
 
 CONVEX_RISK = 0.5
 """Risk up to which the tail is convex in the clearance [-]: no chance row may run more."""
+
+CONTACT_TOL = 1e-9
+"""Slack down to which a row without noise holds, since touching is no collision [m]. Below it a
+plan is rejected by the referee, far above it plans would hang on the last bit of a sum."""
+
+
+def clearance(slack: Vector, deviation: Vector) -> Vector:
+    """Return slacks in standard deviations, without noise +inf where they hold, else −inf.
+
+    Parameters
+    ----------
+    slack : array
+        How far a noisy sum is from its bound on average [m].
+    deviation : array of the same shape
+        Its standard deviation [m], 0 where there is no noise.
+
+    Returns
+    -------
+    array
+        ``slack / deviation``; without noise +inf down to a slack of ``-CONTACT_TOL``.
+    """
+    noisy = deviation > 0.0
+    certain = np.where(slack >= -CONTACT_TOL, np.inf, -np.inf)
+    with np.errstate(over="ignore"):  # a slack of meters over a deviation of 1e-300
+        scaled: Vector = np.where(noisy, slack / np.where(noisy, deviation, 1.0), certain)
+    return scaled
 
 
 @overload

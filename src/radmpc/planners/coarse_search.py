@@ -49,7 +49,7 @@ def propose_sides(
     (v,) int array or None
         A selection; None if no way was found in time, and in space, where grids are too large.
     """
-    if models[0].reach_lower.shape[1] != 2:
+    if program.layout.dimension != 2:
         return None
     search = _Search(program, models, margins, limits)
     order = list(range(len(models)))
@@ -103,8 +103,6 @@ class _Search:
             frozenset(int(b) for b in touched.indices[touched.indptr[v] : touched.indptr[v + 1]])
             for v in range(program.num_avoidances)
         ]
-        sizes = [model.drift_position.size for model in models]
-        self.first = np.concatenate([[0], np.cumsum(sizes)])
         self.outputs = program.constant.copy()
 
     def place(self, order: list[int]) -> int | None:
@@ -116,7 +114,7 @@ class _Search:
             path = self._walk(i, placed)
             if path is None:
                 return i
-            self.outputs[self.first[i] : self.first[i + 1]] = path.ravel()
+            self.outputs[self.program.layout.positions[i]] = path.ravel()
         return None
 
     def _walk(self, i: int, placed: set[int]) -> Matrix | None:
@@ -151,13 +149,12 @@ class _Search:
 
     def _tests(self, i: int, placed: set[int]) -> dict[int, list[int]]:
         """Return the avoidances that concern a vehicle and those before it, by window."""
-        intervals = np.any(np.diff(self.program.alternative_starts) >= 2)
-        shift = 0 if intervals else 1
+        layout = self.program.layout
         found: dict[int, list[int]] = {}
         for avoidance, label in enumerate(self.program.avoidances):
             blocks = self.blocks[avoidance]
             if i in blocks and blocks <= placed:
-                found.setdefault(label.step - shift, []).append(avoidance)
+                found.setdefault(layout.window_of(label.step), []).append(avoidance)
         return found
 
     def _allowed(
@@ -189,9 +186,10 @@ class _Search:
         normals = self.program.rows.normals
         span = slice(normals.indptr[row], normals.indptr[row + 1])
         columns, values = normals.indices[span], normals.data[span]
-        mine = (columns >= self.first[i]) & (columns < self.first[i + 1])
-        rest = (columns < self.first[-1]) & ~mine
-        local = columns[mine] - self.first[i]
+        own = self.program.layout.positions[i]
+        mine = (columns >= own.start) & (columns < own.stop)
+        rest = (columns < self.program.num_positions) & ~mine
+        local = columns[mine] - own.start
         normal = np.zeros(2)
         normal[local % 2] = values[mine]
         offset = self.right[row] - float(values[rest] @ self.outputs[columns[rest]])

@@ -1,6 +1,6 @@
-"""How a budget of risk becomes risks of rows, and risks margins. Arithmetic only.
+"""From a risk budget to the risks of rows, and from risks to margins. Arithmetic only.
 
-An allocation gives a risk to every risk item; all events of the item (the faces of one thing at
+An allocation gives a risk to every risk item; all events of the item (the faces of one set at
 one step) get it, and each distinct event that is chosen pays it.
 """
 
@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 Spread = Literal["reached", "all"]
-"""Over which constraints Δ is spread evenly: those that reach leaves, or all there are."""
+"""Over which constraints Δ is spread evenly: those that the presolve leaves, or all there are."""
 
 
 def uniform_allocation(
@@ -34,7 +34,7 @@ def uniform_allocation(
 ) -> Vector:
     """Spread a budget evenly, so that no selection can spend more.
 
-    Exposures whose rows no control moves get the least risk they carry in any case on top.
+    Risk items whose rows no control moves get the least risk they carry in any case on top.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def uniform_allocation(
     budget : float
         Risk to spread, > 0.
     spread : {'reached', 'all'}
-        Whether what reach has settled gets a share, too.
+        Whether presolved avoidances get a share, too.
 
     Returns
     -------
@@ -61,16 +61,40 @@ def uniform_allocation(
 
 
 def margins_of(program: DisjunctiveProgram, allocation: Vector) -> Vector:
-    """Return the back-off of every row at an allocation, (r,) [m] (paper, Eq. 7)."""
+    """Return the back-off of every row at an allocation (paper, Eq. 7).
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program.
+    allocation : (x,) array
+        Risk of each event of every risk item.
+
+    Returns
+    -------
+    (r,) array
+        Back-offs [m], never negative.
+    """
     rows = program.rows
     risks = allocation[rows.risk_items[rows.events]]
-    # Nothing allocated means the row may not be chosen; an infinite margin would spoil the sums.
+    # Nothing allocated means that the row may not be chosen; an infinite margin would turn sums
+    # into NaN.
     floor = np.finfo(np.float64).tiny
     return rows.deviations * clearance_for(np.clip(risks, floor, 0.5))
 
 
 def allocated(program: DisjunctiveProgram, allocation: Vector, selection: Indices) -> float:
-    """Return what a selection pays: the allocation of its distinct events."""
+    """Return the risk allocated to a selection, distinct events counted once.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program.
+    allocation : (x,) array
+        Risk of each event of every risk item.
+    selection : (v,) int array
+        The alternative chosen for each avoidance.
+    """
     events = np.unique(program.rows.events[program.selected_rows(selection)])
     return float(allocation[program.rows.risk_items[events]].sum())
 
@@ -78,7 +102,7 @@ def allocated(program: DisjunctiveProgram, allocation: Vector, selection: Indice
 def allocation_from(
     program: DisjunctiveProgram, selection: Indices, z: Vector, budget: float
 ) -> Vector | None:
-    """Allot what a point's sides run, and spread the rest of the budget evenly over them.
+    """Allocate what a point's alternatives risk, and spread the remaining budget evenly over them.
 
     The point is feasible at this allocation, however far from uniform it is.
 
@@ -87,7 +111,7 @@ def allocation_from(
     program : DisjunctiveProgram
         The program.
     selection : (v,) int array
-        The sides.
+        The alternative chosen for each avoidance.
     z : (n,) array
         The point.
     budget : float
@@ -125,9 +149,9 @@ class Reallocation:
     allocation : (x,) array
         The next allocation.
     num_active : int
-        Exposures that use what they were given.
+        Risk items that use what they were allocated.
     num_chosen : int
-        Exposures with a chosen row.
+        Risk items with a chosen row.
     used : float
         True risk of the chosen rows at the solution.
     """
@@ -151,8 +175,8 @@ def reallocate(
 ) -> Reallocation:
     """Move risk from rows that do not use theirs to those that do.
 
-    The paper states both directions; this one lowers the cost, because a row that uses all it
-    was given is one that holds the solution back. The other may be asked for.
+    The paper states both directions; this one lowers the cost, because a row that uses all it was
+    allocated is a binding constraint. The other may be asked for.
 
     Parameters
     ----------
@@ -203,10 +227,7 @@ def _largest_counts(program: DisjunctiveProgram) -> Indices:
     num = len(program.risk_items)
     if rows.count == 0:
         return np.zeros(num, dtype=np.int64)
-    alternative = np.repeat(
-        np.arange(program.num_alternatives), np.diff(program.alternative_starts)
-    )
-    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
+    alternative, owner = program.entry_owners(), program.layout.owners
     # Distinct events that one alternative has of a risk item, the most of any in its avoidance.
     events = np.unique(alternative * rows.risk_items.size + rows.events[program.alternative_rows])
     holder, risk_item = (

@@ -1,4 +1,4 @@
-"""From vehicles and what they avoid to a program, and from a solution back to controls.
+"""From vehicles and what they avoid to a program, and from its solution back to controls.
 
 Columns: per vehicle ``u⁺`` step by step, then ``u⁻``,
 so that ``u = u⁺ − u⁻`` and, at no extra row, ``|u| <= u⁺ + u⁻``.
@@ -21,16 +21,16 @@ __all__ = ["build_program", "condensed_models", "controls_of", "prediction_matri
 
 
 def prediction_matrices(scenario: Scenario) -> tuple[PredictionMatrices, ...]:
-    """Return every vehicle's response, computed once per distinct system."""
-    known: dict[int, PredictionMatrices] = {}
+    """Return every vehicle's prediction matrices, computed once per distinct system."""
+    by_system: dict[int, PredictionMatrices] = {}
     for vehicle in scenario.vehicles:
-        if id(vehicle.system) not in known:
-            known[id(vehicle.system)] = PredictionMatrices.of(vehicle.system, scenario.horizon)
-    return tuple(known[id(vehicle.system)] for vehicle in scenario.vehicles)
+        if id(vehicle.system) not in by_system:
+            by_system[id(vehicle.system)] = PredictionMatrices.of(vehicle.system, scenario.horizon)
+    return tuple(by_system[id(vehicle.system)] for vehicle in scenario.vehicles)
 
 
 def condensed_models(scenario: Scenario) -> tuple[CondensedModel, ...]:
-    """Return every vehicle from its start over the whole horizon."""
+    """Return every vehicle condensed over the whole horizon, from its start."""
     models = []
     for vehicle, prediction in zip(scenario.vehicles, prediction_matrices(scenario), strict=True):
         covariances = vehicle.covariances(scenario.horizon)
@@ -54,17 +54,17 @@ def build_program(
     ----------
     scenario : Scenario
         Obstacles, workspace, and what counts as a collision.
-    models : sequence of Subject
+    models : sequence of CondensedModel
         The vehicles planned together; all their pairs are kept apart.
     risk_bound : float
         Δ for these vehicles.
     first_step : int
-        Absolute step at which the subjects start.
+        Absolute step at which the program starts.
     temporal : sequence of KeepOut
         Other vehicles' temporal obstacles; charged as pairs.
     turned : Turned or None
-        Paths of the subjects that half-spaces are turned to: one for every window in place of the
-        faces of obstacles and pairs.
+        Paths that half-spaces are turned to: one for every window in place of the faces of
+        obstacles and pairs.
 
     Returns
     -------
@@ -74,12 +74,12 @@ def build_program(
     builder = ProgramBuilder(scenario, tuple(models), first_step, turned)
     horizon = models[0].horizon
     intervals = scenario.avoidance == "intervals"
-    still: list[KeepOut] = []
+    of_obstacles: list[KeepOut] = []
     for obstacle in scenario.obstacles:
         keepouts = obstacle_keepouts(obstacle, first_step, horizon, intervals=intervals)
-        still += keepouts
+        of_obstacles += keepouts
     for i in range(len(models)):
-        for keepout in still:
+        for keepout in of_obstacles:
             builder.keep_out(i, "obstacle", keepout)
         for keepout in temporal:
             builder.keep_out(i, "pair", keepout)
@@ -90,7 +90,20 @@ def build_program(
 
 
 def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:
-    """Return the nominal controls of each vehicle, (T, m), from a program's solution."""
+    """Return the nominal controls of each vehicle from a program's solution.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        The vehicles of the program.
+    z : (n,) array
+        Its solution.
+
+    Returns
+    -------
+    list of (T, m) array
+        ``u⁺ − u⁻`` of each vehicle.
+    """
     controls, start = [], 0
     for model in models:
         span = model.control_bounds.size

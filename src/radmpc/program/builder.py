@@ -1,32 +1,68 @@
-"""Collecting the rows of all dangers and numbering them: rows, events, risk items, avoidances."""
+"""Collecting the rows of everything to avoid, numbered: rows, events, risk items, avoidances."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, eye_array, vstack
+from scipy.sparse import csr_array, eye_array, vstack
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.gaussian import clearance, tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
-from radmpc.program.condensed import CondensedModel
-from radmpc.program.danger import Body, Part, RowBlock, Windows
-from radmpc.program.hard import hard_rows
+from radmpc.program.assembly import (
+    cost_and_upper_bounds,
+    mean_positions,
+    run_starts,
+    stacked_chance_rows,
+    stacked_hard_rows,
+)
+from radmpc.program.avoidance import Body, Part, RowBlock, Windows
+from radmpc.program.condensed import CondensedModel, joint_bent_covariances
 from radmpc.program.keepout import KeepOut
+from radmpc.program.layout import ProgramLayout, owners_of_runs
 from radmpc.program.openings import opening_directions
-from radmpc.program.program import ChanceRows, DisjunctiveProgram, RiskItem
-from radmpc.program.rows import danger_rows
+from radmpc.program.program import DisjunctiveProgram, RiskItem
+from radmpc.program.rows import avoidance_rows
 from radmpc.program.turned import Turned
 
 __all__ = ["ProgramBuilder"]
 
+_NEGLIGIBLE = 1e-9
+"""Risk at k = 0 up to which it is charged but not named in the program [-]."""
+
 
 @dataclass(slots=True, eq=False)
 class ProgramBuilder:
-    """Collects blocks of rows; numbers rows, events, risk items as they come."""
+    """Collects blocks of rows; numbers rows, events, risk items as they come.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Workspace, faces of pairs, and what counts as a collision.
+    models : tuple of CondensedModel
+        The vehicles, in the order of blocks.
+    first_step : int
+        Absolute step at which the program starts.
+    turned : Turned or None
+        Paths that half-spaces are turned to, in place of faces.
+    blocks : list of RowBlock
+        Rows collected so far.
+    block_risk_items : list of (e,) int array
+        The risk item of each event of each block.
+    risk_items, avoidances : list of RiskItem
+        Those of all blocks.
+    initial : list of (RiskItem, float)
+        Risk at k = 0 that is not negligible.
+    presolved_risk, initial_risk : float
+        Risk of presolved windows, and at k = 0.
+    num_presolved : int
+        Number of presolved windows.
+    parts : tuple of Part
+        Each vehicle's place among the outputs.
+    """
 
     scenario: Scenario
     models: tuple[CondensedModel, ...]
@@ -60,14 +96,24 @@ class ProgramBuilder:
         return self.scenario.avoidance == "intervals"
 
     def keep_out(self, i: int, cause: Cause, keepout: KeepOut) -> None:
-        """Keep a vehicle out of a convex thing."""
+        """Keep a vehicle out of a convex set.
+
+        Parameters
+        ----------
+        i : int
+            Number of the vehicle.
+        cause : {'obstacle', 'pair'}
+            What the set stands for.
+        keepout : KeepOut
+            The set, window by window.
+        """
         model = self.models[i]
         radius = model.vehicle.radius
         body = self._body(i)
         extra = np.zeros((0, self.scenario.dimension))
         if keepout.start is not None and keepout.shapes:
             ends = (keepout.shapes[0].vertices, keepout.shapes[-1].vertices)
-            extra = opening_directions(_places(body), keepout.start.normals, ends, radius)
+            extra = opening_directions(body.endpoints, keepout.start.normals, ends, radius)
         if self.turned is not None and keepout.shapes:
             keepout = self.turned.around(i, keepout)
         elif len(extra):
@@ -87,7 +133,13 @@ class ProgramBuilder:
         self._add(body, windows, cause, model.vehicle.name, keepout.name)
 
     def keep_apart(self, i: int, j: int) -> None:
-        """Keep two vehicles apart by faces around their relative position, or by turned ones."""
+        """Keep two vehicles apart by faces around their relative position, or by turned ones.
+
+        Parameters
+        ----------
+        i, j : int
+            Numbers of the vehicles; the position of i relative to j is kept out of the faces.
+        """
         one, two = self.models[i], self.models[j]
         faces = sphere_directions(self.scenario.num_pair_faces, self.scenario.dimension)
         distance = one.vehicle.radius + two.vehicle.radius
@@ -96,17 +148,17 @@ class ProgramBuilder:
             one.reach_lower - two.reach_upper,
             one.reach_upper - two.reach_lower,
             one.position_covariances + two.position_covariances,
-            _sum_of_bent(one, two),
+            joint_bent_covariances((one, two)),
             (self.parts[i], replace(other, sign=-1.0)),
         )
         if self.first_step == 0:
             origin = np.zeros((1, self.scenario.dimension))
-            extra = opening_directions(_places(body), faces, (origin, origin), distance)
+            extra = opening_directions(body.endpoints, faces, (origin, origin), distance)
             faces = np.vstack([faces, extra])
         offsets = np.full(len(faces), -distance)
         names = (one.vehicle.name, two.vehicle.name)
         self._charge_start(body, -faces, offsets, ("pair", *names))
-        windows = self._constant_windows(-faces, offsets)
+        windows = Windows.constant(-faces, offsets, one.horizon, intervals=self.intervals)
         if self.turned is not None:
             windows = self.turned.between(i, j)
         self._add(body, windows, "pair", *names)
@@ -125,7 +177,9 @@ class ProgramBuilder:
             one = slice(face, face + 1)
             name = model.vehicle.name
             self._charge_start(body, normals[one], offsets[one], ("workspace", name, None))
-            windows = self._constant_windows(normals[one], offsets[one])
+            windows = Windows.constant(
+                normals[one], offsets[one], model.horizon, intervals=self.intervals
+            )
             self._add(body, windows, "workspace", name, None)
 
     def _body(self, i: int) -> Body:
@@ -139,23 +193,11 @@ class ProgramBuilder:
             (self.parts[i],),
         )
 
-    def _constant_windows(self, normals: Matrix, offsets: Vector) -> Windows:
-        """Return windows whose faces never change."""
-        horizon = self.models[0].horizon
-        repeated = np.tile(offsets, (horizon, 1))
-        return Windows(
-            np.broadcast_to(normals, (horizon, *normals.shape)),
-            repeated,
-            repeated,
-            np.tile(np.arange(len(offsets)), (horizon, 1)),
-            self.intervals,
-        )
-
     def _add(
         self, body: Body, windows: Windows, cause: Cause, vehicle: str, other: str | None
     ) -> None:
-        """Add one danger: its rows, and the risk it carries already."""
-        block = danger_rows(body, windows, self.scenario.risk_bound)
+        """Add the rows of one thing to avoid, and the risk of its presolved windows."""
+        block = avoidance_rows(body, windows, self.scenario.risk_bound)
         self.presolved_risk += block.presolved_risk
         self.num_presolved += block.num_presolved
         if block.avoidance_sizes.size == 0:
@@ -184,22 +226,20 @@ class ProgramBuilder:
         slack = offsets - normals @ body.lower[0]
         variances = np.einsum("fa,ab,fb->f", normals, body.covariances[0], normals)
         deviations = np.sqrt(np.maximum(variances, 0.0))
-        noisy = deviations > 0.0
-        certain = np.where(slack >= -1e-9, np.inf, -np.inf)
-        clearances = np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
-        risk = float(tail_probability(clearances).min())
+        risk = float(tail_probability(clearance(slack, deviations)).min())
         if not self.intervals:
             self.initial_risk += risk
-        if risk > 1e-9:
+        if risk > _NEGLIGIBLE:
             self.initial.append((RiskItem(*label, 0), risk))
 
     def finish(self, risk_bound: float) -> DisjunctiveProgram:
-        """Stack the blocks and the hard rows."""
-        cost, upper = self._columns()
-        hard, hard_lower, hard_upper = self._hard_rows()
-        positions, constant = self._positions()
+        """Stack the blocks and the hard rows into the program of a risk bound Δ."""
+        cost, upper = cost_and_upper_bounds(self.models)
+        hard, hard_lower, hard_upper = stacked_hard_rows(self.models)
+        positions, constant = mean_positions(self.models)
         outputs = csr_array(vstack([positions, eye_array(cost.size)]))
-        rows = self._rows(outputs.shape[0])
+        rows = stacked_chance_rows(self.blocks, self.block_risk_items, outputs.shape[0])
+        avoidance_starts = run_starts([b.avoidance_sizes for b in self.blocks])
         return DisjunctiveProgram(
             cost=cost,
             lower=np.zeros(cost.size),
@@ -218,91 +258,33 @@ class ProgramBuilder:
             ),
             output_upper=np.concatenate([*(s.reach_upper.ravel() for s in self.models), upper]),
             rows=rows,
-            alternative_starts=_starts([b.alternative_sizes for b in self.blocks]),
+            alternative_starts=run_starts([b.alternative_sizes for b in self.blocks]),
             alternative_rows=np.arange(rows.count),
-            avoidance_starts=_starts([b.avoidance_sizes for b in self.blocks]),
+            avoidance_starts=avoidance_starts,
             avoidances=tuple(self.avoidances),
             risk_items=tuple(self.risk_items),
             risk_bound=risk_bound,
             initial_risk=self.initial_risk + self.presolved_risk,
+            initial=tuple(self.initial),
+            layout=self._layout(owners_of_runs(avoidance_starts)),
             presolved_risk=self.presolved_risk,
             num_presolved=self.num_presolved,
-            initial=tuple(self.initial),
         )
 
-    def _columns(self) -> tuple[Vector, Vector]:
-        """Return cost and upper bounds; a negative bound, from feedback, has no solution."""
-        bounds = [np.tile(s.control_bounds.ravel(), 2) for s in self.models]
-        weights = [s.vehicle.cost_weight for s in self.models]
-        cost = np.concatenate([np.full(b.size, w) for b, w in zip(bounds, weights, strict=True)])
-        return cost, np.concatenate(bounds)
-
-    def _positions(self) -> tuple[csr_array, Vector]:
-        """Return all mean positions over the columns, and their drift."""
-        blocks = []
-        for model in self.models:
-            prediction = model.position.reshape(-1, model.position.shape[2])
-            blocks.append(np.hstack([prediction, -prediction]))
-        drift = np.concatenate([s.drift_position.ravel() for s in self.models])
-        return csr_array(block_diag(blocks)), drift
-
-    def _hard_rows(self) -> tuple[csr_array, Vector, Vector]:
-        """Return goals and speed limits on the mean; limits that cannot bind are left out."""
-        blocks, lowers, uppers = [], [], []
-        for model in self.models:
-            rows, lower, upper = hard_rows(model)
-            blocks.append(np.hstack([rows, -rows]))
-            lowers.append(lower)
-            uppers.append(upper)
-        return csr_array(block_diag(blocks)), np.concatenate(lowers), np.concatenate(uppers)
-
-    def _rows(self, num_outputs: int) -> ChanceRows:
-        """Stack all blocks, shifting row, event and risk item numbers."""
-        row_base = event_base = 0
-        entry_rows, events = [], []
-        for block in self.blocks:
-            entry_rows.append(block.entry_rows + row_base)
-            events.append(block.events + event_base)
-            row_base += block.offsets.size
-            event_base += block.event_steps.size
-        values = _join([b.entry_values for b in self.blocks], np.float64)
-        columns = _join([b.entry_outputs for b in self.blocks], np.int64)
-        where = (_join(entry_rows, np.int64), columns)
-        normals = csr_array((values, where), shape=(row_base, num_outputs))
-        rows = ChanceRows(
-            normals=normals,
-            offsets=_join([b.offsets for b in self.blocks], np.float64),
-            deviations=_join([b.deviations for b in self.blocks], np.float64),
-            events=_join(events, np.int64),
-            risk_items=_join(self.block_risk_items, np.int64),
+    def _layout(self, owners: Indices) -> ProgramLayout:
+        """Return where things lie in the program."""
+        horizon, d = self.models[0].horizon, self.scenario.dimension
+        return ProgramLayout(
+            horizon=horizon,
+            dimension=d,
+            intervals=self.intervals,
+            first_step=self.first_step,
+            positions=tuple(
+                slice(part.position, part.position + d * (horizon + 1)) for part in self.parts
+            ),
+            controls=tuple(
+                slice(part.controls, part.controls + 2 * part.control_bounds.size)
+                for part in self.parts
+            ),
+            owners=owners,
         )
-        return rows
-
-
-def _sum_of_bent(one: CondensedModel, two: CondensedModel) -> Tensor | None:
-    """Return the bent covariance of a relative position; None where neither is bent."""
-    if one.bent_covariances is None and two.bent_covariances is None:
-        return None
-    parts = [
-        s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
-        for s in (one, two)
-    ]
-    return np.asarray(parts[0] + parts[1])
-
-
-def _places(body: Body) -> tuple[tuple[Vector, Vector, Matrix], ...]:
-    """Return where a body is at the start and may be at the end, with its noise there."""
-    return (
-        (body.lower[0], body.upper[0], body.covariances[0]),
-        (body.lower[-1], body.upper[-1], body.covariances[-1]),
-    )
-
-
-def _starts(sizes: list[Indices]) -> Indices:
-    """Return where each run starts, and the end, from the runs' lengths."""
-    return np.concatenate([[0], np.cumsum(_join(sizes, np.int64))]).astype(np.int64)
-
-
-def _join(parts: list[np.ndarray], kind: type) -> np.ndarray:
-    """Concatenate arrays, none at all included."""
-    return np.concatenate(parts) if parts else np.zeros(0, dtype=kind)

@@ -1,7 +1,8 @@
-"""A vehicle as the program sees it: its response to controls, its noise and its reach."""
+"""A vehicle condensed to its controls: prediction matrices, noise, and the box it can reach."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +11,18 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["CondensedModel", "PredictionMatrices", "bent_covariances", "condense"]
+__all__ = [
+    "CondensedModel",
+    "PredictionMatrices",
+    "bent_covariances",
+    "condense",
+    "joint_bent_covariances",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PredictionMatrices:
-    """How positions and velocities answer to the controls of earlier steps.
+    """Positions and velocities as linear functions of the controls of earlier steps.
 
     Attributes
     ----------
@@ -36,7 +43,15 @@ class PredictionMatrices:
 
     @classmethod
     def of(cls, system: LinearSystem, horizon: int) -> PredictionMatrices:
-        """Compute the response over a horizon; its first steps serve shorter ones."""
+        """Compute the matrices over a horizon; their first steps serve shorter ones.
+
+        Parameters
+        ----------
+        system : LinearSystem
+            n states, m controls.
+        horizon : int
+            Steps T.
+        """
         n, m = system.num_states, system.num_controls
         powers = np.empty((horizon + 1, n, n))
         powers[0] = np.eye(n)
@@ -58,7 +73,7 @@ class CondensedModel:
     Attributes
     ----------
     vehicle : Vehicle
-        Who.
+        The vehicle.
     horizon : int
         Steps of the program.
     control_bounds : (T, m) array
@@ -70,7 +85,7 @@ class CondensedModel:
         feedback held over a step makes of the deviation at its start [m²]. None where the path
         between steps does not depend on the feedback.
     position, velocity : (T+1, d, T*m) array
-        Response to the controls; velocity None where the model has none.
+        Their dependence on the controls; velocity None where the model has none.
     drift_position, drift_velocity : (T+1, d) array
         Positions and velocities without control.
     reach_lower, reach_upper : (T+1, d) array
@@ -97,13 +112,13 @@ def condense(
     covariances: Tensor,
     bounds: Matrix,
 ) -> CondensedModel:
-    """Return a vehicle that starts somewhere with some steps to go.
+    """Return a vehicle condensed over the steps that are left, from its state at the first of them.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Who.
-    prediction : Response
+        The vehicle.
+    prediction : PredictionMatrices
         Of its system, over at least this horizon.
     start : (n,) array
         Mean state at the program's first step.
@@ -114,8 +129,8 @@ def condense(
 
     Returns
     -------
-    Subject
-        With its reach computed.
+    CondensedModel
+        With its reachable box computed.
     """
     horizon, num_controls = bounds.shape
     system = vehicle.system
@@ -130,7 +145,7 @@ def condense(
     if system.rates is not None:
         low, high = _reach_by_speeds(vehicle, system.rates, start, np.maximum(bounds, 0.0))
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
-    # The start is where it is, also where no admissible control leads from there to the goal.
+    # The start is fixed, even where no admissible control leads from it to the goal.
     lower[0] = upper[0] = drift[0]
     return CondensedModel(
         vehicle=vehicle,
@@ -152,6 +167,18 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
 
     Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,
     ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: the first bracket runs from ``P δ_k`` to this.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With its feedback gain K, if any.
+    covariances : (T+1, n, n) array
+        State covariances.
+
+    Returns
+    -------
+    (T, d, d) array or None
+        See `CondensedModel.bent_covariances` [m²].
     """
     system = vehicle.system
     if vehicle.gain is None or not system.is_double_integrator:
@@ -159,6 +186,29 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
     place = list(system.position)
     bent = np.eye(system.num_states)[place] - system.B[place] @ vehicle.gain
     return np.asarray(bent @ covariances[:-1] @ bent.T)
+
+
+def joint_bent_covariances(models: Sequence[CondensedModel]) -> Tensor | None:
+    """Return the bent covariance of one vehicle, or of the position of one relative to another.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        One vehicle, or two.
+
+    Returns
+    -------
+    (T, d, d) array or None
+        Covariances summed [m²], a vehicle's own where its path does not bend; None where no path
+        does.
+    """
+    if all(s.bent_covariances is None for s in models):
+        return None
+    parts = [
+        s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
+        for s in models
+    ]
+    return np.asarray(np.sum(parts, axis=0))
 
 
 def _reach_by_boxes(

@@ -15,7 +15,7 @@ def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
 
     Parameters
     ----------
-    model : Subject
+    model : CondensedModel
         The vehicle.
 
     Returns

@@ -1,4 +1,4 @@
-"""Things to stay out of, as faces over windows: what a window is differs by avoidance.
+"""Convex sets to keep out of, as faces at every window: an interval, or a step alone.
 
 With avoidance at the steps window j is step j+1 of the program. With intervals window j is
 [j, j+1] and a face must hold at both ends: ``near`` is its offset at j, ``far`` at j+1.
@@ -21,7 +21,7 @@ __all__ = ["KeepOut", "obstacle_keepouts", "swept_keepout"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeepOut:
-    """The faces of one convex thing at every window.
+    """The faces of one convex set at every window.
 
     Attributes
     ----------
@@ -34,25 +34,25 @@ class KeepOut:
     directions : (w, f) int array
         Equal numbers are equal normals: such faces of neighboring windows are one event.
     start : Polytope or None
-        The thing at the program's first step; None if that is charged elsewhere.
+        The set at the program's first step; None if that is charged elsewhere.
     shapes : tuple of Polytope
-        The thing at the program's first to last step, one if it stands still; empty where other
-        directions than the faces are not asked for.
+        The set at the program's first to last step, one if it does not move; empty where no
+        directions but the faces are asked for.
     shares : (w, f) array or None
         Share of the near end of the reserve for the sagitta, where it was chosen with the faces.
     """
 
     name: str
     normals: Tensor
-    near: Vector
-    far: Vector
+    near: Matrix
+    far: Matrix
     directions: Indices
     start: Polytope | None = None
     shapes: tuple[Polytope, ...] = ()
-    shares: Vector | None = None
+    shares: Matrix | None = None
 
     def with_directions(self, extra: Matrix, *, intervals: bool) -> KeepOut:
-        """Return the same thing with more half-spaces that hold it, at every window.
+        """Return the same set with more half-spaces that contain it, at every window.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ def obstacle_keepouts(
     Parameters
     ----------
     obstacle : Obstacle
-        Standing or moving.
+        Static or moving.
     first_step : int
         Absolute step at which the program starts.
     horizon : int
@@ -110,7 +110,17 @@ def obstacle_keepouts(
 
 
 def swept_keepout(name: str, pieces: Sequence[Polytope], start: Polytope | None = None) -> KeepOut:
-    """Return a keep-out that is one polytope per window."""
+    """Return a keep-out that is one polytope per window.
+
+    Parameters
+    ----------
+    name : str
+        Who or what it stands for.
+    pieces : sequence of Polytope
+        One per window.
+    start : Polytope or None
+        The set at the program's first step; None if that is charged elsewhere.
+    """
     offsets = [piece.offsets for piece in pieces]
     return _assemble(name, [piece.normals for piece in pieces], offsets, offsets, start)
 

@@ -1,8 +1,8 @@
 """Directions beside the faces, for starts and goals that the faces alone call contact.
 
 Faces see a round hull as a box: what is apart along a diagonal may touch by every face. Where a
-start or a goal is such a place, the direction that separates it best joins the faces of that one
-danger. Everything else keeps its faces.
+start or a goal is such a position, the direction that separates it best joins the faces of that
+one avoidance. All others keep their faces.
 """
 
 from __future__ import annotations
@@ -10,26 +10,24 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import clearance, tail_probability
 
 __all__ = ["best_clearance", "clearances", "opening_directions"]
 
 _POOR = 1e-3
-"""Risk of the best face from which on a start or a goal is looked at more closely."""
+"""Risk of the best face from which on further directions are tried at a start or a goal [-]."""
 
 _WORTH = 0.1
-"""Share of that risk that another direction must get below to be added."""
-
-_CONTACT = 1e-9
-"""Slack down to which touching is no contact [m], as the referee has it."""
+"""Share of that risk below which another direction must come to be added [-]."""
 
 _HALVINGS = 80
+"""Steps that bracket the multiplier of the nearest point, then bisections [-]: all digits of it."""
 
 
 def clearances(
     mean: Vector, covariance: Matrix, normals: Matrix, corners: Matrix, radius: float
 ) -> Vector:
-    """Return how many deviations half-spaces keep a mean away from a convex set.
+    """Return the clearance of half-spaces between a mean and a convex set.
 
     Parameters
     ----------
@@ -47,14 +45,11 @@ def clearances(
     Returns
     -------
     (f,) array
-        Without noise +inf where they touch at most, else −inf.
+        In standard deviations; without noise +inf where they touch at most, else −inf.
     """
     slack = normals @ mean - (normals @ corners.T).max(axis=1) - radius
     variances = np.einsum("fa,ab,fb->f", normals, covariance, normals)
-    noisy = variances > 0.0
-    certain = np.where(slack >= -_CONTACT, np.inf, -np.inf)
-    with np.errstate(over="ignore"):
-        return np.where(noisy, slack / np.sqrt(np.where(noisy, variances, 1.0)), certain)
+    return clearance(slack, np.sqrt(np.maximum(variances, 0.0)))
 
 
 def best_clearance(
@@ -65,7 +60,7 @@ def best_clearance(
     Parameters
     ----------
     mean, covariance, normals, corners, radius
-        As of `clearances`; the normals are the faces of the set.
+        As in `clearances`; the normals are the faces of the set.
 
     Returns
     -------
@@ -82,31 +77,31 @@ def best_clearance(
 
 
 def opening_directions(
-    places: tuple[tuple[Vector, Vector, Matrix], ...],
+    endpoints: tuple[tuple[Vector, Vector, Matrix], ...],
     normals: Matrix,
     corners: tuple[Matrix, ...],
     radius: float,
 ) -> Matrix:
-    """Return directions that open places which the faces close.
+    """Return directions that separate where no face does.
 
     Parameters
     ----------
-    places : tuple of ((d,) array, (d,) array, (d, d) array)
+    endpoints : tuple of ((d,) array, (d,) array, (d, d) array)
         Boxes that hold the mean at the start and at the end [m], and its covariance [m²].
     normals : (f, d) array
         The faces.
     corners : tuple of (v, d) array
-        Corners of the set at each place [m].
+        Corners of the set at each of them [m].
     radius : float
         By how much it is grown [m].
 
     Returns
     -------
     (e, d) array
-        At most one per place; mostly none.
+        At most one per endpoint; mostly none.
     """
     found: list[Vector] = []
-    for (lower, upper, covariance), points in zip(places, corners, strict=True):
+    for (lower, upper, covariance), points in zip(endpoints, corners, strict=True):
         # Each face at the corner of the box that is best for it.
         best = -np.inf
         for normal in (*normals, *found):
@@ -118,8 +113,8 @@ def opening_directions(
             continue
         middle = points.mean(axis=0)
         away = np.where(0.5 * (lower + upper) >= middle, upper, lower)
-        clearance, direction = best_clearance(away, covariance, normals, points, radius)
-        if float(tail_probability(clearance)) < _WORTH * risk:
+        around, direction = best_clearance(away, covariance, normals, points, radius)
+        if float(tail_probability(around)) < _WORTH * risk:
             found.append(direction)
     return np.array(found).reshape(-1, normals.shape[1])
 

@@ -16,21 +16,22 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import clearance, tail_probability
 from radmpc.model.plan import Cause
+from radmpc.program.layout import ProgramLayout, owners_of_runs
 
 __all__ = ["PRESOLVED_RISK", "PRESOLVED_SHARE", "ChanceRows", "DisjunctiveProgram", "RiskItem"]
 
 PRESOLVED_RISK = 1e-12
-"""Avoidances that no admissible control violates with more chance than this are charged at that
-chance and leave the program; where Δ is below 1e-4, with more than `PRESOLVED_SHARE` of it."""
+"""Violation probability up to which an avoidance is presolved, whatever the controls [-]: it is
+charged at that probability and left out. Where Δ is below 1e-4, `PRESOLVED_SHARE` of Δ instead."""
 
 PRESOLVED_SHARE = 1e-8
-"""Share of Δ that one settled avoidance may take: thousands of them leave Δ as it is."""
+"""Share of Δ that one presolved avoidance may take [-]: thousands of them leave Δ as it is."""
 
 
 class RiskItem(NamedTuple):
-    """One danger at one step: the unit in which risk is allocated and charged.
+    """One thing that may happen at one step: the unit in which risk is allocated and charged.
 
     Attributes
     ----------
@@ -119,20 +120,22 @@ class DisjunctiveProgram:
     avoidances : tuple of RiskItem
         What each avoidance avoids, with the step its window starts at.
     risk_items : tuple of RiskItem
-        The dangers that risk is allocated to.
+        What risk is allocated to.
     risk_bound : float
         Δ for this program.
     initial_risk : float
-        Risk charged to Δ first: at k = 0, which no control can change, and of settled
+        Risk charged to Δ first: at k = 0, which no control can change, and of presolved
         avoidances.
     initial : tuple of (RiskItem, float)
-        Risk at k = 0 that is not negligible, danger by danger. Under intervals it is that of
-        rows within alternatives, and not part of ``initial_risk``.
+        Risk at k = 0 that is not negligible, item by item. Under intervals it is that of rows
+        within alternatives, and not part of ``initial_risk``.
+    layout : ProgramLayout
+        What the outputs, windows and alternatives stand for.
     presolved_risk : float
-        The part of ``initial_risk`` that is of settled avoidances: the most that they can run,
+        The part of ``initial_risk`` that is of presolved avoidances: the most that they can run,
         which a plan may undercut and a lower bound must not charge.
     num_presolved : int
-        How many avoidances reach has settled.
+        How many avoidances hold throughout the reachable boxes and were left out.
     """
 
     cost: Vector
@@ -156,6 +159,7 @@ class DisjunctiveProgram:
     risk_bound: float
     initial_risk: float
     initial: tuple[tuple[RiskItem, float], ...]
+    layout: ProgramLayout
     presolved_risk: float = 0.0
     num_presolved: int = 0
 
@@ -190,6 +194,10 @@ class DisjunctiveProgram:
         start, stop = self.alternative_starts[alternative : alternative + 2]
         return self.alternative_rows[start:stop]
 
+    def entry_owners(self) -> Indices:
+        """Return the alternative that owns each entry of ``alternative_rows``, (entries,)."""
+        return owners_of_runs(self.alternative_starts)
+
     def slacks(self, z: Vector) -> Vector:
         """Return ``offset − normal @ y`` of every row at a point, (r,) [m]."""
         outputs = self.outputs @ z + self.constant
@@ -197,23 +205,18 @@ class DisjunctiveProgram:
         return slacks
 
     def clearances(self, z: Vector) -> Vector:
-        """Return every row's slack in standard deviations; ±inf for rows without noise."""
-        slacks = self.slacks(z)
-        deviations = self.rows.deviations
-        noisy = deviations > 0.0
-        # A hard row holds up to the solver's own feasibility tolerance.
-        certain = np.where(slacks >= -1e-9, np.inf, -np.inf)
-        return np.where(noisy, slacks / np.where(noisy, deviations, 1.0), certain)
+        """Return every row's slack in standard deviations, (r,); ±inf for rows without noise."""
+        return clearance(self.slacks(z), self.rows.deviations)
 
     def fixed_rows(self) -> np.ndarray:
-        """Return which rows look at a place that no control can move, (r,) bool.
+        """Return which rows are over positions that no control can change, (r,) bool.
 
         Those at the first step, and later ones where the control comes with a delay. Their sagitta
         may still depend on the control.
         """
-        places = slice(0, self.num_positions)
-        moved = abs(self.outputs[places]) @ np.ones(self.num_columns)
-        return np.asarray(abs(self.rows.normals[:, places]) @ moved == 0.0)
+        positions = slice(0, self.num_positions)
+        moved = abs(self.outputs[positions]) @ np.ones(self.num_columns)
+        return np.asarray(abs(self.rows.normals[:, positions]) @ moved == 0.0)
 
     def column_rows(self, rows: Indices) -> tuple[csr_array, Vector]:
         """Return chosen rows over the decision variables: coefficients and right sides."""
@@ -232,7 +235,20 @@ class DisjunctiveProgram:
         return columns.astype(np.int32), dense[columns]
 
     def event_risks(self, z: Vector, selection: Indices) -> Vector:
-        """Return the risk each event runs at a point, (e,); 0 for events that are not chosen."""
+        """Return the risk each event runs at a point; 0 for events that are not chosen.
+
+        Parameters
+        ----------
+        z : (n,) array
+            The point.
+        selection : (v,) int array
+            The alternative chosen for each avoidance.
+
+        Returns
+        -------
+        (e,) array
+            Probability, the largest of each event's chosen rows.
+        """
         rows = self._members(selection)
         risks = np.zeros(self.rows.risk_items.size)
         np.maximum.at(risks, self.rows.events[rows], tail_probability(self.clearances(z)[rows]))

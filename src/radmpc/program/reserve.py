@@ -6,8 +6,8 @@ only if :math:`\sqrt{m_0} + \sqrt{m_1} \ge 2\sqrt b`, that is, if and only if fo
 
 .. math:: m_0 \ge 4 b\,\theta^2 \quad\text{and}\quad m_1 \ge 4 b\,(1-\theta)^2 .
 
-Each θ gives linear rows; b at both ends (θ = ½) is one of them. An end whose place is known, such
-as a start, often has room for all of the reserve or for none: that is what other shares are for.
+Each θ gives linear rows; b at both ends (θ = ½) is one of them. An end whose position is fixed,
+such as a start, often has slack for all of the reserve or for none: hence other shares.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _LEAST_GAIN = 0.02
 """Difference of shares below which a second one is not worth an alternative [-]."""
 
 _LESS = 0.25
-"""Share that a start or goal of little room is offered beside those that its room allows [-]: the
-sagitta is mostly less than the worst, which they reckon with."""
+"""Share that a tight start or goal is offered beside those that its slack allows [-]: those assume
+the worst sagitta, and most are smaller."""
 
 
 def shares_of_reserve(
@@ -59,7 +59,7 @@ def shares_of_reserve(
     usual = np.where(free_near > 0.5, free_near, usual)
     shares = [usual]
     for window, ends in ((0, near), (-1, far)):
-        # A start is where it is, and a goal nearly so: what they can spare is known beforehand.
+        # Positions at the start are fixed, at the goal nearly so: their slack is known beforehand.
         own: Vector = usual[window] if window == 0 else 1.0 - usual[window]
         rooms = [largest(spare)[window] for spare in ends]
         tried = [own]

@@ -9,17 +9,19 @@ from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import clearance_for
+from radmpc.program.layout import owners_of_runs
 from radmpc.program.program import PRESOLVED_SHARE, ChanceRows, DisjunctiveProgram
 
 __all__ = ["Restriction", "along", "avoidance_blocks", "restrict", "restrict_around"]
 
-_SETTLED = 7.0
-"""Standard deviations beyond which an avoidance counts as kept (1e-12); more where Δ is tiny."""
+_PRESOLVED = 7.0
+"""Clearance from which an avoidance is presolved [standard deviations], a risk of 1e-12; more where
+Δ is tiny, see `PRESOLVED_SHARE`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Restriction:
-    """A smaller program and where its parts stand in the larger one.
+    """A smaller program and where its parts are in the larger one.
 
     Attributes
     ----------
@@ -44,11 +46,9 @@ def avoidance_blocks(program: DisjunctiveProgram) -> csr_array:
     n = program.num_columns
     block_of_column = csr_array((np.ones(n), (np.arange(n), program.blocks)), shape=(n, num_blocks))
     row_blocks = csr_array(abs(rows.normals) @ (abs(program.outputs) @ block_of_column))
-    sizes = np.diff(program.alternative_starts)
-    alternative = np.repeat(np.arange(program.num_alternatives), sizes)
-    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
+    owners = program.layout.owners[program.entry_owners()]
     members = csr_array(
-        (np.ones(alternative.size), (owner[alternative], program.alternative_rows)),
+        (np.ones(owners.size), (owners, program.alternative_rows)),
         shape=(program.num_avoidances, rows.count),
     )
     return csr_array(members @ row_blocks)
@@ -92,19 +92,19 @@ def restrict(
 def restrict_around(
     whole: DisjunctiveProgram, free: Indices, placed: Indices, z: Vector, touched: csr_array
 ) -> Restriction:
-    """Return the program of some blocks around others that stay where they are.
+    """Return the program of some blocks around others whose columns are fixed.
 
-    A placed block is a moving obstacle to the rest. Blocks that are neither are left out, and so
-    are avoidances that no free block can fail any more, whatever it does.
+    A placed block is a moving obstacle to the rest. Blocks that are neither free nor placed are
+    left out, and so are avoidances that hold whatever the free blocks do.
 
     Parameters
     ----------
     whole : DisjunctiveProgram
         The program.
     free, placed : int array
-        Blocks to decide, and blocks that stay.
+        Blocks to plan, and blocks that are fixed.
     z : (n,) array
-        Where the placed blocks are; other entries do not matter.
+        A point; only its entries of placed blocks are used.
     touched : (v, b) sparse array
         From `avoidance_blocks`.
 
@@ -115,8 +115,8 @@ def restrict_around(
     """
     absent = np.setdiff1d(np.arange(touched.shape[1]), np.concatenate([free, placed]))
     avoidances = _avoidances(touched, free, absent)
-    known = np.where(np.isin(whole.blocks, placed), z, 0.0)
-    part = _part(whole, free, avoidances, whole.constant + whole.outputs @ known)
+    fixed = np.where(np.isin(whole.blocks, placed), z, 0.0)
+    part = _part(whole, free, avoidances, whole.constant + whole.outputs @ fixed)
     program = part.program
     if program.num_avoidances == 0:
         return part
@@ -125,29 +125,29 @@ def restrict_around(
         rows.normals.maximum(0.0) @ program.output_upper
         + rows.normals.minimum(0.0) @ program.output_lower
     )
-    enough = max(_SETTLED, float(clearance_for(PRESOLVED_SHARE * program.risk_bound)))
+    enough = max(_PRESOLVED, float(clearance_for(PRESOLVED_SHARE * program.risk_bound)))
     is_kept = rows.offsets - most >= enough * rows.deviations
-    # Counted, not by `reduceat`: that lends an avoidance without alternatives its neighbor's.
+    # Counted, since `reduceat` lends an avoidance without alternatives those of its neighbor.
     left = _counts(program.alternative_starts, ~is_kept[program.alternative_rows])
-    settled = _counts(program.avoidance_starts, left == 0.0) > 0.0
-    return _with_avoidances(whole, part, avoidances[~settled])
+    is_presolved = _counts(program.avoidance_starts, left == 0.0) > 0.0
+    return _with_avoidances(whole, part, avoidances[~is_presolved])
 
 
 def along(
-    program: DisjunctiveProgram, outputs: slice, way: Vector, room: Vector
+    program: DisjunctiveProgram, outputs: slice, path: Vector, half_width: Vector
 ) -> DisjunctiveProgram:
-    """Return a program whose solutions keep near a way.
+    """Return a program whose solutions stay within a tube around a path.
 
     Parameters
     ----------
     program : DisjunctiveProgram
-        The whole; its solutions near the way are those of the answer.
+        The whole; its solutions within the tube are those of the answer.
     outputs : slice
-        Which of its outputs the way is of.
-    way : (p,) array
-        Values of these outputs.
-    room : (p,) array
-        How far they may be off.
+        The outputs that are positions on the path.
+    path : (q,) array
+        Values of these outputs [m].
+    half_width : (q,) array
+        How far they may be off [m].
 
     Returns
     -------
@@ -158,8 +158,8 @@ def along(
     return replace(
         program,
         hard=csr_array(vstack([program.hard, rows])),
-        hard_lower=np.concatenate([program.hard_lower, way - room - constant]),
-        hard_upper=np.concatenate([program.hard_upper, way + room - constant]),
+        hard_lower=np.concatenate([program.hard_lower, path - half_width - constant]),
+        hard_upper=np.concatenate([program.hard_upper, path + half_width - constant]),
     )
 
 
@@ -203,6 +203,7 @@ def _with_avoidances(
     alternatives = _runs(program.avoidance_starts, avoidances)
     entries = _runs(program.alternative_starts, alternatives)
     rows, place = np.unique(program.alternative_rows[entries], return_inverse=True)
+    avoidance_starts = _starts(np.diff(program.avoidance_starts)[avoidances])
     smaller = replace(
         part.program,
         rows=ChanceRows(
@@ -214,8 +215,9 @@ def _with_avoidances(
         ),
         alternative_starts=_starts(np.diff(program.alternative_starts)[alternatives]),
         alternative_rows=place,
-        avoidance_starts=_starts(np.diff(program.avoidance_starts)[avoidances]),
+        avoidance_starts=avoidance_starts,
         avoidances=tuple(program.avoidances[int(i)] for i in avoidances),
+        layout=replace(program.layout, owners=owners_of_runs(avoidance_starts)),
     )
     return Restriction(smaller, part.columns, rows, alternatives, avoidances)
 
@@ -229,9 +231,8 @@ def _runs(starts: Indices, chosen: Indices) -> Indices:
 
 def _counts(starts: Indices, marked: np.ndarray) -> Vector:
     """Return how many members of each run are marked; 0 for an empty one."""
-    owners = np.repeat(np.arange(starts.size - 1), np.diff(starts))
     counts: Vector = np.zeros(starts.size - 1)
-    np.add.at(counts, owners, marked)
+    np.add.at(counts, owners_of_runs(starts), marked)
     return counts
 
 

@@ -5,13 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.program.danger import Body, End, Part, RowBlock, Windows
+from radmpc.program.avoidance import Body, End, Part, RowBlock, Windows
 
 __all__ = ["empty_block", "lay_out"]
 
 
 def empty_block(presolved_risk: float, num_presolved: int) -> RowBlock:
-    """Return a block without rows."""
+    """Return a block without rows.
+
+    Parameters
+    ----------
+    presolved_risk : float
+        Risk charged for its windows.
+    num_presolved : int
+        How many windows it has, all of them presolved.
+    """
     none, ints = np.zeros(0), np.zeros(0, dtype=np.int64)
     return RowBlock(
         ints, ints, none, none, none, ints, ints, ints, ints, ints, presolved_risk, num_presolved
@@ -31,15 +39,15 @@ def lay_out(
     Parameters
     ----------
     body : Body
-        What is kept apart.
+        What avoids.
     windows : Windows
-        From what, when.
+        What it avoids, and when.
     ends : list of End
-        What an alternative holds, its conditions.
+        The conditions of an alternative.
     chosen : tuple of (a,) array
         Window, face and share θ of the near end of each alternative.
     presolved_risk : float
-        Charged for the windows without a choice.
+        Charged for the windows that ask for no choice.
     kept : tuple of (w,) array
         Which windows ask for a choice, and how many alternatives each of these has.
 
@@ -57,23 +65,7 @@ def lay_out(
     counts = 1 + ((reserves > 0.0) & (_num_pulls(body, normals) > 1)[:, None])
     firsts = np.cumsum(counts.ravel()) - counts.ravel()
     firsts = firsts.reshape(count, num_ends)
-    entries: list[tuple[Indices, Indices, Vector]] = []
-    for e, end in enumerate(ends):
-        steps, reserve = end.steps[window], reserves[:, e]
-        is_split = counts[:, e] == 2
-        plain = firsts[:, e]
-        bent = plain[is_split] + 1
-        for part in body.parts:
-            entries.append(_position_entries(part, plain, normals, steps))
-            entries.append(_position_entries(part, bent, normals[is_split], steps[is_split]))
-            if windows.intervals and part.sagitta.any():
-                one, two = ~is_split & (reserve > 0.0), is_split
-                entries.append(
-                    _half_sagitta_entries(part, plain[one], normals[one], window[one], reserve[one])
-                )
-                entries.append(
-                    _sagitta_entries(part, bent, normals[two], window[two], reserve[two])
-                )
+    entries = _entries(body, windows, ends, (window, normals, reserves), (firsts, counts))
     repeats = counts.ravel()
     direction = np.repeat(windows.directions[window, face], num_ends)
     kinds = np.tile([end.kind for end in ends], count)
@@ -95,6 +87,46 @@ def lay_out(
         presolved_risk=presolved_risk,
         num_presolved=int(np.count_nonzero(~kept[0])),
     )
+
+
+def _entries(
+    body: Body,
+    windows: Windows,
+    ends: list[End],
+    chosen: tuple[Indices, Vector, Vector],
+    numbered: tuple[Indices, Indices],
+) -> list[tuple[Indices, Indices, Vector]]:
+    """Return rows, outputs and values of the entries of every alternative's rows.
+
+    Parameters
+    ----------
+    body, windows, ends
+        As in `lay_out`.
+    chosen : tuple of (a,), (a, d) and (a, ends) array
+        Window and normal of each alternative, and what multiple of the sagitta each end reserves.
+    numbered : tuple of (a, ends) int array
+        Number of the first row of each end, and how many rows it has.
+    """
+    window, normals, reserves = chosen
+    firsts, counts = numbered
+    entries: list[tuple[Indices, Indices, Vector]] = []
+    for e, end in enumerate(ends):
+        steps, reserve = end.steps[window], reserves[:, e]
+        is_split = counts[:, e] == 2
+        plain = firsts[:, e]
+        bent = plain[is_split] + 1
+        for part in body.parts:
+            entries.append(_position_entries(part, plain, normals, steps))
+            entries.append(_position_entries(part, bent, normals[is_split], steps[is_split]))
+            if windows.intervals and part.sagitta.any():
+                one, two = ~is_split & (reserve > 0.0), is_split
+                entries.append(
+                    _half_sagitta_entries(part, plain[one], normals[one], window[one], reserve[one])
+                )
+                entries.append(
+                    _sagitta_entries(part, bent, normals[two], window[two], reserve[two])
+                )
+    return entries
 
 
 def _position_entries(

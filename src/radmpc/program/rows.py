@@ -1,46 +1,47 @@
-"""Chance rows of one danger over all windows: faces, noise, sagitta, and what reach settles."""
+"""Chance rows of one avoidance over all windows: faces, noise, sagitta, and the presolve."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
-from radmpc.program.danger import Body, End, RowBlock, Windows
+from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
+from radmpc.program.avoidance import Body, End, RowBlock, Windows
 from radmpc.program.program import PRESOLVED_RISK, PRESOLVED_SHARE
 from radmpc.program.reserve import chosen_shares, shares_of_reserve
 from radmpc.program.row_layout import empty_block, lay_out
 
-__all__ = ["danger_rows"]
+__all__ = ["avoidance_rows"]
 
 _LEAST_DEVIATION = 1e-8
-"""Noise that is there counts as at least so much [m]: solvers refuse slopes of 1e15 and more, which
-deviations left over by cancellation give, and what this keeps is below a tenth of a micrometer."""
+"""Least standard deviation of a row with noise [m]: solvers refuse slopes of 1e15 and more, which
+deviations left over by cancellation give. It costs less than a tenth of a micrometer of margin."""
 
 _SOME = 0.25
-"""Share of Δ that a start or goal of little room may risk for more of the sagitta's reserve [-]."""
+"""Share of Δ that a tight start or goal may risk for a larger share of the sagitta's reserve [-]:
+more offers more alternatives there, which cost nodes."""
 
 
-def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
-    """Return the rows of one danger, or its settled risk alone.
+def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
+    """Return the rows of one avoidance, or the risk of its windows alone where all are presolved.
 
-    A window some face of which holds for every admissible control with a risk of at most
-    `PRESOLVED_RISK` (less where Δ is tiny) is settled: it is charged that risk and needs no choice.
-    A face that no admissible control satisfies even without noise is no alternative.
+    A window is presolved if one of its faces holds under every admissible control with a risk of
+    at most `PRESOLVED_RISK` (less where Δ is tiny): it is charged that risk and needs no choice. A
+    face that no admissible control satisfies even without noise is no alternative.
 
     Parameters
     ----------
     body : Body
-        What is kept apart.
+        What avoids.
     windows : Windows
-        From what, when.
+        What it avoids, and when.
     risk_bound : float
-        Δ: what counts as settled is small against it.
+        Δ, against which the risk of a presolved window is small.
 
     Returns
     -------
     RowBlock
-        Without rows where every window is settled.
+        Without rows where every window is presolved.
     """
     num_windows = len(windows.near)
     enough = float(clearance_for(min(PRESOLVED_RISK, PRESOLVED_SHARE * risk_bound)))
@@ -63,23 +64,25 @@ def danger_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         if windows.shares is not None:
             shares = chosen_shares(windows.shares, shares)
     worst = [_worst(ends, sagitta, share) for share in shares]
-    best = np.minimum.reduce([_in_deviations(end.most, end.deviations) for end in ends])
-    settled_by = worst[0].max(axis=1)
-    settled = settled_by >= enough
+    best = np.minimum.reduce([clearance(end.most, end.deviations) for end in ends])
+    safest_clearance = worst[0].max(axis=1)
+    is_presolved = safest_clearance >= enough
     safest = worst[0].argmax(axis=1)
     every = np.arange(num_windows)
     risks = sum(
         tail_probability(_clearance(end, sagitta, shares[0])[every, safest]) for end in ends
     )
-    presolved_risk = float(np.sum(np.asarray(risks)[settled]))
-    if np.all(settled):
+    presolved_risk = float(np.sum(np.asarray(risks)[is_presolved]))
+    if np.all(is_presolved):
         return empty_block(presolved_risk, num_windows)
-    possible = (best >= 0.0) & ~settled[:, None]
+    possible = (best >= 0.0) & ~is_presolved[:, None]
     offered = np.stack([possible & np.isfinite(share) for share in shares], axis=2)
     window, face, option = np.nonzero(offered)
     share = np.stack(shares, axis=2)[window, face, option]
-    counts = np.bincount(window, minlength=num_windows)[~settled]
-    return lay_out(body, windows, ends, (window, face, share), presolved_risk, (~settled, counts))
+    counts = np.bincount(window, minlength=num_windows)[~is_presolved]
+    return lay_out(
+        body, windows, ends, (window, face, share), presolved_risk, (~is_presolved, counts)
+    )
 
 
 def _end(
@@ -119,20 +122,12 @@ def _clearance(end: End, sagitta: Vector, share: Vector) -> Vector:
     """Return the least clearance of an end over the reach, its share of the reserve kept."""
     kept = share if end.is_near else 1.0 - share
     reserve = 4.0 * np.square(np.where(np.isfinite(share), kept, 0.5)) * sagitta
-    return _in_deviations(end.least - reserve, end.deviations)
+    return clearance(end.least - reserve, end.deviations)
 
 
 def _worst(ends: list[End], sagitta: Vector, share: Vector) -> Vector:
     """Return the least clearance of all ends over the reach."""
     return np.asarray(np.minimum.reduce([_clearance(end, sagitta, share) for end in ends]))
-
-
-def _in_deviations(slack: Vector, deviations: Vector) -> Vector:
-    """Return slacks in standard deviations, ±inf without noise."""
-    noisy = deviations > 0.0
-    certain = np.where(slack >= 0.0, np.inf, -np.inf)
-    with np.errstate(over="ignore"):
-        return np.where(noisy, slack / np.where(noisy, deviations, 1.0), certain)
 
 
 def _worst_sagitta(body: Body, windows: Windows) -> Vector:

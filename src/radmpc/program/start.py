@@ -1,4 +1,4 @@
-"""Risk between vehicles that is there before anyone moves."""
+"""Risk between vehicles at the start, before anyone moves."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from radmpc.program.openings import best_clearance
 __all__ = ["start_pair_risk"]
 
 _FAR = 8.0
-"""Standard deviations beyond which a pair's start risk is nothing (6e-16)."""
+"""Clearance beyond which a pair's risk at the start is left out [standard deviations]: 6e-16."""
 
 
 def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:

@@ -14,26 +14,29 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.geometry import sphere_directions
-from radmpc.program.condensed import CondensedModel
-from radmpc.program.danger import Windows
+from radmpc.program.avoidance import Windows
+from radmpc.program.condensed import CondensedModel, joint_bent_covariances
 from radmpc.program.keepout import KeepOut
 
 __all__ = ["Turned"]
 
 _COARSE = {2: 48, 3: 162}
-"""Directions tried first, by dimension; 7.5 degrees apart in the plane, about 16 in space."""
+"""Number of directions tried first, by dimension [-]: 7.5 degrees apart in the plane, some 16 in
+space. More find the better of two valleys more often and take time in proportion."""
 
 _SPACING = {2: 0.13, 3: 0.28}
-"""Angle between neighbors among them [rad]."""
+"""Angle between neighbors among them, by dimension [rad]: the refinement starts at half of it."""
 
 _LEVELS = 5
-"""Times that the directions around the best are tried, at a third of the distance each."""
+"""Refinements around the best direction [-], each at a third of the angle: the last is at an
+eightieth of the first."""
 
 _LEAST_DEVIATION = 1e-9
-"""Noise below which clearances are compared by their length [m]."""
+"""Least standard deviation assumed [m]: below it, directions are compared by their slack."""
 
 Supports = Callable[[Tensor], tuple[Vector, Vector]]
-"""From normals, (w, c, d), to how far what is avoided reaches along them at both ends [m]."""
+"""Support function: from normals, (w, c, d), to how far what is avoided extends along them at both
+ends of each window, (w, c) each [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +52,7 @@ class _Encounter:
     sagittas : (w, d) array
         How far the mean path hangs off its chord at mid-step [m].
     supports : callable
-        Of what is avoided, its size and the vehicle's.
+        Of what is avoided, grown by the vehicle's radius.
     """
 
     ends: tuple[Tensor, ...]
@@ -103,7 +106,7 @@ class Turned:
 
     Attributes
     ----------
-    models : tuple of Subject
+    models : tuple of CondensedModel
         The vehicles.
     means : (n, T+1, d) array
         Their mean positions [m].
@@ -119,14 +122,14 @@ class Turned:
     intervals: bool
 
     def around(self, i: int, keepout: KeepOut) -> KeepOut:
-        """Return a thing with the best half-space at every window in place of its faces.
+        """Return a convex set with the best half-space at every window in place of its faces.
 
         Parameters
         ----------
         i : int
-            Whose path.
+            Number of the vehicle.
         keepout : KeepOut
-            With its shapes.
+            What it keeps out of, with its shapes.
         """
         model, shapes = self.models[i], keepout.shapes
         count = len(keepout.near)
@@ -161,7 +164,13 @@ class Turned:
         )
 
     def between(self, i: int, j: int) -> Windows:
-        """Return the best half-space between two vehicles at every window."""
+        """Return the best half-space between two vehicles at every window.
+
+        Parameters
+        ----------
+        i, j : int
+            Numbers of the vehicles; the half-spaces are over i's position relative to j's.
+        """
         one, two = self.models[i], self.models[j]
         distance = one.vehicle.radius + two.vehicle.radius
 
@@ -194,12 +203,9 @@ class Turned:
         if not self.intervals:
             return _Encounter((path[1:],), ((covariances[1:],),), sagittas, supports)
         at_start: tuple[Tensor, ...] = (covariances[:-1],)
-        if any(s.bent_covariances is not None for s in models):
-            bent = [
-                s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
-                for s in models
-            ]
-            at_start = (covariances[:-1], np.sum(bent, axis=0))
+        bent = joint_bent_covariances(models)
+        if bent is not None:
+            at_start = (covariances[:-1], bent)
         return _Encounter((path[:-1], path[1:]), (at_start, (covariances[1:],)), sagittas, supports)
 
 
@@ -221,7 +227,7 @@ def _best_shares(
 
 
 def _around(normals: Tensor, step: float) -> Tensor:
-    """Return normals and others by about a step from them, (w, c, d)."""
+    """Return normals and others one and two angular steps around them, (w, c, d)."""
     dimension = normals.shape[1]
     if dimension == 2:
         tangents = np.stack([-normals[:, 1], normals[:, 0]], axis=1)[:, None, :]

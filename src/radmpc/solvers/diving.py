@@ -1,4 +1,4 @@
-"""The loop of every tree search here: dive from the best open node, back up, dive again."""
+"""The loop of both tree searches: dive from the best open node, backtrack, dive again."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ __all__ = ["Dives", "OpenNode"]
 class OpenNode:
     """A node, ordered by its bound, then deeper first, then older first.
 
-    A dive takes its nodes without looking for them in the heap: they stay there, no longer open,
-    until they come to the top. A node that is opened again is queued still, or pushed.
+    A dive takes its nodes without removing them from the heap: they stay there, no longer open,
+    until they come to the top. A node that is opened again is still queued, or pushed.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Dives(Generic[Node]):
     Parameters
     ----------
     patience : int
-        Nodes from which a dive without any solution yet backs up to where it last had a choice.
+        Nodes after which a dive without a solution no longer backtracks to its last choice.
     """
 
     def __init__(self, patience: int) -> None:
@@ -72,11 +72,11 @@ class Dives(Generic[Node]):
             heapq.heappush(self._heap, node)
 
     def leave(self, nodes: Iterable[Node]) -> None:
-        """Note open siblings that a dive passes by, the one to back up to first last."""
+        """Note open siblings that a dive passes by; it backtracks to the last of them first."""
         self._trail += nodes
 
     def best(self) -> Node | None:
-        """Return the open node of least bound; those taken by a dive are dropped on the way."""
+        """Return the open node of least bound; those that a dive took are dropped."""
         while self._heap and not self._heap[0].is_open:
             self._pop()
         return self._heap[0] if self._heap else None
@@ -97,7 +97,7 @@ class Dives(Generic[Node]):
         is_over : callable
             Whether a limit is reached.
         has_solution : callable
-            Whether there is a solution: a dive backs up as long as there is none.
+            Whether there is a solution: a dive backtracks as long as there is none.
 
         Returns
         -------
@@ -127,7 +127,7 @@ class Dives(Generic[Node]):
         return None
 
     def _pop(self) -> Node:
-        """Take the first node off the heap."""
+        """Remove the first node from the heap."""
         node = heapq.heappop(self._heap)
         node.is_queued = False
         return node

@@ -1,4 +1,4 @@
-"""What a solver is asked for besides the program, and what it answers."""
+"""The interface of solvers: limits, outcomes, solutions."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "relative_gap"]
+__all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "cutoff_below", "relative_gap"]
 
 Guide = Callable[[], Indices | None]
-"""Proposes one alternative per avoidance, from knowledge that solvers do not have."""
+"""Proposes one alternative per avoidance, or None, from knowledge that solvers do not have."""
 
 
 def never() -> bool:
@@ -35,13 +35,13 @@ class Limits:
         Value of ``time.monotonic()`` at which to stop; inf is never.
     is_stopped : callable
         Returns True once the user asked to stop.
-    granted : float or None
-        Seconds that were granted in all, for texts.
+    time_limit : float or None
+        Seconds allowed in all, for messages.
     """
 
     deadline: float = float("inf")
     is_stopped: Callable[[], bool] = never
-    granted: float | None = None
+    time_limit: float | None = None
 
     @property
     def reached(self) -> bool:
@@ -59,9 +59,9 @@ class Limits:
             return "it was stopped on request (Ctrl-C)"
         if time.monotonic() < self.deadline:
             return ""
-        if self.granted is None:
+        if self.time_limit is None:
             return "the time limit was reached"
-        return f"the time limit of {self.granted:g} s was reached"
+        return f"the time limit of {self.time_limit:g} s was reached"
 
     @property
     def seconds_left(self) -> float:
@@ -97,7 +97,7 @@ class Solution:
     nodes : int
         Nodes of the search tree.
     lps : int
-        Linear programs solved; 0 where the backend does not tell.
+        Linear programs solved; 0 where the backend does not report it.
     seconds : float
         Time taken.
     """
@@ -117,13 +117,44 @@ class Solution:
         return relative_gap(self.cost, self.bound)
 
 
+_LEAST_SCALE = 1e-9
+"""Costs below this count as this in relative gaps: a plan may cost nothing."""
+
+_HAIR = 1e-6
+"""Share of the gap by which the cutoff lies inside it [-], so that a node cut off counts as within
+the gap whatever rounding does."""
+
+
 def relative_gap(cost: float, bound: float) -> float:
-    """Return ``(cost − bound) / |cost|``; 0 where they agree, inf without a cost."""
+    """Return ``(cost − bound) / |cost|``; 0 where they agree, inf without a cost.
+
+    Parameters
+    ----------
+    cost : float
+        Cost of the incumbent; inf without one.
+    bound : float
+        Proven lower bound.
+    """
     if cost <= bound:
         return 0.0
     if cost == float("inf"):
         return float("inf")
-    return (cost - bound) / max(abs(cost), 1e-9)
+    return (cost - bound) / max(abs(cost), _LEAST_SCALE)
+
+
+def cutoff_below(value: float, gap: float, scale: float = _LEAST_SCALE) -> float:
+    """Return the bound from which on a node cannot improve an incumbent by more than the gap.
+
+    Parameters
+    ----------
+    value : float
+        Value of the incumbent.
+    gap : float
+        Relative gap at which the search stops.
+    scale : float
+        Values below this count as this.
+    """
+    return value - gap * (1.0 - _HAIR) * max(abs(value), scale)
 
 
 class Solver(ABC):
@@ -161,7 +192,7 @@ class Solver(ABC):
         start : (v,) int array or None
             A selection to try first.
         guide : callable or None
-            Proposes a selection; asked at most once, where the search is slow to find any.
+            Proposes a selection; called at most once, where the search is slow to find a solution.
         rng : Generator or None
             For solvers that draw samples; None is seed 0.
 

@@ -1,4 +1,4 @@
-"""Solver ``branch``: vehicles solved apart as long as they keep out of each other's way.
+"""Solver ``branch``: vehicles solved apart as long as their solutions do not conflict.
 
 Every block (vehicle) is first solved alone. Blocks whose solutions violate an avoidance between
 them are merged and solved together, and so on (independence detection, Standley 2010). Dropping
@@ -27,15 +27,17 @@ from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, re
 __all__ = ["Branch"]
 
 _TOUCH_TOL = 1e-7
-"""Above the trees' own tolerance, so that only what lies between groups counts."""
+"""Violation from which two groups conflict [m]: above the trees' own tolerance, so that only
+avoidances between groups count."""
 
 _EASY_NODES = 60
-"""Nodes per block that a group's tree gets before heuristics look for an incumbent."""
+"""Nodes per block that a group's tree gets before heuristics look for an incumbent [-]: fewer spend
+heuristics on groups that close at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class Branch(Solver):
-    """Disjunctive branch and bound; anytime, repeatable for a node limit.
+    """Disjunctive branch and bound; anytime, repeatable under a node limit.
 
     Attributes
     ----------
@@ -59,7 +61,15 @@ class Branch(Solver):
         guide: Guide | None = None,
         rng: np.random.Generator | None = None,
     ) -> Solution:
-        """Minimize the cost at fixed margins; see `radmpc.solvers.solution.Solver`."""
+        """Minimize the cost at fixed margins; see `radmpc.solvers.solution.Solver`.
+
+        Parameters
+        ----------
+        program, margins, gap, limits, start, guide
+            As there.
+        rng
+            Ignored: the search is deterministic.
+        """
         del rng  # deterministic
         begun = time.perf_counter()
         if np.any(np.diff(program.avoidance_starts) == 0):
@@ -98,19 +108,19 @@ class _Groups:
         self.z: Vector | None = None
         self.touched = touched
         self.whole = frozenset(range(int(self.touched.shape[1])))
-        self.known: dict[frozenset[int], float] = {}
+        self.bounds: dict[frozenset[int], float] = {}
         self.solved: dict[frozenset[int], tuple[Restriction, Vector | None]] = {}
 
     def solve(self, begun: float) -> Solution:
-        """Merge and solve until the groups' solutions go together."""
+        """Merge and solve until the groups' solutions do not conflict."""
         groups = [frozenset({block}) for block in sorted(self.whole)]
         while True:
             for group in groups:
                 if group not in self.solved:
                     self._grow(group)
-                if self.known[group] == float("inf"):
+                if self.bounds[group] == float("inf"):
                     return self._answer(begun, float("inf"))
-            bound = sum(self.known[group] for group in groups)
+            bound = sum(self.bounds[group] for group in groups)
             conflicts = self._conflicts(groups)
             if not conflicts or len(groups) == 1:
                 return self._answer(begun, bound)
@@ -137,8 +147,8 @@ class _Groups:
                 tree.run(max(left - tree.nodes, 1))
         self.nodes += tree.nodes
         self.lps += tree.lps
-        parts = [value for other, value in self.known.items() if other < group]
-        self.known[group] = max([tree.bound, *parts])
+        parts = [value for other, value in self.bounds.items() if other < group]
+        self.bounds[group] = max([tree.bound, *parts])
         self.solved[group] = (part, tree.z)
 
     def _start_of(self, part: Restriction) -> Indices:
@@ -152,7 +162,7 @@ class _Groups:
         blocks = part.program.blocks
         rows = [
             CostRow(np.flatnonzero(np.isin(blocks, list(other))), bound)
-            for other, bound in self.known.items()
+            for other, bound in self.bounds.items()
             if other < group
         ]
         margins = self.margins[part.rows]
@@ -192,7 +202,7 @@ class _Groups:
             self._note(tree.z)
 
     def _conflicts(self, groups: list[frozenset[int]]) -> list[tuple[int, int]]:
-        """Return pairs of groups whose solutions collide, worst first; note good wholes."""
+        """Return pairs of groups in conflict, worst first; keep a solution of the whole."""
         z = np.zeros(self.program.num_columns)
         for group in groups:
             part, found = self.solved[group]
@@ -226,7 +236,7 @@ class _Groups:
             self.cost, self.z = cost, z
 
     def _answer(self, begun: float, bound: float) -> Solution:
-        """Return the answer as it stands."""
+        """Return the answer so far."""
         if self.start is not None and self.z is None:
             self._try_start()
         bound = min(bound, self.cost)
@@ -251,7 +261,7 @@ class _Groups:
         )
 
     def _try_start(self) -> None:
-        """Solve the whole on the sides of the start, for want of anything better."""
+        """Solve the whole with the alternatives of the start, for want of anything better."""
         if self.start is None:
             return
         part = restrict(self.program, np.array(sorted(self.whole)), self.touched)
@@ -278,10 +288,10 @@ def _is_trivially_infeasible(
 
 def _merged(groups: list[frozenset[int]], conflicts: list[tuple[int, int]]) -> list[frozenset[int]]:
     """Merge pairs of groups, worst conflict first, each group at most once a round."""
-    taken: set[int] = set()
+    merged: set[int] = set()
     result = []
     for i, j in conflicts:
-        if i not in taken and j not in taken:
-            taken |= {i, j}
+        if i not in merged and j not in merged:
+            merged |= {i, j}
             result.append(groups[i] | groups[j])
-    return [*result, *(g for i, g in enumerate(groups) if i not in taken)]
+    return [*result, *(g for i, g in enumerate(groups) if i not in merged)]

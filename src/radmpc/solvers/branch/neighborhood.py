@@ -1,7 +1,7 @@
 """Incumbents by planning one block (vehicle) at a time around the others.
 
-A block whose columns are fixed at a known point is a moving obstacle to the rest: its rows need
-no new mathematics, only bounds that allow one value.
+A block whose columns are fixed is a moving obstacle to the rest: it needs no new rows, only column
+bounds that allow one value.
 """
 
 from __future__ import annotations
@@ -20,10 +20,14 @@ from radmpc.solvers.solution import Limits
 __all__ = ["improve", "prioritize"]
 
 _NODES = 300
-"""Nodes that one block may take: it is a heuristic, not a proof."""
+"""Nodes that one block may take [-]: it is a heuristic, not a proof."""
 
 _ROUGH_GAP = 1e-2
+"""Relative gap at which the search for one block stops while blocks are placed [-]: they are
+planned anew afterwards."""
+
 _MAX_ROUNDS = 3
+"""Orders in which blocks are placed, and rounds in which they are planned anew [-]."""
 
 
 def prioritize(
@@ -45,7 +49,7 @@ def prioritize(
     Returns
     -------
     (n,) array or None
-        A solution of the whole. A block that finds no way is put first and all begins again, a
+        A solution of the whole. A block that finds no path is put first and all begins again, a
         few times; then None.
     """
     order = sorted(int(b) for b in np.unique(program.blocks))
@@ -74,7 +78,7 @@ def prioritize(
 def improve(
     program: DisjunctiveProgram, margins: Vector, z: Vector, *, gap: float, limits: Limits
 ) -> Vector:
-    """Free one block after the other and plan it anew, as long as that pays.
+    """Free one block after the other and plan it anew, as long as the cost falls.
 
     Parameters
     ----------
@@ -101,7 +105,7 @@ def improve(
             if limits.reached:
                 return z
             free = program.blocks == block
-            found = _with_others_fixed(program, margins, z, free, gap, limits, known=z)
+            found = _with_others_fixed(program, margins, z, free, gap, limits, incumbent=z)
             if found is not None and float(program.cost @ found) < float(program.cost @ z):
                 z = found
         if before - float(program.cost @ z) <= gap * abs(before):
@@ -116,7 +120,7 @@ def _with_others_fixed(
     free: np.ndarray,
     gap: float,
     limits: Limits,
-    known: Vector | None = None,
+    incumbent: Vector | None = None,
 ) -> Vector | None:
     """Solve for the free columns, all others as they are."""
     fixed = replace(
@@ -125,7 +129,7 @@ def _with_others_fixed(
         upper=np.where(free, program.upper, z),
     )
     tree = Tree(fixed, margins, gap=gap, limits=limits)
-    if known is not None:
-        tree.try_point(known)
+    if incumbent is not None:
+        tree.try_point(incumbent)
     tree.run(_NODES)
     return tree.z

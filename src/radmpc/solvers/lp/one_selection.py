@@ -28,7 +28,7 @@ def solve_selection(program: DisjunctiveProgram, margins: Vector, selection: Ind
     Returns
     -------
     Solution
-        Its bound holds for these sides only.
+        Its bound holds for this selection only.
     """
     begun = time.perf_counter()
     lp = WarmLp(program, margins)

@@ -24,19 +24,20 @@ _ULP = float(np.finfo(np.float64).eps)
 """Twice the largest relative error of one operation."""
 
 _BEGIN = 256
+"""Initial capacity of a growing array [-]; it doubles from there."""
 
 _Integers = npt.NDArray[np.signedinteger]
 
 
 class _Growing:
-    """An array that things are appended to."""
+    """An array that grows as values are appended."""
 
     def __init__(self, kind: npt.DTypeLike) -> None:
         self.size = 0
         self._data = np.zeros(_BEGIN, dtype=kind)
 
     def append(self, values: npt.ArrayLike, count: int) -> None:
-        """Append so many values, or one value so many times."""
+        """Append ``count`` values, or one value ``count`` times."""
         last = self.size + count
         if last > self._data.size:
             grown = np.zeros(2 * last, dtype=self._data.dtype)
@@ -47,7 +48,7 @@ class _Growing:
 
     @property
     def all(self) -> np.ndarray:
-        """What was appended so far; to be written to, too."""
+        """What was appended so far, as a writable view."""
         return self._data[: self.size]
 
 
@@ -88,7 +89,17 @@ class LpRecord:
         lower: npt.ArrayLike,
         upper: npt.ArrayLike,
     ) -> None:
-        """Append rows; row i has the entries from ``starts[i]`` to ``starts[i + 1]``."""
+        """Append k rows; row i has the entries from ``starts[i]`` to ``starts[i + 1]``.
+
+        Parameters
+        ----------
+        starts : (k+1,) int array
+            Where each row's entries start, and the end.
+        columns, values : (entries,) array
+            Columns and coefficients.
+        lower, upper : (k,) array or float
+            Bounds, ±inf where there is none.
+        """
         count = starts.size - 1
         self._starts.append(self._values.size + starts[:-1], count)
         self._sizes.append(starts[1:] - starts[:-1], count)
@@ -98,7 +109,15 @@ class LpRecord:
         self._values.append(values, values.size)
 
     def add_column(self, cost: float, upper: float, rows: _Integers, values: Vector) -> None:
-        """Append a column from 0 up."""
+        """Append a column that is at least 0.
+
+        Parameters
+        ----------
+        cost, upper : float
+            Its cost and upper bound.
+        rows, values : (w,) array
+            Rows and coefficients of its entries.
+        """
         self._late_rows.append(rows, values.size)
         self._late_columns.append(self._cost.size, values.size)
         self._late_values.append(values, values.size)
@@ -109,7 +128,15 @@ class LpRecord:
         self._cost_weight += abs(cost) * upper
 
     def bound_rows(self, rows: _Integers, lower: Vector, upper: Vector) -> None:
-        """Change the bounds of rows."""
+        """Change the bounds of rows.
+
+        Parameters
+        ----------
+        rows : (k,) int array
+            Their numbers.
+        lower, upper : (k,) array
+            New bounds, ±inf where there is none.
+        """
         self._row_lower.all[rows] = lower
         self._row_upper.all[rows] = upper
 
@@ -139,7 +166,7 @@ class LpRecord:
         bounds = np.where(chosen > 0.0, self._row_lower.all[used], self._row_upper.all[used])
         by_rows = chosen * bounds
         if not np.isfinite(by_rows.sum()):
-            # What leans on a bound that is not there proves nothing: leave it out.
+            # A dual value on an infinite bound proves nothing: leave it out.
             left = np.zeros(duals.size)
             left[used] = np.where(np.isfinite(by_rows), chosen, 0.0)
             return self._proven(left, cost, cost_weight)

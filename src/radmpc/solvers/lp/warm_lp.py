@@ -14,7 +14,11 @@ from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 __all__ = ["CostRow", "WarmLp"]
 
 _HELD, _OPPOSED = 1, 2
+"""Flags of an active row: bounded above, bounded below."""
+
 _CROWD = 200
+"""Rows beyond which switched-off ones are dropped [-], beside two per active row: 1.3 to 2 times
+less time on long searches of eight vehicles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,30 +88,30 @@ class WarmLp:
         rows : iterable of int
             Rows to hold.
         opposite : iterable of int
-            Rows to hold the other way round: at least the right side.
+            Rows to hold in the opposite direction: at least the right side.
         """
-        wanted = dict.fromkeys((int(r) for r in rows), _HELD)
+        target = dict.fromkeys((int(r) for r in rows), _HELD)
         for row in opposite:
-            wanted[int(row)] = wanted.get(int(row), 0) | _OPPOSED
-        if len(self._place) > _CROWD + 2 * len(wanted):
+            target[int(row)] = target.get(int(row), 0) | _OPPOSED
+        if len(self._place) > _CROWD + 2 * len(target):
             # Rows switched off still cost time in every pivot: begin again without them.
             self._dropped_solves += self._lp.solves
             self._start()
-        new = [r for r in wanted if r not in self._place]
+        new = [r for r in target if r not in self._place]
         if new:
             self._add(sorted(new))
         state = self._state
-        changed = [r for r in state if r not in wanted]
-        changed += [r for r, s in wanted.items() if state.get(r, 0) != s]
+        changed = [r for r in state if r not in target]
+        changed += [r for r, s in target.items() if state.get(r, 0) != s]
         if changed:
-            states = np.array([wanted.get(r, 0) for r in changed])
+            states = np.array([target.get(r, 0) for r in changed])
             right = self._right[changed]
             self._lp.bound_rows(
                 [self._place[r] for r in changed],
                 np.where(states & _OPPOSED, right, -np.inf),
                 np.where(states & _HELD, right, np.inf),
             )
-        self._state = wanted
+        self._state = target
 
     def _add(self, rows: list[int]) -> None:
         """Append chance rows, switched off."""

@@ -36,7 +36,7 @@ BACKENDS: dict[str, type[Backend]] = {
 """Backends by name."""
 
 _ROUNDING = 1e-6
-"""By how much the bounds of outputs are widened [m]: they are known up to rounding."""
+"""By how much the bounds of outputs are widened [m]: they are exact only up to rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class BigM(Solver):
     Attributes
     ----------
     backend : {'highs', 'scip', 'gurobi'}
-        Who solves it.
+        The mixed-integer solver.
     """
 
     backend: str = "highs"
@@ -54,8 +54,8 @@ class BigM(Solver):
     def __post_init__(self) -> None:
         """Refuse unknown backends."""
         if not (isinstance(self.backend, str) and self.backend in BACKENDS):
-            known = ", ".join(BACKENDS)
-            raise ScenarioError(f"backend must be one of {known}, got {told(self.backend)}")
+            names = ", ".join(BACKENDS)
+            raise ScenarioError(f"backend must be one of {names}, got {told(self.backend)}")
 
     def __str__(self) -> str:
         return "big_m" if self.backend == "highs" else f"big_m({self.backend})"
@@ -73,10 +73,16 @@ class BigM(Solver):
     ) -> Solution:
         """Minimize the cost at fixed margins; see `radmpc.solvers.solution.Solver`.
 
-        ``start`` and ``guide`` are not used: the paper's method starts every solve afresh.
+        Parameters
+        ----------
+        program, margins, gap, limits
+            As there.
+        start, guide
+            Ignored: the paper's method starts every solve afresh.
+        rng
+            Ignored: the backends are deterministic.
         """
-        del rng  # deterministic
-        del start, guide
+        del start, guide, rng
         begun = time.perf_counter()
         nothing = Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
         if np.any(program.upper < program.lower) or np.any(np.diff(program.avoidance_starts) == 0):
@@ -89,13 +95,13 @@ class BigM(Solver):
             )
         z = answer.x[: program.num_columns]
         selection = least_violated(program, violations_of(program, margins, z))
-        polished = solve_selection(program, margins, selection)
-        if polished.z is None:
-            # Only the integrality slack made the point feasible: it is none.
+        repaired = solve_selection(program, margins, selection)
+        if repaired.z is None:
+            # Only the integrality slack made the point feasible: it is no solution.
             return Solution(
                 Outcome.LIMIT, None, None, float("inf"), answer.bound, answer.nodes, 0, seconds
             )
-        cost, z = polished.cost, polished.z
+        cost, z = repaired.cost, repaired.z
         bound = min(answer.bound, cost)
         closed = relative_gap(cost, bound) <= gap * (1.0 + 1e-6) + 1e-9
         return Solution(
@@ -131,14 +137,13 @@ def encode(program: DisjunctiveProgram, margins: Vector) -> MilpModel:
     seen = np.flatnonzero(abs(rows.normals).sum(axis=0) > 0.0)
     outputs = csr_array(program.outputs[seen])
     num_seen, num_off = seen.size, program.num_alternatives
-    owner = np.repeat(np.arange(num_off), np.diff(program.alternative_starts))
     big_m = _largest_excess(program, margins)
-    switch = coo_array((-big_m, (program.alternative_rows, owner)), shape=(rows.count, num_off))
-    sizes = np.diff(program.avoidance_starts)
-    cover = coo_array(
-        (np.ones(num_off), (np.repeat(np.arange(sizes.size), sizes), np.arange(num_off))),
-        shape=(sizes.size, num_off),
+    switch = coo_array(
+        (-big_m, (program.alternative_rows, program.entry_owners())), shape=(rows.count, num_off)
     )
+    sizes = np.diff(program.avoidance_starts)
+    choices = (program.layout.owners, np.arange(num_off))
+    cover = coo_array((np.ones(num_off), choices), shape=(sizes.size, num_off))
     matrix = block_array(
         [
             [program.hard, csr_array((program.hard.shape[0], num_seen)), None],

@@ -1,6 +1,6 @@
 """Gurobi as a mixed-integer backend; the extra ``gurobi``.
 
-Without a license of one's own it solves models of at most 2,000 columns and rows.
+Without a license it solves models of at most 2,000 columns and rows.
 """
 
 from __future__ import annotations
@@ -19,12 +19,23 @@ __all__ = ["GurobiBackend"]
 
 @dataclass(frozen=True, slots=True)
 class GurobiBackend:
-    """Gurobi through gurobipy."""
+    """Gurobi through gurobipy.
+
+    Attributes
+    ----------
+    name : str
+        What users call it.
+    """
 
     name: str = "gurobi"
 
     def minimize(self, model: MilpModel, gap: float, limits: Limits) -> MilpAnswer:
         """Solve a model; see `radmpc.solvers.milp.model.Backend`.
+
+        Parameters
+        ----------
+        model, gap, limits
+            As there.
 
         Raises
         ------

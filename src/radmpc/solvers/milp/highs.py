@@ -15,16 +15,29 @@ from radmpc.solvers.solution import Limits, Outcome
 __all__ = ["HighsBackend"]
 
 _FEASIBILITY_TOL = 1e-9
+"""Feasibility tolerance of mixed-integer programs [m]: slack in the rows that define outputs would
+lower the bound by more than small gaps."""
 
 
 @dataclass(frozen=True, slots=True)
 class HighsBackend:
-    """HiGHS, the solver every installation has."""
+    """HiGHS, the solver that every installation has.
+
+    Attributes
+    ----------
+    name : str
+        What users call it.
+    """
 
     name: str = "highs"
 
     def minimize(self, model: MilpModel, gap: float, limits: Limits) -> MilpAnswer:
         """Solve a model; see `radmpc.solvers.milp.model.Backend`.
+
+        Parameters
+        ----------
+        model, gap, limits
+            As there.
 
         Raises
         ------
@@ -33,7 +46,6 @@ class HighsBackend:
         """
         highs = quiet_highs()
         highs.setOptionValue("mip_rel_gap", gap)
-        # Slack in the rows that define outputs would lower the bound by more than small gaps.
         for name in ("mip_feasibility_tolerance", "primal_feasibility_tolerance"):
             highs.setOptionValue(name, _FEASIBILITY_TOL)
         if np.isfinite(limits.seconds_left):

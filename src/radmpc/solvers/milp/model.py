@@ -1,4 +1,4 @@
-"""A mixed-integer linear program as a value, and what a backend must do with it."""
+"""A mixed-integer linear program as a value, and the interface of backends that solve it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class MilpModel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MilpAnswer:
-    """What a backend found.
+    """The answer of a backend.
 
     Attributes
     ----------
@@ -69,5 +69,15 @@ class Backend(Protocol):
         ...
 
     def minimize(self, model: MilpModel, gap: float, limits: Limits) -> MilpAnswer:
-        """Solve a model to a relative gap, or until a limit."""
+        """Solve a model to a relative gap, or until a limit.
+
+        Parameters
+        ----------
+        model : MilpModel
+            The mixed-integer program.
+        gap : float
+            Relative gap at which to stop.
+        limits : Limits
+            When to stop early.
+        """
         ...

@@ -18,12 +18,23 @@ __all__ = ["ScipBackend"]
 
 @dataclass(frozen=True, slots=True)
 class ScipBackend:
-    """SCIP through PySCIPOpt."""
+    """SCIP through PySCIPOpt.
+
+    Attributes
+    ----------
+    name : str
+        What users call it.
+    """
 
     name: str = "scip"
 
     def minimize(self, model: MilpModel, gap: float, limits: Limits) -> MilpAnswer:
         """Solve a model; see `radmpc.solvers.milp.model.Backend`.
+
+        Parameters
+        ----------
+        model, gap, limits
+            As there.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Branch and bound over alternatives with the risk as a variable, at a price.
+"""Branch and bound over alternatives with the risk as a variable, at a Lagrange multiplier.
 
 All files share one objective, the Lagrangian of the chance-constrained program,
 

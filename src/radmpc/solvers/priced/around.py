@@ -1,4 +1,4 @@
-"""A small search around a way: sides that are clear are held, those in doubt are searched."""
+"""A small search around a path: clear alternatives are held, those in doubt are searched."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from radmpc.solvers.solution import Limits
 __all__ = ["search_around"]
 
 _OPEN = 0.8
-"""Two sides whose room differs by less, in longest moves, are both left to the search."""
+"""Difference of slack below which two alternatives are both left to the search [longest moves]."""
 
 _FAR = 1.0
-"""Room, in longest moves, beyond which a side need not be held."""
+"""Slack from which the best alternative need not be held [longest moves]: the search stays near."""
 
 _GAP = 1e-3
+"""Relative gap at which the search stops [-]: it is small, and ends by its nodes where it is
+not."""
 
 
 def search_around(
@@ -34,28 +36,28 @@ def search_around(
     max_nodes: int,
     is_rigid: bool = False,
 ) -> Incumbent | None:
-    """Return the best plan near a way; a heuristic.
+    """Return the best plan near a path; a heuristic.
 
     Parameters
     ----------
     rater : Rater
         The program, laid out for rating.
     slacks : (r,) array
-        Room that the way leaves on each row [m].
+        Slack of each row along the path [m].
     best : Incumbent or None
         A plan to beat.
     move : float
         The longest move from step to step [m], the measure of what is near.
     unit, price : float
-        The budget of risk, and what it costs.
+        Risk budget, and the cost of risking it: the Lagrange multiplier of the risk bound.
     scale : float
-        Value below which a gap is taken of this.
+        Values below this count as this in relative gaps.
     limits : Limits
         When to stop early.
     max_nodes : int
         Nodes to spend.
     is_rigid : bool
-        Whether all sides are held, also those in doubt.
+        Whether alternatives in doubt are held, too.
 
     Returns
     -------
@@ -72,19 +74,19 @@ def search_around(
 
 
 def _held(rater: Rater, slacks: Vector, move: float, *, is_rigid: bool) -> tuple[int, ...]:
-    """Return the sides with the most room, unless in doubt those only where others have less."""
+    """Return the alternatives of most slack near the path; in doubt none, unless rigid."""
     program = rater.program
     if program.num_avoidances == 0:
         return ()
-    rooms = np.minimum.reduceat(slacks[program.alternative_rows], program.alternative_starts[:-1])
-    rooms = np.where(rater.table < 0, -np.inf, rooms[rater.table])
-    places = rooms.argmax(axis=1)
-    every = np.arange(len(rooms))
-    first = rooms[every, places]
-    rooms[every, places] = -np.inf
-    second = rooms.max(axis=1)
+    slack = np.minimum.reduceat(slacks[program.alternative_rows], program.alternative_starts[:-1])
+    slack = np.where(rater.table < 0, -np.inf, slack[rater.table])
+    places = slack.argmax(axis=1)
+    every = np.arange(len(slack))
+    first = slack[every, places]
+    slack[every, places] = -np.inf
+    second = slack.max(axis=1)
     is_held = (first < _FAR * move) & (second <= first - _OPEN * move)
     if is_rigid:
         is_held = first < _FAR * move
-    sides = rater.table[every, places]
-    return tuple(int(side) for side in sides[is_held])
+    best = rater.table[every, places]
+    return tuple(int(alternative) for alternative in best[is_held])

@@ -1,4 +1,4 @@
-"""Where to branch: which avoidance, and its sides in which order."""
+"""Where to branch: on which avoidance, and its alternatives in which order."""
 
 from __future__ import annotations
 
@@ -12,11 +12,16 @@ from radmpc.solvers.priced.rating import Rater, Rating
 __all__ = ["BranchingChoice"]
 
 _SECOND_WEIGHT = 0.5
-"""What the second best side counts, beside the best, in how hard an avoidance is."""
+"""Weight of the second best alternative's violation beside the best's in the choice of the
+avoidance to branch on [-]: where both are large, the bounds of both children rise."""
+
+_MISSING_FACTOR, _MISSING_LENGTH = 2.0, 5.0
+"""Violation assumed of an alternative that is impossible: so many times the best one's [-], and so
+much more [m]. Avoidances with a single alternative left come early."""
 
 
 class BranchingChoice:
-    """What a search has learned of a program's avoidances.
+    """Which avoidance to branch on, by violations and by how often a choice failed.
 
     Parameters
     ----------
@@ -29,18 +34,32 @@ class BranchingChoice:
     def __init__(self, program: DisjunctiveProgram, rater: Rater) -> None:
         self._table = rater.table
         self._weights = np.ones(program.num_avoidances)
-        self._owner = np.repeat(
-            np.arange(program.num_avoidances), np.diff(program.avoidance_starts)
-        )
+        self._owner = program.layout.owners
 
-    def failed(self, side: int) -> None:
-        """Note that choosing a side ended a branch."""
-        self._weights[self._owner[side]] += 1.0
+    def failed(self, alternative: int) -> None:
+        """Note that choosing an alternative ended a branch."""
+        self._weights[self._owner[alternative]] += 1.0
 
     def most_promising(
         self, chosen: Sequence[int], rating: Rating, *, has_plan: bool
     ) -> tuple[int | None, bool]:
-        """Return the avoidance to branch on, and whether any is far from kept."""
+        """Return the avoidance to branch on, and whether any is violated.
+
+        Parameters
+        ----------
+        chosen : sequence of int
+            The node's alternatives; their avoidances are decided.
+        rating : Rating
+            Of the node's point.
+        has_plan : bool
+            Whether the search has an incumbent.
+
+        Returns
+        -------
+        (int or None, bool)
+            None where nothing is left to decide; and whether an undecided avoidance misses the
+            reference clearance.
+        """
         if rating.cheapest.size == 0:
             return None, False
         free = np.ones(rating.cheapest.size, dtype=bool)
@@ -55,11 +74,23 @@ class BranchingChoice:
             # Without a solution, what failed often fails early: begin there (Boussemart 2004).
             return int(violated[(least[violated] * self._weights[violated]).argmax()]), True
         nearest = np.partition(rating.short[violated], 1, axis=1)[:, :2]
-        second = np.where(np.isfinite(nearest[:, 1]), nearest[:, 1], 2.0 * nearest[:, 0] + 5.0)
+        second = np.where(
+            np.isfinite(nearest[:, 1]),
+            nearest[:, 1],
+            _MISSING_FACTOR * nearest[:, 0] + _MISSING_LENGTH,
+        )
         return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * second).argmax()]), True
 
-    def sides(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
-        """Return the possible alternatives of an avoidance, the one violated least first."""
+    def alternatives(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
+        """Return the possible alternatives of an avoidance, the one violated least first.
+
+        Parameters
+        ----------
+        avoidance : int
+            Its number.
+        rating : Rating
+            Of the node's point.
+        """
         short = rating.short[avoidance]
         order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]
         return tuple(int(self._table[avoidance, i]) for i in order)

@@ -1,7 +1,7 @@
-"""Branch and bound over faces and risks within a budget that is hard.
+"""Branch and bound over alternatives and risks within a hard risk budget.
 
-A price finds the plans on the lower convex hull of cost over risk; where sides change at a jump,
-the best plan within a budget lies above the hull, and no price finds it. Here the budget is the
+Prices find the plans on the lower convex hull of cost over risk; where alternatives change, the
+best plan within a budget may lie above the hull, and no price finds it. Here the budget is the
 unit, which the linear programs keep anyway, and the price only breaks ties.
 """
 
@@ -18,17 +18,18 @@ from radmpc.solvers.priced.tree import RiskTree
 __all__ = ["OVER", "BudgetTree"]
 
 OVER = 2e-6
-"""Share of the budget by which a candidate may exceed it: what tangents and solver leave."""
+"""Share of the budget by which a candidate may exceed it [-]: what tangents and solver leave."""
 
 _MISSING = 0.5 * OVER
-"""Units by which the risk of chosen rows may be underestimated in all."""
+"""Units by which the risk of chosen rows may be underestimated in all [-]; more tangents
+otherwise."""
 
 
 class BudgetTree(RiskTree):
     """The search for the least cost within a budget; see `RiskTree`, whose unit is the budget."""
 
     rounds = 60
-    """A budget that is hard is met by more tangents than a price asks for."""
+    """Times that a node's linear program is solved at most: a hard budget takes more tangents."""
 
     def _worth(self, z: Vector, rating: Rating) -> float:
         """Return a point's value; inf beyond the budget."""
@@ -43,7 +44,7 @@ class BudgetTree(RiskTree):
         rows = self._tangents.noisy_rows(chosen)
         if rows.size == 0 or rating.risk <= (1.0 + OVER) * self.unit:
             return False
-        missing = np.maximum(rating.risks[rows] - self.lp.taken(rows, point), 0.0) / self.unit
+        missing = np.maximum(rating.risks[rows] - self.lp.allocated(rows, point), 0.0) / self.unit
         if missing.sum() <= _MISSING:
             return False
         return self._tangents.add(self.lp, rows[missing > _MISSING / (4.0 * rows.size)], rating)

@@ -1,4 +1,4 @@
-"""The linear program of optimal risk: chosen rows with a column each for the risk they take.
+"""The linear program of optimal risk allocation: chosen rows with a column each for their risk.
 
 On clearances q >= 0 the tail Q is convex and q is affine in the variables, so the tangents
 
@@ -27,18 +27,25 @@ __all__ = ["RiskLp", "SetBound"]
 
 _INF = float("inf")
 _FIRST_TANGENTS = (2.1, 2.6, 3.1)
-"""Clearances near which optimal plans of few vehicles keep, beside the floor."""
+"""Clearances of a row's first tangents, beside that at its cap [standard deviations]: optimal plans
+of few vehicles keep near these."""
 
 _DEAR = 1e6
-"""Price from which on rows with prices in them are scaled down: HiGHS refuses entries of 1e15."""
+"""Price from which rows with prices in them are scaled down [cost]: HiGHS refuses entries of
+1e15."""
+
+_APART = 1e-4
+"""Least distance of two tangents of a row [standard deviations]: closer ones are nearly
+parallel."""
 
 _CROWD = 400
-"""Rows beyond which switched-off ones are dropped."""
+"""Rows beyond which switched-off ones are dropped [-], beside twelve per active row: more are idle
+in every pivot, fewer are loaded anew more often. Larger pools were slower."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetBound:
-    """What some blocks were proven to cost: ``cost + price · risk / unit >= value``.
+    """A proven lower bound on some blocks: ``cost + price · risk / unit >= value``.
 
     Attributes
     ----------
@@ -54,7 +61,7 @@ class SetBound:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Row:
-    """A chance row's place: its linear program rows, their right sides, their tangents."""
+    """A chance row in the linear program: its rows there, their right sides, their tangents."""
 
     numbers: list[int]
     lowers: list[float]
@@ -69,12 +76,12 @@ class RiskLp:
     program : DisjunctiveProgram
         The program.
     unit : float
-        The risk that a column's 1 stands for; the chosen rows may not take more together, nor
-        any of them more than `CONVEX_RISK`.
+        Risk budget: the risk that a column's 1 stands for. The chosen rows may not risk more
+        together, nor any of them more than `CONVEX_RISK`.
     price : float
-        Cost of one unit of risk.
+        Cost of one unit of risk: the Lagrange multiplier of the risk bound.
     bounds : sequence of SetBound
-        Known lower bounds of parts, at this price.
+        Proven lower bounds of parts, at this price.
     """
 
     def __init__(
@@ -104,7 +111,7 @@ class RiskLp:
         return self._lp.solves + self.dropped_solves
 
     def _start(self) -> None:
-        """Load columns, hard rows and known bounds; no chance row yet."""
+        """Load columns, hard rows and proven bounds; no chance row yet."""
         program = self.program
         self._rows: dict[int, _Row] = {}
         self._risk_columns: dict[int, int] = {}
@@ -114,18 +121,18 @@ class RiskLp:
         # No plan risks more than the whole unit, whatever the price.
         self._budget_row = self._lp.add_row(np.zeros(0, dtype=np.int32), np.zeros(0), -_INF, 1.0)
         self._bound_rows: list[tuple[frozenset[int], int]] = []
-        rests: dict[frozenset[int], int] = {}
+        remainders: dict[frozenset[int], int] = {}
         for bound in self._bounds:
             # What is risked beyond the chosen rows, by vehicle and by pair: charged once each.
             members = sorted(bound.blocks)
             parts = [frozenset(c) for size in (1, 2) for c in combinations(members, size)]
             for part in parts:
-                if part not in rests:
+                if part not in remainders:
                     # The budget's row holds it to one unit anyway; said here, it is finite.
-                    rests[part] = self._lp.add_column(
+                    remainders[part] = self._lp.add_column(
                         self.price, 1.0, np.array([self._budget_row], dtype=np.int32), np.ones(1)
                     )
-            inner = [rests[part] for part in parts]
+            inner = [remainders[part] for part in parts]
             columns = np.flatnonzero(np.isin(program.blocks, members))
             row = self._lp.add_row(
                 np.append(columns, inner).astype(np.int32),
@@ -137,25 +144,23 @@ class RiskLp:
 
     def activate(self, rows: Iterable[int]) -> None:
         """Switch exactly these chance rows on, adding those that are new."""
-        wanted = set(rows)
-        if self._lp.num_rows > _CROWD + 12 * len(wanted):
+        target = set(rows)
+        if self._lp.num_rows > _CROWD + 12 * len(target):
             # Rows switched off still cost time in every pivot: begin again without them.
             self.dropped_solves += self._lp.solves
             self._start()
-        for row in sorted(wanted - self._rows.keys()):
+        for row in sorted(target - self._rows.keys()):
             self._add(row)
         numbers: list[int] = []
         lowers: list[float] = []
-        for row in self._active - wanted:
-            known = self._rows[row]
-            numbers += known.numbers
-            lowers += [-_INF] * len(known.numbers)
-        for row in wanted - self._active:
-            known = self._rows[row]
-            numbers += known.numbers
-            lowers += known.lowers
+        for row in self._active - target:
+            numbers += self._rows[row].numbers
+            lowers += [-_INF] * len(self._rows[row].numbers)
+        for row in target - self._active:
+            numbers += self._rows[row].numbers
+            lowers += self._rows[row].lowers
         self._lp.bound_rows(numbers, np.array(lowers), np.full(len(lowers), _INF))
-        self._active = wanted
+        self._active = target
 
     def _add(self, row: int) -> None:
         """Append a chance row, switched off."""
@@ -186,8 +191,16 @@ class RiskLp:
         )
 
     def add_tangent(self, row: int, clearance: float) -> bool:
-        """Add an active row's tangent at a clearance >= 0, unless it has one close by."""
-        is_new = min(abs(clearance - q) for q in self._rows[row].clearances) > 1e-4
+        """Add an active row's tangent, unless it has one close by; return whether it was added.
+
+        Parameters
+        ----------
+        row : int
+            A row with noise.
+        clearance : float
+            Where, >= 0 [standard deviations].
+        """
+        is_new = min(abs(clearance - q) for q in self._rows[row].clearances) > _APART
         if is_new:
             self._add_tangents(row, (clearance,), is_active=True)
         return is_new
@@ -207,17 +220,17 @@ class RiskLp:
         where[:, :-1] = columns
         where[:, -1] = self._risk_columns[int(self.program.rows.events[row])]
         first = self._lp.add_dense_rows(where, entries, lowers if is_active else None)
-        known = self._rows[row]
-        known.numbers.extend(range(first, first + count))
-        known.lowers.extend(lowers.tolist())
-        known.clearances.extend(at)
+        added = self._rows[row]
+        added.numbers.extend(range(first, first + count))
+        added.lowers.extend(lowers.tolist())
+        added.clearances.extend(at)
 
     def _row_coefficients(self, row: int) -> tuple[Numbers, Vector]:
         """Return a chance row over the decision variables."""
-        known = self._coefficients.get(row)
-        if known is None:
-            known = self._coefficients[row] = self.program.column_row(row)
-        return known
+        cached = self._coefficients.get(row)
+        if cached is None:
+            cached = self._coefficients[row] = self.program.column_row(row)
+        return cached
 
     def solve(self, cutoff: float = _INF) -> tuple[LpOutcome, float]:
         """Minimize over the active rows; see `HighsLp.solve`."""
@@ -227,8 +240,21 @@ class RiskLp:
         """Return the decision variables, then all other columns, of the last optimal solve."""
         return self._lp.point()
 
-    def taken(self, rows: Indices, point: Vector) -> Vector:
-        """Return the risk that a point's columns grant to active rows, in probability."""
+    def allocated(self, rows: Indices, point: Vector) -> Vector:
+        """Return the risk that a point's columns allocate to active rows.
+
+        Parameters
+        ----------
+        rows : (k,) int array
+            Rows with noise.
+        point : (c,) array
+            All columns of a solution.
+
+        Returns
+        -------
+        (k,) array
+            Probabilities; rows of one event share a column.
+        """
         events = self.program.rows.events[rows]
         columns = [self._risk_columns[int(e)] for e in events]
         return self.unit * point[columns]

@@ -1,8 +1,8 @@
-"""Incumbents at a price of risk, by planning one block or two around the others.
+"""Incumbents of the priced problem, by planning one block or two around the others.
 
-What the others do is a moving obstacle to the free ones; a small search with faces and risks
-together finds their best way around it. Heuristics: they prove nothing, but a point they return
-is a solution of the whole at its true risk.
+The others are moving obstacles to the free ones, whose paths are planned by a small search over
+alternatives and risks together. Heuristics: they prove nothing, but a point they return is a
+solution of the whole at its true risk.
 """
 
 from __future__ import annotations
@@ -25,17 +25,24 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Neighborhood", "Seek"]
 
 Seek = Callable[[Rater, int, bool], Incumbent | None]
-"""Looks for a plan of one block, its program laid out for rating, around placed others; in haste
-or at its own pace."""
+"""Looks for a plan of one block around placed others, from its program laid out for rating and its
+number; greedily, as early as possible, where the last argument is true."""
 
 _ROUGH_GAP = 5e-3
+"""Relative gap at which the search for one group of blocks stops [-]: the whole is not optimal in
+any case, and smaller gaps take nodes from other groups."""
+
 _NODES_AROUND = 60
+"""Nodes per free block of the search around the plan at hand, before the search proper [-]."""
+
 _TRIES = 3
+"""Orders in which blocks are placed [-]; each new one begins with the block that found no path."""
+
 _TRIES_IN_HASTE = 5
-"""Orders in which blocks are placed."""
+"""The same where each block is placed by the construction heuristic [-], whose runs are short."""
 
 _NODES = 200
-"""Nodes per free block: it is a heuristic, not a proof."""
+"""Nodes per free block [-]: it is a heuristic, not a proof."""
 
 
 @dataclass(eq=False)
@@ -47,17 +54,17 @@ class Neighborhood:
     program : DisjunctiveProgram
         The whole.
     unit, price : float
-        The budget of risk, and what it costs.
+        Risk budget, and the cost of risking it: the Lagrange multiplier of the risk bound.
     scale : float
-        Value below which a gap is taken of this.
+        Values below this count as this in relative gaps.
     limits : Limits
         When to stop early.
     move : float
         The longest move from step to step [m].
     least : sequence of float
-        Every block's value in the best of cases, alone: one that has it is not planned anew.
+        Lower bound on every block's value, alone: a block that attains it is not planned anew.
     seek : callable or None
-        Where the search for a block that is to be placed finds no way.
+        Called where the tree finds no path for a block that is to be placed.
     """
 
     program: DisjunctiveProgram
@@ -70,7 +77,7 @@ class Neighborhood:
     seek: Seek | None = None
 
     def __post_init__(self) -> None:
-        """Find out which avoidances touch which blocks."""
+        """Note which avoidances touch which blocks."""
         self.touched: csr_array = avoidance_blocks(self.program)
         self.blocks = list(range(self.touched.shape[1]))
 
@@ -87,7 +94,7 @@ class Neighborhood:
         Returns
         -------
         (n,) array or None
-            A solution of the whole. A block that finds no way is put first and all begins again,
+            A solution of the whole. A block that finds no path is put first and all begins again,
             a few times; then None.
         """
         order, tried = list(order), list[list[int]]()
@@ -109,22 +116,22 @@ class Neighborhood:
         return None
 
     def place_in_haste(self, alone: Vector, order: Sequence[int]) -> Vector | None:
-        """Place blocks one after the other, each as soon as those before it leave it the way.
+        """Place blocks greedily, each to arrive as soon as those before it let it pass.
 
         Parameters
         ----------
         alone, order
-            As of `place`.
+            As in `place`.
 
         Returns
         -------
         (n,) array or None
-            As of `place`.
+            As in `place`.
         """
         for sequence in (list(order), list(order)[::-1]):
             tried, following = list[list[int]](), sequence
             for _ in range(_TRIES_IN_HASTE):
-                z, failed = self._hastened(alone, following)
+                z, failed = self._placed_greedily(alone, following)
                 if failed is None:
                     return self.improve(z, [[block] for block in following])
                 tried.append(following[: following.index(failed) + 1])
@@ -133,8 +140,8 @@ class Neighborhood:
                     break
         return None
 
-    def _hastened(self, alone: Vector, order: list[int]) -> tuple[Vector, int | None]:
-        """Return a point with blocks placed in an order, and the first that found no way."""
+    def _placed_greedily(self, alone: Vector, order: list[int]) -> tuple[Vector, int | None]:
+        """Return a point with blocks placed in an order, and the first that found no path."""
         z = alone.copy()
         for place, block in enumerate(order):
             part = self._around(z, [block], order[:place])
@@ -172,7 +179,7 @@ class Neighborhood:
     def _freed(
         self, z: Vector, free: list[int], placed: Sequence[int], *, is_new: bool
     ) -> Vector | None:
-        """Return the point with some blocks planned anew; None if no way was found."""
+        """Return the point with some blocks planned anew; None if no path was found."""
         part = self._around(z, free, placed)
         rater = Rater(part.program, self.unit)
         if rater.is_infeasible:
@@ -191,19 +198,7 @@ class Neighborhood:
         if tree.value <= least + _ROUGH_GAP * max(least, self.scale):
             return z
         if tree.best is not None:
-            near = search_around(
-                tree.rater,
-                part.program.slacks(tree.best.z),
-                tree.best,
-                move=self.move,
-                unit=self.unit,
-                price=self.price,
-                scale=self.scale,
-                limits=self.limits,
-                max_nodes=_NODES_AROUND * len(free),
-            )
-            if near is not None:
-                tree.consider(near.z)
+            self._search_around(tree, tree.best, _NODES_AROUND * len(free))
         tree.run(_NODES * len(free))
         if tree.best is None and is_new and self.seek is not None and not self.limits.reached:
             found = self.seek(tree.rater, free[0], False)
@@ -214,6 +209,22 @@ class Neighborhood:
         moved = z.copy()
         moved[part.columns] = tree.best.z
         return moved
+
+    def _search_around(self, tree: RiskTree, best: Incumbent, max_nodes: int) -> None:
+        """Offer a tree the best plan near one that it has."""
+        near = search_around(
+            tree.rater,
+            tree.program.slacks(best.z),
+            best,
+            move=self.move,
+            unit=self.unit,
+            price=self.price,
+            scale=self.scale,
+            limits=self.limits,
+            max_nodes=max_nodes,
+        )
+        if near is not None:
+            tree.consider(near.z)
 
     def _around(self, z: Vector, free: Sequence[int], placed: Sequence[int]) -> Restriction:
         """Return the program of some blocks around placed others."""

@@ -1,4 +1,4 @@
-"""What a search over faces and risks finds, and what it leaves open."""
+"""What a search over alternatives and risks finds, and what it leaves open."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Incumbent:
     z : (n,) array
         The point.
     selection : (v,) int array
-        Its sides.
+        The alternative chosen for each avoidance.
     cost, risk : float
         Its cost without risk, and its true risk.
     """
@@ -35,15 +35,15 @@ class Incumbent:
 
 @dataclass(order=True, slots=True)
 class Node(OpenNode):
-    """An open node, and what is known of it once its linear program has been solved.
+    """An open node, with the result of its linear program once that has been solved.
 
     Attributes
     ----------
     is_solved : bool
         Whether it has been.
-    sides : tuple of int
+    alternatives : tuple of int
         The alternatives to branch on; empty where there is nothing left to decide.
     """
 
     is_solved: bool = field(compare=False, default=False)
-    sides: tuple[int, ...] = field(compare=False, default=())
+    alternatives: tuple[int, ...] = field(compare=False, default=())

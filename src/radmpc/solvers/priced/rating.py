@@ -1,4 +1,4 @@
-"""Rating a point by its true risks: what every avoidance costs at its cheapest side."""
+"""Rating a point by its true risks: every avoidance at its alternative of least risk."""
 
 from __future__ import annotations
 
@@ -7,30 +7,31 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
+from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.solvers.selection import possible_alternatives, side_table
+from radmpc.solvers.selection import alternative_table, possible_alternatives
 
 __all__ = ["Rater", "Rating"]
 
 _REFERENCE = 0.1
-"""Share of the unit at whose clearance an alternative counts as kept, when branching."""
+"""Share of the unit at whose clearance an alternative counts as satisfied when branching [-]:
+larger ones branch on fewer avoidances, and leave more to the exact account of risks."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rating:
-    """What a point is worth.
+    """The risks of a point.
 
     Attributes
     ----------
     clearances, risks : (r,) array
-        Of every row.
+        Of every row [standard deviations], [-].
     cheapest : (v,) array
-        Least risk of any side of each avoidance.
+        Least risk of any alternative of each avoidance.
     selection : (v,) int array
-        The side that has it.
+        The alternative that has it.
     short : (v, w) array
-        By how much each side misses the reference clearance [m]; inf where there is none.
+        By how much each alternative misses the reference clearance [m]; inf where there is none.
     risk : float
         Risk of the selection, shared rows counted once.
     largest : float
@@ -54,7 +55,7 @@ class Rater:
     program : DisjunctiveProgram
         The program.
     unit : float
-        The budget of risk; no row may take more than it, nor than `CONVEX_RISK`.
+        Risk budget; no row may risk more than it, nor than `CONVEX_RISK`.
 
     Attributes
     ----------
@@ -74,7 +75,7 @@ class Rater:
         self.floor = deviations * float(clearance_for(self.row_cap))
         self.possible = possible_alternatives(program, self.floor)
         self._reference = deviations * float(clearance_for(min(_REFERENCE * unit, CONVEX_RISK)))
-        self.table = side_table(program, self.possible)
+        self.table = alternative_table(program, self.possible)
         self._blank = self.table < 0
         self._every = np.arange(program.num_avoidances)
         starts = program.alternative_starts
@@ -82,7 +83,7 @@ class Rater:
         self._rows = program.alternative_rows
         self._is_single = bool(np.all(np.diff(starts) == 1))
         # Rows of one event are neighbors within an alternative and are charged once.
-        owners = np.repeat(np.arange(program.num_alternatives), np.diff(starts))
+        owners = program.entry_owners()
         events = program.rows.events[self._rows]
         begins = np.append(True, (np.diff(owners) != 0) | (np.diff(events) != 0))[: owners.size]
         self._event_starts = np.flatnonzero(begins)
@@ -92,17 +93,17 @@ class Rater:
             np.any(program.upper < program.lower)
         )
         if self._is_single and program.num_alternatives:
-            # One row per side: the table of sides is a table of rows.
+            # One row per alternative: the table of alternatives is a table of rows.
             self._row_table = np.where(self._blank, 0, self._rows[self.table])
 
     def rate(self, z: Vector) -> Rating:
-        """Return the rating of a point; where some avoidance has no side left, an infinite risk."""
+        """Return a point's rating; infinite risk if an avoidance has no possible alternative."""
         program = self.program
         slacks = program.slacks(z)
         clearances = slacks * self._inverse
         if self._certain.any():
-            # A hard row holds up to the solver's own feasibility tolerance.
-            clearances[self._certain] = np.where(slacks[self._certain] >= -1e-8, np.inf, -np.inf)
+            certain = slacks[self._certain]
+            clearances[self._certain] = clearance(certain, np.zeros(certain.size))
         risks: Vector = np.asarray(tail_probability(clearances))
         if program.num_avoidances == 0 or self.is_infeasible:
             risk = np.inf if self.is_infeasible else 0.0
@@ -112,19 +113,19 @@ class Rater:
             )
         misses = self._reference - slacks
         if self._is_single:
-            by_side = risks[self._row_table]
+            by_alternative = risks[self._row_table]
             short = misses[self._row_table]
         else:
             members = self._rows
             by_event = risks[members]
             if self._has_twins:
                 by_event = np.maximum.reduceat(by_event, self._event_starts)
-            by_side = np.add.reduceat(by_event, self._starts_of_events)[self.table]
+            by_alternative = np.add.reduceat(by_event, self._starts_of_events)[self.table]
             short = np.maximum.reduceat(misses[members], self._starts)[self.table]
-        by_side = np.where(self._blank, np.inf, by_side)
+        by_alternative = np.where(self._blank, np.inf, by_alternative)
         short = np.where(self._blank, np.inf, short)
-        places = by_side.argmin(axis=1)
-        cheapest = by_side[self._every, places]
+        places = by_alternative.argmin(axis=1)
+        cheapest = by_alternative[self._every, places]
         selection = self.table[self._every, places]
         risk, largest = self._total(z, selection, cheapest)
         return Rating(clearances, risks, cheapest, selection, short, risk, largest)

@@ -16,7 +16,7 @@ from radmpc.solvers.priced.rating import Rating
 __all__ = ["Tangents"]
 
 _FLAT = 1e-7
-"""Share of the unit below which a tangent is no better than t >= 0 [-]."""
+"""Share of the unit below which a tangent is no better than t >= 0 [-]: none is added there."""
 
 
 class Tangents:
@@ -27,7 +27,7 @@ class Tangents:
     program : DisjunctiveProgram
         The program.
     unit : float
-        Budget of risk that a column's 1 stands for.
+        Risk budget: the risk that a column's 1 stands for.
     """
 
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
@@ -78,15 +78,25 @@ class Tangents:
         rows = self.noisy_rows(chosen)
         if rows.size == 0:
             return False
-        # Rows of one event share a column: that one runs less than it grants hides no other.
-        missing = np.maximum(rating.risks[rows] - lp.taken(rows, point), 0.0)
+        # Rows of one event share a column: a row below its share must not offset another above.
+        missing = np.maximum(rating.risks[rows] - lp.allocated(rows, point), 0.0)
         missing *= lp.price / self._unit
         if missing.sum() <= tolerance:
             return False
         return self.add(lp, rows[missing > tolerance / (4.0 * rows.size)], rating)
 
     def add(self, lp: RiskLp, rows: Indices, rating: Rating) -> bool:
-        """Add tangents of rows where a point is, unless they are far away; tell whether any was."""
+        """Add tangents of rows at a point, unless they hold by far; return whether any was added.
+
+        Parameters
+        ----------
+        lp : RiskLp
+            Solved, the rows active.
+        rows : (k,) int array
+            Rows with noise.
+        rating : Rating
+            Of the point.
+        """
         added = False
         for row in rows.tolist():
             clearance = float(rating.clearances[row])

@@ -1,4 +1,4 @@
-"""Cheap controls between two states, by a few least-norm solves for many pairs at once."""
+"""Cheap controls between two states: a few reweighted least-norm solves for many pairs at once."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from radmpc.arrays import Matrix, Tensor
 __all__ = ["ROUNDS", "connect"]
 
 ROUNDS = 5
-"""Solves that tell which controls to use, roughly."""
+"""Reweighted solves [-]: more concentrate the effort in fewer controls, and take time in
+proportion."""
 
 _RIDGE = 1e-11
+"""Ridge added to the Gram matrix, as a share of its trace [-]: with larger ones point goals are
+missed by more, with smaller ones dependent rows make it singular."""
+
 _SPARSE = 1e-3
-"""Weight that is left of a control of size 0; without any it would never come back."""
+"""Weight that a control of size 0 keeps [-]; without any it would stay 0."""
 
 _FREE = 100.0
-"""Weight of what costs nothing; controls weigh at most their limits."""
+"""Weight of columns that cost nothing [-]; controls weigh at most their limits."""
 
 
 def connect(
@@ -24,8 +28,8 @@ def connect(
 ) -> Matrix:
     """Return controls of little cost with ``rows @ u = needs``, as far as limits allow.
 
-    The least-norm controls, then reweighted by their own size: what is small gets smaller, as in
-    the cheapest controls, of which few are not 0. Whoever calls checks the answer.
+    The least-norm controls, then reweighted by their own size: small ones shrink, as in the
+    cheapest controls, of which few are not 0. The caller checks whether limits and rows hold.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """One vehicle's part of a program, over its signed controls and ready for sampling.
 
-A *course* is a control sequence ``u = u⁺ − u⁻`` over the whole horizon. All that a program asks
-is affine in ``u⁺`` and ``u⁻``, and known once the controls up to some step are: its *level*. So
-many courses are checked by one product, and a prefix of k steps by what has a level up to k.
+A *course* is a control sequence ``u = u⁺ − u⁻`` over the whole horizon. Every condition of a
+program is affine in ``u⁺`` and ``u⁻``, and depends on controls up to some step only: its *level*.
+So one product checks many courses, and the conditions of level k or less check a prefix of k steps.
 """
 
 from __future__ import annotations
@@ -22,12 +22,17 @@ from radmpc.solvers.rrt.connect import ROUNDS, connect
 __all__ = ["Course", "course_of"]
 
 _TOL = 1e-9
+"""Violation up to which controls and chance rows hold [control unit, m]."""
+
 _HARD_TOL = 1e-8
+"""Violation up to which hard rows hold [m, m/s]: least-norm solves meet goals that are points only
+up to rounding."""
+
 _REACH_TOL = 1e-6
-"""Reach is exact only up to rounding."""
+"""Violation up to which the reachable boxes hold [m]: they are exact only up to rounding."""
 
 _INSIDE = 1e-4
-"""Courses end this share of the goal's half-width inside it."""
+"""Share of the goal's half-width by which courses end inside it [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,17 +58,17 @@ class Course:
     hard_levels : (h,) int array
         Their levels.
     goal : (g,) int array
-        Which of them say where the course must end.
-    places : (T+1, d, c) array
+        Which of them are the goal.
+    positions : (T+1, d, c) array
         Mean positions per control.
-    still : (T+1, d) array
+    drift : (T+1, d) array
         Mean positions without control [m].
     lower, upper : (T+1, d) array
         Box that holds the mean position [m].
     rows : (r, 2c) array
         Chance rows, alternative by alternative.
     offsets : (r,) array
-        Their right sides, margins and fixed blocks taken off [m].
+        Their right sides, less margins and fixed blocks [m].
     alternatives, avoidances : int array
         First row of each alternative, first alternative of each avoidance.
     levels : (v,) int array
@@ -80,8 +85,8 @@ class Course:
     hard_upper: Vector
     hard_levels: Indices
     goal: Indices
-    places: Tensor
-    still: Matrix
+    positions: Tensor
+    drift: Matrix
     lower: Matrix
     upper: Matrix
     rows: Matrix
@@ -101,8 +106,8 @@ class Course:
 
     def paths(self, courses: Matrix) -> Tensor:
         """Return the mean positions of each course, (s, T+1, d) [m]."""
-        flat = courses @ self.places.reshape(-1, self.steps.size).T
-        return flat.reshape(len(courses), *self.still.shape) + self.still
+        flat = courses @ self.positions.reshape(-1, self.steps.size).T
+        return flat.reshape(len(courses), *self.drift.shape) + self.drift
 
     def failures(self, courses: Matrix) -> Indices:
         """Return the first level at which each course fails, (s,); T+1 where it never does."""
@@ -122,8 +127,23 @@ class Course:
             _lower(first, best.T > _TOL, self.levels)
         return first
 
-    def homeward(self, courses: Matrix, free: np.ndarray, rounds: int = ROUNDS) -> Matrix:
-        """Return courses with their free controls, (s, c), replaced by cheap ones to the goal."""
+    def to_goal(self, courses: Matrix, free: np.ndarray, rounds: int = ROUNDS) -> Matrix:
+        """Return courses with their free controls replaced by cheap ones to the goal.
+
+        Parameters
+        ----------
+        courses : (s, c) array
+            Controls.
+        free : (s, c) bool array
+            Which of them may change.
+        rounds : int
+            See `radmpc.solvers.rrt.connect.connect`.
+
+        Returns
+        -------
+        (s, c) array
+            Controls that end in the goal as far as limits allow.
+        """
         kept = np.where(free, 0.0, courses)
         rows = self.hard[self.goal]
         lower, upper = self.hard_lower[self.goal], self.hard_upper[self.goal]
@@ -148,7 +168,7 @@ def course_of(
     block: int,
     avoidances: Indices,
     z: Vector,
-) -> Course | None:
+) -> Course:
     """Return one block's part of a program.
 
     Parameters
@@ -158,33 +178,29 @@ def course_of(
     margins : (r,) array
         Back-off of each row [m].
     possible : (a,) bool array
-        Which alternatives are worth a look; at least one per avoidance.
+        Which alternatives are possible; at least one per avoidance.
     block : int
         The block.
     avoidances : int array
         The avoidances that it has to keep.
     z : (n,) array
-        Where other blocks are; its own entries do not matter.
+        Where other blocks are; its own entries are not used.
 
     Returns
     -------
-    Course or None
-        None where the columns are not those of a vehicle.
+    Course
+        Over the block's own columns.
     """
     columns = np.flatnonzero(program.blocks == block)
     plus = columns[: columns.size // 2]
-    shape = _shape(program, block, plus)
-    if shape is None:
-        return None
-    horizon, dimension = shape
-    width = (horizon + 1) * dimension
-    span = slice(block * width, (block + 1) * width)
+    layout = program.layout
+    horizon, dimension, span = layout.horizon, layout.dimension, layout.positions[block]
     steps = np.repeat(np.arange(horizon), plus.size // horizon)
-    places = program.outputs[span].toarray()[:, plus]
+    positions = program.outputs[span].toarray()[:, plus]
     numbers = np.flatnonzero(abs(program.hard)[:, plus].sum(axis=1) > 0.0)
     hard = program.hard[numbers].toarray()[:, plus]
     hard_levels = _levels(hard, steps)
-    known = np.where(program.blocks == block, 0.0, z)
+    others = np.where(program.blocks == block, 0.0, z)
     chance = _chance_rows(program, margins, possible, avoidances)
     rows = chance.rows[:, columns].toarray()
     levels = _levels(rows, np.tile(steps, 2))
@@ -201,44 +217,27 @@ def course_of(
         hard_lower=program.hard_lower[numbers],
         hard_upper=program.hard_upper[numbers],
         hard_levels=hard_levels,
-        goal=_goal(hard, hard_levels, places[-dimension:]),
-        places=places.reshape(horizon + 1, dimension, -1),
-        still=program.constant[span].reshape(horizon + 1, dimension),
+        goal=_goal(hard, hard_levels, positions[-dimension:]),
+        positions=positions.reshape(horizon + 1, dimension, -1),
+        drift=program.constant[span].reshape(horizon + 1, dimension),
         lower=program.output_lower[span].reshape(horizon + 1, dimension),
         upper=program.output_upper[span].reshape(horizon + 1, dimension),
         rows=rows,
-        offsets=chance.offsets - chance.rows @ known,
+        offsets=chance.offsets - chance.rows @ others,
         alternatives=chance.alternatives,
         avoidances=chance.avoidances,
         levels=levels,
     )
 
 
-def _shape(program: DisjunctiveProgram, block: int, plus: Indices) -> tuple[int, int] | None:
-    """Return steps and axes of a vehicle, told by its response: the same at every step."""
-    prediction = program.outputs[: program.num_positions].toarray()[:, plus]
-    for dimension in (2, 3):
-        for horizon in (t for t in range(1, plus.size + 1) if plus.size % t == 0):
-            width = dimension * (horizon + 1)
-            if program.num_positions % width or (block + 1) * width > program.num_positions:
-                continue
-            own = prediction[block * width : (block + 1) * width]
-            moved = own.reshape(horizon + 1, dimension, horizon, plus.size // horizon)
-            is_whole = np.count_nonzero(own) == np.count_nonzero(prediction)
-            is_alike = np.array_equal(moved[1:, :, 1:], moved[:-1, :, :-1])
-            if is_whole and is_alike and not moved[0].any():
-                return horizon, dimension
-    return None
-
-
 def _levels(matrix: Matrix, steps: Indices) -> Indices:
-    """Return after how many steps each row is known, (r,)."""
+    """Return the steps whose controls each row depends on, the first k of them, (r,)."""
     levels: Indices = np.where(matrix != 0.0, steps + 1, 0).max(axis=1, initial=0)
     return levels
 
 
 def _goal(hard: Matrix, levels: Indices, last: Matrix) -> Indices:
-    """Return the hard rows that see the last control or the last place."""
+    """Return the hard rows over the last position, or over the last control."""
     is_last_place = (hard[:, None, :] == last).all(axis=2).any(axis=1)
     return np.flatnonzero(is_last_place | (levels == levels.max(initial=0)))
 
@@ -255,7 +254,7 @@ class _Chance(NamedTuple):
 def _chance_rows(
     program: DisjunctiveProgram, margins: Vector, possible: np.ndarray, avoidances: Indices
 ) -> _Chance:
-    """Return the rows of the possible alternatives, margins taken off."""
+    """Return the rows of the possible alternatives, less margins."""
     members = [
         [a for a in program.alternatives_of(int(avoidance)) if possible[a]]
         for avoidance in avoidances

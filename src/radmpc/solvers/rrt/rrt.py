@@ -1,7 +1,7 @@
 """Solver ``rrt``: no optimizer at all, only random samples that are checked.
 
 Vehicles are planned one after the other, each by a random tree around those before it. The answer
-satisfies the program; nothing is proven about its cost, and finding none proves nothing.
+satisfies the program; nothing is proven of its cost, and finding none proves nothing.
 """
 
 from __future__ import annotations
@@ -26,10 +26,15 @@ from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, re
 __all__ = ["Rrt"]
 
 _VIOLATION_TOL = 1e-7
-"""What linear solvers take for satisfied too."""
+"""Violation up to which a point satisfies the program [m], as linear solvers have it by default."""
 
 _REACH_TOL = 1e-6
+"""Amount by which bounds of outputs may cross before nothing is reachable [m]: they are exact only
+up to rounding."""
+
 _MAX_ROUNDS = 3
+"""Orders in which vehicles are placed [-]; each new one begins with the vehicle that found no
+path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +72,12 @@ class Rrt(Solver):
     ) -> Solution:
         """Look for a cheap point at fixed margins; see `radmpc.solvers.solution.Solver`.
 
-        ``start`` and ``guide`` are not used: selections say nothing about samples.
+        Parameters
+        ----------
+        program, margins, gap, limits, rng
+            As there.
+        start, guide
+            Ignored: a selection is of no use to samples.
         """
         del start, guide
         begun = time.perf_counter()
@@ -77,7 +87,7 @@ class Rrt(Solver):
         rng = np.random.default_rng(0) if rng is None else rng
         fleet = _Fleet(program, margins, possible, self.max_nodes, rng, limits)
         z = fleet.run()
-        # No control costs less than nothing: all that is known about the least cost.
+        # Nothing is relaxed here: the only lower bound is that of the columns' own bounds.
         bound = float(np.minimum(program.cost * program.lower, program.cost * program.upper).sum())
         outcome, selection, cost = Outcome.LIMIT, None, float("inf")
         if z is not None:
@@ -100,12 +110,11 @@ class Rrt(Solver):
 
 
 def _is_infeasible(program: DisjunctiveProgram, possible: np.ndarray) -> bool:
-    """Whether limits alone leave nothing: the goal is out of reach, or all ways around a thing.
+    """Whether limits alone rule every solution out: no goal, or no alternative, within reach.
 
-    What the samples do not find is no proof; this is.
+    Samples that find nothing prove nothing; this does.
     """
-    owner = np.repeat(np.arange(program.num_avoidances), np.diff(program.avoidance_starts))
-    left = np.bincount(owner[possible], minlength=program.num_avoidances)
+    left = np.bincount(program.layout.owners[possible], minlength=program.num_avoidances)
     return bool(
         np.any(left == 0)
         or np.any(program.upper < program.lower)
@@ -139,7 +148,7 @@ class _Fleet:
     def run(self) -> Vector | None:
         """Return a point, or None.
 
-        A block that finds no way is put first and all begins again, a few times.
+        A block that finds no path is put first and all begins again, a few times.
         """
         order = [int(block) for block in np.unique(self.program.blocks)]
         touched = avoidance_blocks(self.program)
@@ -159,14 +168,12 @@ class _Fleet:
         return None
 
     def _place(self, block: int, placed: list[int], touched: csr_array, z: Vector) -> bool:
-        """Plan one block around those placed; write it into the point if there is a way."""
+        """Plan one block around those placed; write it into the point if there is a path."""
         absent = np.setdiff1d(np.arange(touched.shape[1]), [*placed, block])
         is_due = np.asarray(touched[:, absent].sum(axis=1)).ravel() == 0.0
         is_own = np.asarray(touched[:, [block]].sum(axis=1)).ravel() > 0.0
         avoidances = np.flatnonzero(is_due & is_own)
         course = course_of(self.program, self.margins, self.possible, block, avoidances, z)
-        if course is None:
-            return False
         tree = RandomTree(course, self.max_nodes, self.rng, self.limits)
         tree.run()
         self.nodes += tree.count

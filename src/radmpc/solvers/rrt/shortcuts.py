@@ -12,16 +12,17 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Shortcuts"]
 
 _MIN_GAIN = 1e-3
-"""Relative gain below which to stop."""
+"""Relative gain below which shortening stops [-]."""
 
 _MAX_SPANS = 24
-"""Spans tried at once, those that would gain most."""
+"""Spans tried at once, those that would gain most [-]."""
 
 _RANK_TOL = 1e-9
-"""Remainder of a row, as a share of the longest row, that counts as nothing."""
+"""Remainder of a row that counts as 0, as a share of the longest row [-]."""
 
 _PARTS = np.array([1.0, 0.7, 0.4, 0.2, 0.1, 0.05])
-"""How far to go toward a cheaper course: in between too, the states at both ends are the same."""
+"""Shares of the step toward a cheaper course that are tried [-]: all of them keep the states at
+both ends of the span."""
 
 
 class Shortcuts:
@@ -48,7 +49,7 @@ class Shortcuts:
         Parameters
         ----------
         controls : (c,) array
-            Satisfy the program.
+            Controls that satisfy the program.
         limits : Limits
             When to stop early.
         rounds : int
@@ -57,7 +58,7 @@ class Shortcuts:
         Returns
         -------
         (c,) array
-            Satisfy it too, at no more cost.
+            Controls that satisfy it too, at no more cost.
         """
         course = self.course
         cost = float(course.costs(controls[None])[0])
@@ -85,7 +86,7 @@ class Shortcuts:
         needs = (rows @ replaced[:, :, None])[:, :, 0]
         found = connect(rows, needs, self._inside * self.course.limits, rounds)
         tails = np.tile(controls, (len(self._tails), 1))
-        home = self.course.homeward(tails, self._tails, rounds)
+        home = self.course.to_goal(tails, self._tails, rounds)
         return np.concatenate([controls - replaced + found, home])
 
 
@@ -98,12 +99,12 @@ def _tails(course: Course) -> np.ndarray:
 
 
 def _seen_later(course: Course) -> Tensor:
-    """Return what of the controls before each step is seen after it, (T, q, c): the state."""
+    """Return how later conditions depend on the controls before each step, (T, q, c): the state."""
     T, size = course.horizon, course.steps.size
     bases = []
     for end in range(T):
         later = np.vstack(
-            [course.places[end + 1 :].reshape(-1, size), course.hard[course.hard_levels > end]]
+            [course.positions[end + 1 :].reshape(-1, size), course.hard[course.hard_levels > end]]
         )
         later = np.where(course.steps < end, later, 0.0)
         bases.append(_basis(later))
@@ -117,9 +118,9 @@ def _seen_later(course: Course) -> Tensor:
 def _basis(rows: Matrix) -> Matrix:
     """Return an orthonormal basis of what some rows span, (q, c).
 
-    What is seen of the past is a state: few vectors span hundreds of rows. Taken one by one, the
-    longest remainder first, they are found without a decomposition of the whole, whose threads
-    wait for each other where the machine is busy.
+    Later conditions depend on the past through the state: few vectors span hundreds of rows.
+    Gram–Schmidt with the longest remainder first finds them without a decomposition of the whole,
+    whose threads wait for each other where the machine is busy.
     """
     found: list[Vector] = []
     left = rows
@@ -127,9 +128,9 @@ def _basis(rows: Matrix) -> Matrix:
     least = _RANK_TOL * lengths.max(initial=_RANK_TOL)
     while len(found) < min(rows.shape) and lengths.max(initial=0.0) > least:
         axis = left[lengths.argmax()]
-        for known in found:
-            # Once more: what was taken off before may have left a little by rounding.
-            axis = axis - (axis @ known) * known
+        for earlier in found:
+            # Once more: the first subtraction left a little by rounding.
+            axis = axis - (axis @ earlier) * earlier
         axis = axis / np.sqrt(np.square(axis).sum())
         found.append(axis)
         left = left - (left * axis).sum(axis=1)[:, None] * axis

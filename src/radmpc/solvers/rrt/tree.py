@@ -13,26 +13,26 @@ from radmpc.solvers.solution import Limits
 __all__ = ["RandomTree"]
 
 _BATCH = 16
-"""Targets drawn at once: one product serves them all."""
+"""Targets drawn at once [-]: one product serves them all."""
 
 _NEAR = 0.5
-"""Share of the targets drawn around the best way known."""
+"""Share of the targets that are drawn around the best path so far [-]."""
 
 _SPREAD = 0.3
-"""Their spread as a share of the reach, at most."""
+"""Largest standard deviation of those, as a share of the reachable box [-]."""
 
 _WORTH = 1.6
-"""A way is shortened if it costs at most so many times the best."""
+"""Cost up to which a course is shortened, as a multiple of the best [-]."""
 
 _FINE_ROUNDS = 10
-"""For the last shortcuts: smears of small controls become few controls."""
+"""Rounds of the last shortcuts, see `ROUNDS` [-]: many small controls become few large ones."""
 
 
 class RandomTree:
     """The running state of one search.
 
-    A node is a prefix of controls. It is grown toward random places at random later steps, and
-    from every new node the cheap way to the goal is tried.
+    A node is a prefix of controls. It is grown toward random positions at random later steps, and
+    from every new node a cheap course to the goal is tried.
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ class RandomTree:
         self._controls = np.zeros((max_nodes, size))
         self._levels = np.zeros(max_nodes, dtype=np.int64)
         self._costs = np.zeros(max_nodes)
-        self._paths = np.zeros((max_nodes, *course.still.shape))
-        self._way = course.still
+        self._paths = np.zeros((max_nodes, *course.drift.shape))
+        self._best_path = course.drift
         self._shortcuts = Shortcuts(course)
 
     def run(self) -> None:
@@ -84,9 +84,9 @@ class RandomTree:
             self._note(root[0])
         if failure in {0, course.horizon + 1}:
             return
-        self._way = course.paths(course.homeward(root, root == 0.0))[0]
+        self._best_path = course.paths(course.to_goal(root, root == 0.0))[0]
         self._add(root, start)
-        # With one step there is no place to go but the goal.
+        # With one step there is nothing but the goal to grow to.
         for _ in range(0, self.max_nodes if course.horizon > 1 else 0, _BATCH):
             if self.count >= self.max_nodes or self.limits.reached:
                 break
@@ -110,7 +110,7 @@ class RandomTree:
         needs = targets - self._paths[nodes, ends]
         free = (course.steps >= levels[:, None]) & (course.steps < ends[:, None])
         grown = self._controls[nodes] + connect(
-            course.places[ends], needs, free * course.limits, rounds=1
+            course.positions[ends], needs, free * course.limits, rounds=1
         )
         reached = np.minimum(course.failures(grown) - 1, ends)
         counts = np.maximum(reached - levels, 0)
@@ -120,16 +120,16 @@ class RandomTree:
         self._add(np.where(course.steps < new[:, None], grown[which], 0.0), new)
 
     def _targets(self, ends: Indices) -> Matrix:
-        """Return places at given steps: anywhere in reach, or around the best way known."""
+        """Return positions at given steps: anywhere in reach, or around the best path so far."""
         low, high = self.course.lower[ends], self.course.upper[ends]
         anywhere = low + self.rng.random(low.shape) * (high - low)
         scale = _SPREAD * self.rng.random((len(ends), 1)) * (high - low)
-        around = self._way[ends] + scale * self.rng.standard_normal(low.shape)
+        around = self._best_path[ends] + scale * self.rng.standard_normal(low.shape)
         is_near = self.rng.random((len(ends), 1)) < _NEAR
         return np.where(is_near, around, anywhere)
 
     def _add(self, controls: Matrix, levels: Indices) -> None:
-        """Add nodes, and try the way to the goal from each."""
+        """Add nodes, and try a course to the goal from each."""
         costs = self.course.costs(controls)
         kept = np.flatnonzero(costs < self.cost)[: self.max_nodes - self.count]
         if kept.size == 0:
@@ -141,18 +141,18 @@ class RandomTree:
         self._costs[new] = costs[kept]
         self._paths[new] = self.course.paths(controls)
         self.count += kept.size
-        ways = self.course.homeward(controls, self.course.steps >= levels[:, None])
-        costs = self.course.costs(ways)
+        ended = self.course.to_goal(controls, self.course.steps >= levels[:, None])
+        costs = self.course.costs(ended)
         cheap = np.flatnonzero(costs < _WORTH * self.cost)
-        cheap = cheap[self.course.failures(ways[cheap]) > self.course.horizon]
+        cheap = cheap[self.course.failures(ended[cheap]) > self.course.horizon]
         if cheap.size:
-            # Others of the same batch would mostly end as the same way.
-            cheapest = ways[cheap[costs[cheap].argmin()]]
+            # Others of the same batch would mostly be shortened to the same course.
+            cheapest = ended[cheap[costs[cheap].argmin()]]
             self._note(self._shortcuts.shorten(cheapest, self.limits))
 
     def _note(self, controls: Vector) -> None:
-        """Keep a way if it is the cheapest."""
+        """Keep a course if it is the cheapest."""
         cost = float(self.course.costs(controls[None])[0])
         if cost < self.cost:
             self.best, self.cost = controls, cost
-            self._way = self.course.paths(controls[None])[0]
+            self._best_path = self.course.paths(controls[None])[0]

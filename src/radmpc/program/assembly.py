@@ -1,0 +1,98 @@
+"""Stacking what each vehicle and each avoidance contributes into the arrays of one program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.sparse import block_diag, csr_array
+
+from radmpc.arrays import Indices, Vector
+from radmpc.program.avoidance import RowBlock
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.hard import hard_rows
+from radmpc.program.program import ChanceRows
+
+__all__ = [
+    "cost_and_upper_bounds",
+    "mean_positions",
+    "run_starts",
+    "stacked_chance_rows",
+    "stacked_hard_rows",
+]
+
+
+def cost_and_upper_bounds(models: Sequence[CondensedModel]) -> tuple[Vector, Vector]:
+    """Return cost and upper bounds of the columns, (n,) each.
+
+    A negative upper bound, from feedback that needs more than the control limit, leaves no
+    solution.
+    """
+    bounds = [np.tile(s.control_bounds.ravel(), 2) for s in models]
+    weights = [s.vehicle.cost_weight for s in models]
+    cost = np.concatenate([np.full(b.size, w) for b, w in zip(bounds, weights, strict=True)])
+    return cost, np.concatenate(bounds)
+
+
+def mean_positions(models: Sequence[CondensedModel]) -> tuple[csr_array, Vector]:
+    """Return all mean positions over the columns, and their drift [m]."""
+    blocks = []
+    for model in models:
+        prediction = model.position.reshape(-1, model.position.shape[2])
+        blocks.append(np.hstack([prediction, -prediction]))
+    drift = np.concatenate([s.drift_position.ravel() for s in models])
+    return csr_array(block_diag(blocks)), drift
+
+
+def stacked_hard_rows(models: Sequence[CondensedModel]) -> tuple[csr_array, Vector, Vector]:
+    """Return the hard rows of all vehicles over the columns, with lower and upper bounds."""
+    blocks, lowers, uppers = [], [], []
+    for model in models:
+        rows, lower, upper = hard_rows(model)
+        blocks.append(np.hstack([rows, -rows]))
+        lowers.append(lower)
+        uppers.append(upper)
+    return csr_array(block_diag(blocks)), np.concatenate(lowers), np.concatenate(uppers)
+
+
+def stacked_chance_rows(
+    blocks: Sequence[RowBlock], risk_items: Sequence[Indices], num_outputs: int
+) -> ChanceRows:
+    """Return the rows of all blocks, row and event numbers counted through.
+
+    Parameters
+    ----------
+    blocks : sequence of RowBlock
+        The rows of each avoidance; numbers count from 0 within a block.
+    risk_items : sequence of (e,) int array
+        The risk item of each event of each block, counted through already.
+    num_outputs : int
+        Outputs of the program p.
+    """
+    row_base = event_base = 0
+    entry_rows, events = [], []
+    for block in blocks:
+        entry_rows.append(block.entry_rows + row_base)
+        events.append(block.events + event_base)
+        row_base += block.offsets.size
+        event_base += block.event_steps.size
+    values = _join([b.entry_values for b in blocks], np.float64)
+    columns = _join([b.entry_outputs for b in blocks], np.int64)
+    where = (_join(entry_rows, np.int64), columns)
+    return ChanceRows(
+        normals=csr_array((values, where), shape=(row_base, num_outputs)),
+        offsets=_join([b.offsets for b in blocks], np.float64),
+        deviations=_join([b.deviations for b in blocks], np.float64),
+        events=_join(events, np.int64),
+        risk_items=_join(risk_items, np.int64),
+    )
+
+
+def run_starts(sizes: Sequence[Indices]) -> Indices:
+    """Return where each run starts, and the end, from the lengths of runs in several lists."""
+    return np.concatenate([[0], np.cumsum(_join(sizes, np.int64))]).astype(np.int64)
+
+
+def _join(parts: Sequence[np.ndarray], kind: type) -> np.ndarray:
+    """Concatenate arrays; without any, an empty one of a kind."""
+    return np.concatenate(parts) if parts else np.zeros(0, dtype=kind)

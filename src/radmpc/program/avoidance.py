@@ -1,0 +1,194 @@
+"""One avoidance over all windows: what is kept out of what and when, and the resulting rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+
+__all__ = ["Body", "End", "Part", "RowBlock", "Windows"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """What avoids: one vehicle, or the relative motion of two, over the outputs.
+
+    Attributes
+    ----------
+    lower, upper : (T+1, d) array
+        Box that holds the (relative) mean position under every admissible control [m].
+    covariances : (T+1, d, d) array
+        Covariance of the (relative) position [m²].
+    bent : (T, d, d) array or None
+        Covariance of what feedback held over a step makes of the deviation at its start [m²];
+        None where no part of the body bends its path by feedback.
+    parts : tuple of Part
+        One vehicle, or two with signs +1 and −1.
+    """
+
+    lower: Matrix
+    upper: Matrix
+    covariances: Tensor
+    bent: Tensor | None
+    parts: tuple[Part, ...]
+
+    @property
+    def endpoints(self) -> tuple[tuple[Vector, Vector, Matrix], ...]:
+        """Box of the mean and covariance, at the first and at the last step."""
+        return (
+            (self.lower[0], self.upper[0], self.covariances[0]),
+            (self.lower[-1], self.upper[-1], self.covariances[-1]),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """One vehicle's place among the outputs.
+
+    Attributes
+    ----------
+    sign : float
+        +1, or −1 for the second vehicle of a pair.
+    position : int
+        Output number of its position at k = 0, axis 0; steps follow, axes fastest.
+    controls : int
+        Output number of its control u⁺ at k = 0, axis 0; u⁻ follows after all u⁺.
+    control_bounds : (T, m) array
+        Largest |ū|.
+    sagitta : (d, m) array
+        How far the path hangs off its chord at mid-step, per control; 0 where it is straight.
+    """
+
+    sign: float
+    position: int
+    controls: int
+    control_bounds: Matrix
+    sagitta: Matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Windows:
+    """Faces to stay within at each window, ``normals @ position <= near`` (and ``far``).
+
+    Attributes
+    ----------
+    normals : (w, f, d) array
+        Directions *into* what is avoided.
+    near, far : (w, f) array
+        Right sides at the window's start and end [m]; −inf marks a face that is not there.
+    directions : (w, f) int array
+        Equal numbers are equal normals.
+    intervals : bool
+        Whether window j is [j, j+1] or step j+1 alone.
+    shares : (w, f) array or None
+        Share of the near end of the reserve for the sagitta, where it was chosen with the faces.
+    """
+
+    normals: Tensor
+    near: Matrix
+    far: Matrix
+    directions: Indices
+    intervals: bool
+    shares: Matrix | None = None
+
+    @classmethod
+    def constant(
+        cls, normals: Matrix, offsets: Vector, horizon: int, *, intervals: bool
+    ) -> Windows:
+        """Return windows whose faces never change.
+
+        Parameters
+        ----------
+        normals : (f, d) array
+            Directions into what is avoided.
+        offsets : (f,) array
+            Right sides [m].
+        horizon : int
+            Number of windows.
+        intervals : bool
+            Whether windows are intervals.
+        """
+        repeated = np.tile(offsets, (horizon, 1))
+        return cls(
+            np.broadcast_to(normals, (horizon, *normals.shape)),
+            repeated,
+            repeated,
+            np.tile(np.arange(len(offsets)), (horizon, 1)),
+            intervals,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RowBlock:
+    """The rows of one avoidance over all windows; numbers count from 0 within the block.
+
+    Attributes
+    ----------
+    entry_rows, entry_outputs : (entries,) int array
+        Row and output of each coefficient.
+    entry_values : (entries,) array
+        The coefficients.
+    offsets : (r,) array
+        Right sides [m].
+    deviations : (r,) array
+        Standard deviations of the left sides [m].
+    events : (r,) int array
+        The event each row belongs to.
+    event_steps : (e,) int array
+        Step of each event, from the program's first on.
+    alternative_sizes : (a,) int array
+        Rows of each alternative; they follow one another.
+    avoidance_sizes : (v,) int array
+        Alternatives of each window that asks for a choice.
+    avoidance_windows : (v,) int array
+        The windows that do.
+    presolved_risk : float
+        Risk charged for all other windows.
+    num_presolved : int
+        How many those are.
+    """
+
+    entry_rows: Indices
+    entry_outputs: Indices
+    entry_values: Vector
+    offsets: Vector
+    deviations: Vector
+    events: Indices
+    event_steps: Indices
+    alternative_sizes: Indices
+    avoidance_sizes: Indices
+    avoidance_windows: Indices
+    presolved_risk: float
+    num_presolved: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class End:
+    """One condition at all windows, rated over the reachable boxes.
+
+    Attributes
+    ----------
+    kind : {0, 1}
+        Tells apart deviations of one step that are not nested: 0 is the position's own, 1 what
+        feedback held over the following step makes of it.
+    is_near : bool
+        Whether it reserves the near end's share of the sagitta, or the far end's.
+    steps : (w,) int array
+        Step at which it is asked.
+    offsets : (w, f) array
+        Right sides [m].
+    deviations : (w, f) array
+        Standard deviations along the faces [m].
+    least, most : (w, f) array
+        Slacks over the reachable box, no sagitta reserved [m].
+    """
+
+    kind: int
+    is_near: bool
+    steps: Indices
+    offsets: Matrix
+    deviations: Matrix
+    least: Matrix
+    most: Matrix

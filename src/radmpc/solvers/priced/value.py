@@ -1,0 +1,73 @@
+"""The value of points in the priced problem, and differences of value that count as none."""
+
+from __future__ import annotations
+
+from radmpc.arrays import Vector
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.priced.rating import Rating
+
+__all__ = ["negligible_difference", "priced_value"]
+
+_EPSILON = 0.3
+"""Share of the gap within which a node's bound and its point's true value count as equal [-]."""
+
+_ROUNDING = 1e-6
+"""How far a row held at its cap may exceed it by the linear solver's tolerance [-]. Such a point
+is a candidate at a price only: its risks are rescaled to the bound exactly afterwards."""
+
+_OVERDRAWN = 1.2
+"""Units of risk that a candidate may run in all [-]: its risks are rescaled to the bound
+afterwards."""
+
+
+def priced_value(
+    program: DisjunctiveProgram,
+    z: Vector,
+    rating: Rating,
+    *,
+    unit: float,
+    price: float,
+    row_cap: float,
+) -> float:
+    """Return ``cost(z) + price · risk(z) / unit``; inf where z is no candidate.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        The program.
+    z : (n,) array
+        The point.
+    rating : Rating
+        Its rating.
+    unit : float
+        Risk budget.
+    price : float
+        Cost of one unit of risk.
+    row_cap : float
+        Most that one row may risk.
+
+    Returns
+    -------
+    float
+        inf where one row, or all together, exceed what they may risk by far.
+    """
+    if rating.largest > row_cap * (1.0 + _ROUNDING):
+        return float("inf")
+    if rating.risk > _OVERDRAWN * unit:
+        return float("inf")
+    return float(program.cost @ z) + price * rating.risk / unit
+
+
+def negligible_difference(value: float, gap: float, scale: float) -> float:
+    """Return the difference of value that counts as none.
+
+    Parameters
+    ----------
+    value : float
+        What is compared; inf where nothing is known.
+    gap : float
+        Relative gap of the search.
+    scale : float
+        Values below this count as this.
+    """
+    return _EPSILON * gap * max(abs(value) if value < float("inf") else 0.0, scale)
