@@ -103,20 +103,20 @@ def test_risk_between_sets_is_estimated_with_the_sagitta():
 def test_what_is_estimated_between_sets_counts_the_sagitta():
     scenario = scene("bow-merge-dear")
     made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
-    made.solve(made.singles, made.first_price(), 1)
+    made.solve(made.singles, made.first_unit_price(), 1)
     points = [made.best(m).z for m in made.singles]
     means = np.array(
         [made.problems[m].means(z)[0] for m, z in zip(made.singles, points, strict=True)]
     )
     straight = inter_set_risks(scenario, means, made.covariances, np.arange(3))
-    estimate = made.meetings(made.singles, points)
+    estimate = made.pair_risks(made.singles, points)
     assert straight[0, 1] < 1e-3
     assert estimate[0, 1] > 0.05
 
 
 @pytest.mark.slow
 def test_sets_that_the_referee_blames_are_merged_whatever_is_estimated(monkeypatch):
-    monkeypatch.setattr(fleet, "meeting_risks", lambda *everything: {})
+    monkeypatch.setattr(fleet, "pair_risks_across_sets", lambda *everything: {})
     result = plan(scene("bow-merge-limit"), "certified", time_limit=20.0)
     assert result.is_certified
     assert result.cost <= 8.3783 * (1.0 + 1e-3)

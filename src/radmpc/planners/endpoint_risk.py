@@ -26,7 +26,7 @@ from radmpc.referee.bound.bounds import instant_risks
 from radmpc.referee.contact import solid_distances, solid_of
 from radmpc.referee.encounters import Encounters
 
-__all__ = ["Danger", "Floors", "floors", "start_dangers"]
+__all__ = ["EndpointHazard", "Floors", "floors", "start_hazards"]
 
 _FAR = 8.5
 """Standard deviations beyond which a danger counts as nothing (1e-17)."""
@@ -43,7 +43,7 @@ at different corners, and the fewer cells, the further is the sum of those from 
 
 
 @dataclass(frozen=True, slots=True)
-class Danger:
+class EndpointHazard:
     """What a place risks of one kind.
 
     Attributes
@@ -85,8 +85,8 @@ class Floors:
         What the fleet risks at least.
     """
 
-    starts: tuple[Danger, ...]
-    goals: tuple[Danger, ...]
+    starts: tuple[EndpointHazard, ...]
+    goals: tuple[EndpointHazard, ...]
     vehicles: Matrix
     total: float
 
@@ -107,35 +107,37 @@ def floors(scenario: Scenario, models: Sequence[CondensedModel]) -> Floors:
         Valid for every plan that the referee may certify: it sums over vehicles, pairs and
         obstacles, and of each charges no less than the probability at any one step.
     """
-    starts, at_start = _dangers(scenario, models, at_goal=False)
-    goals, in_goal = _dangers(scenario, models, at_goal=True)
+    starts, at_start = _hazards(scenario, models, at_goal=False)
+    goals, in_goal = _hazards(scenario, models, at_goal=True)
     vehicles = np.stack([at_start, in_goal], axis=1)
     pairs: dict[tuple[int, ...], float] = defaultdict(float)
-    for danger in (*starts, *goals):
-        if danger.cause == "pair":
-            pairs[danger.members] = max(pairs[danger.members], danger.risk)
+    for hazard in (*starts, *goals):
+        if hazard.cause == "pair":
+            pairs[hazard.members] = max(pairs[hazard.members], hazard.risk)
     total = float(vehicles.max(axis=1).sum()) + sum(pairs.values())
     return Floors(starts, goals, vehicles, total)
 
 
-def start_dangers(scenario: Scenario, models: Sequence[CondensedModel]) -> tuple[Danger, ...]:
+def start_hazards(
+    scenario: Scenario, models: Sequence[CondensedModel]
+) -> tuple[EndpointHazard, ...]:
     """Return what the starts risk, the greatest first: no less than any plan runs there."""
-    return _dangers(scenario, models, at_goal=False)[0]
+    return _hazards(scenario, models, at_goal=False)[0]
 
 
-def _dangers(
+def _hazards(
     scenario: Scenario, models: Sequence[CondensedModel], *, at_goal: bool
-) -> tuple[tuple[Danger, ...], Vector]:
+) -> tuple[tuple[EndpointHazard, ...], Vector]:
     """Return what starts or goals risk, and the sum for each vehicle, others aside."""
     boxes = [_box(model, at_goal=at_goal) for model in models]
     shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
-    found: list[Danger] = []
+    found: list[EndpointHazard] = []
     least = np.zeros(len(boxes))
     for i, box in enumerate(boxes):
-        dangers, least[i] = _of_vehicle(scenario, i, box, shapes, at_goal=at_goal)
-        found += dangers
+        hazards, least[i] = _of_vehicle(scenario, i, box, shapes, at_goal=at_goal)
+        found += hazards
     found += _of_pairs(scenario, boxes, at_goal=at_goal)
-    return tuple(sorted(found, key=lambda danger: -danger.risk)), least
+    return tuple(sorted(found, key=lambda hazard: -hazard.risk)), least
 
 
 def _box(model: CondensedModel, *, at_goal: bool) -> Box:
@@ -152,12 +154,12 @@ def _box(model: CondensedModel, *, at_goal: bool) -> Box:
 
 def _of_vehicle(
     scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool
-) -> tuple[list[Danger], float]:
+) -> tuple[list[EndpointHazard], float]:
     """Return what one vehicle risks in a place, danger by danger and in all."""
     cells = _CELLS[scenario.dimension] if at_goal else 1
     points = box.corners(cells)
     radius = scenario.vehicles[i].radius
-    dangers: list[Danger] = []
+    hazards: list[EndpointHazard] = []
     fields: list[Vector] = []
     for name, near in shapes.near(box, radius, _far(scenario)).items():
         # Pieces of one obstacle are one danger: the worst of them is a bound on their union.
@@ -165,19 +167,23 @@ def _of_vehicle(
         field = np.maximum.reduce(by_piece)
         distance = min(float(_distances(points, piece).max()) for piece in near)
         fields.append(field)
-        dangers.append(Danger("obstacle", (i,), name, at_goal, float(field.min()), distance))
+        hazards.append(
+            EndpointHazard("obstacle", (i,), name, at_goal, float(field.min()), distance)
+        )
     borders = list(_borders(scenario, box, points))
     if borders:
         # Opposite faces exclude each other, and the referee adds up all of them.
         field = _cells(np.sum([risks for risks, _ in borders], axis=0), cells)
         fields.append(field)
         distance = min(most for _, most in borders)
-        dangers.append(Danger("workspace", (i,), None, at_goal, float(field.min()), distance))
+        hazards.append(
+            EndpointHazard("workspace", (i,), None, at_goal, float(field.min()), distance)
+        )
     least = float(np.sum(fields, axis=0).min()) if fields else 0.0
-    return [danger for danger in dangers if danger.risk > 0.0], least
+    return [hazard for hazard in hazards if hazard.risk > 0.0], least
 
 
-def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[Danger]:
+def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[EndpointHazard]:
     """Return what pairs risk in their places."""
     if len(boxes) < 2:
         return []
@@ -197,7 +203,7 @@ def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> lis
             continue
         risks = _risks(points, box.covariance, float(radii[i] + radii[j]), None)
         if risks.min() > 0.0:
-            found.append(Danger("pair", (i, j), None, at_goal, float(risks.min()), most))
+            found.append(EndpointHazard("pair", (i, j), None, at_goal, float(risks.min()), most))
     return found
 
 

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoint_risk import Danger, Floors, floors
-from radmpc.planners.shared_reasons import place_sentences
-from radmpc.planners.wording import listed, places_text
+from radmpc.planners.endpoint_risk import EndpointHazard, Floors, floors
+from radmpc.planners.shared_reasons import endpoint_sentences
+from radmpc.planners.wording import endpoints_text, listed
 from radmpc.program.condensed import CondensedModel
 
 __all__ = [
     "Reason",
+    "endpoint_reasons",
     "grouped",
     "overdrawn_texts",
-    "place_reasons",
     "reserve_reason",
     "sure_reasons",
     "too_far_texts",
@@ -79,7 +79,7 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
         reason = overdrawn_texts(model) or _too_far(scenario, model)
         if reason is not None:
             reasons.append(Reason((i,), *reason))
-    return reasons + place_reasons(scenario, floors(scenario, models))
+    return reasons + endpoint_reasons(scenario, floors(scenario, models))
 
 
 def grouped(
@@ -175,29 +175,29 @@ def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
     )
 
 
-def place_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
+def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
     """Say what starts and goals risk, where that alone is above Δ."""
     granted = scenario.risk_bound * (1.0 + _ROUNDING)
     if found.total <= granted:
         return []
-    dangers = (*found.starts, *found.goals)
-    alone = [danger for danger in dangers if danger.risk > granted]
-    reasons = [Reason(*told) for told in place_sentences(scenario, alone)]
+    hazards = (*found.starts, *found.goals)
+    alone = [hazard for hazard in hazards if hazard.risk > granted]
+    reasons = [Reason(*told) for told in endpoint_sentences(scenario, alone)]
     if reasons:
         return reasons
     for i in range(scenario.num_vehicles):
         for at_goal in (False, True):
             risk = float(found.vehicles[i, int(at_goal)])
             if risk > granted:
-                own = _own(dangers, i, at_goal=at_goal)
-                reasons.append(Reason((i,), places_text(scenario, own, risk)))
+                own = _own(hazards, i, at_goal=at_goal)
+                reasons.append(Reason((i,), endpoints_text(scenario, own, risk)))
     if reasons:
         return reasons
-    ranked = tuple(sorted(dangers, key=lambda danger: -danger.risk))
-    everyone = tuple(sorted({i for danger in ranked for i in danger.members}))
-    return [Reason(everyone, places_text(scenario, ranked, found.total))]
+    ranked = tuple(sorted(hazards, key=lambda hazard: -hazard.risk))
+    everyone = tuple(sorted({i for hazard in ranked for i in hazard.members}))
+    return [Reason(everyone, endpoints_text(scenario, ranked, found.total))]
 
 
-def _own(dangers: Sequence[Danger], i: int, *, at_goal: bool) -> tuple[Danger, ...]:
+def _own(hazards: Sequence[EndpointHazard], i: int, *, at_goal: bool) -> tuple[EndpointHazard, ...]:
     """Return what one vehicle runs in one place, others aside."""
-    return tuple(d for d in dangers if d.members == (i,) and d.at_goal == at_goal)
+    return tuple(d for d in hazards if d.members == (i,) and d.at_goal == at_goal)

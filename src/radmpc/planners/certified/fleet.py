@@ -12,11 +12,11 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import NoPlanError
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.inter_set_risk import by_sets, meeting_risks
+from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import Order, SetProblem, SetState
-from radmpc.planners.certified.set_searches import Job, search_sets
-from radmpc.planners.endpoint_risk import start_dangers
+from radmpc.planners.certified.set_searches import SetSearch, search_sets
+from radmpc.planners.endpoint_risk import start_hazards
 from radmpc.planners.verdict import Verdict
 from radmpc.program.build import condensed_models, controls_of
 from radmpc.program.program import DisjunctiveProgram
@@ -67,13 +67,13 @@ class Fleet:
     problems: dict[Members, SetProblem] = field(default_factory=dict)
     states: dict[Members, SetState] = field(default_factory=dict)
     alone: dict[Members, Scenario] = field(default_factory=dict)
-    known: dict[int, Vector] = field(default_factory=dict)
+    incumbent_parts: dict[int, Vector] = field(default_factory=dict)
     """What every vehicle does in some plan of the whole fleet; empty until there is one."""
-    met: dict[tuple[int, int], float] = field(default_factory=dict)
+    coupling_risks: dict[tuple[int, int], float] = field(default_factory=dict)
     """Why vehicles were planned together: the risk between plans of them made apart."""
-    blamed: dict[tuple[int, int], float] = field(default_factory=dict)
+    rejected_pairs: dict[tuple[int, int], float] = field(default_factory=dict)
     """Pairs for whom the referee rejected plans made apart: planned together at every price."""
-    is_sketched: bool = False
+    has_tried_initial_plan: bool = False
     is_costless: bool = False
     """Whether effort counts for nothing, so that at a price of 1 only risk is minimized."""
 
@@ -84,28 +84,28 @@ class Fleet:
         self.covariances = np.array([s.position_covariances for s in self.models])
         self.surroundings = Surroundings(self.scenario, self.models)
         # Simple bounds may sum to more than the referee finds, by a factor that is not known yet.
-        granted = self.scenario.risk_bound
+        risk_bound = self.scenario.risk_bound
         # Where only risk is minimized, Δ itself is the scale.
         room, begin = (1.0, 1.0) if self.is_costless else _ROOM[self.scenario.avoidance]
-        self.unit = room * granted
+        self.unit = room * risk_bound
         self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
         for members in self.singles:
             self.problem(members)
         # Under intervals the start is part of what plans choose, and is charged there.
         at_start = self.scenario.avoidance == "steps"
-        self.start_dangers = start_dangers(self.scenario, self.models) if at_start else ()
+        self.start_hazards = start_hazards(self.scenario, self.models) if at_start else ()
         # Settled avoidances are not charged here: what they run at most is no part of a bound,
         # and what they run in a plan is for the referee to say.
-        self.initial = sum(danger.risk for danger in self.start_dangers)
-        self.budget = max(granted, min(begin * granted, _FILL * self.unit)) - self.initial
-        self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
+        self.initial = sum(danger.risk for danger in self.start_hazards)
+        self.budget = max(risk_bound, min(begin * risk_bound, _FILL * self.unit)) - self.initial
+        self.base = [_cost_without_hazards(self.problems[m].program) for m in self.singles]
 
     def problem(self, members: Members) -> SetProblem:
         """Return a set's program, built when first asked for."""
         if members not in self.problems:
             self.alone[members] = self.surroundings.of(members)
-            made = SetProblem.of(self.alone[members], members, self.models, self.unit)
-            self.problems[members] = made.without_cost() if self.is_costless else made
+            problem_ = SetProblem.of(self.alone[members], members, self.models, self.unit)
+            self.problems[members] = problem_.without_cost() if self.is_costless else problem_
         return self.problems[members]
 
     def set_budget(self, budget: float) -> None:
@@ -115,15 +115,15 @@ class Fleet:
     @property
     def least_budget(self) -> float:
         """What is left of Δ by simple bounds; a little where the starts alone exceed it by them."""
-        granted = self.scenario.risk_bound
-        return max(granted - self.initial, _LITTLE * granted)
+        risk_bound = self.scenario.risk_bound
+        return max(risk_bound - self.initial, _LITTLE * risk_bound)
 
     @property
     def most_budget(self) -> float:
         """The most that simple bounds may sum to beyond the starts."""
         return _FILL * self.unit - self.initial
 
-    def first_price(self) -> float:
+    def first_unit_price(self) -> float:
         """Guess the price of the whole bound from what plans cost without dangers."""
         total = float(sum(self.base))
         guess = max(_RISK_TO_COST * total, 1e-6 * max(1.0, total))
@@ -137,17 +137,17 @@ class Fleet:
         return best
 
     def solve(
-        self, sets: Sequence[Members], price: float, effort: int, *, is_rough: bool = False
+        self, sets: Sequence[Members], unit_price: float, effort: int, *, is_rough: bool = False
     ) -> bool:
         """Bring every set's search to a price; tell whether all have a plan."""
-        jobs = []
+        searches = []
         for members in sets:
             state = self.states.get(members)
             nodes = _NODES
-            if not self.is_sketched:
+            if not self.has_tried_initial_plan:
                 nodes = _TRIAL_ALONE if len(members) == 1 else _TRIAL
             wanted = nodes * effort * len(members)
-            spent = state.nodes if state is not None and state.price == price else 0
+            spent = state.nodes if state is not None and state.unit_price == unit_price else 0
             if state is not None and (
                 state.bound == float("inf") or (spent and not (state.is_limited and spent < wanted))
             ):
@@ -155,19 +155,21 @@ class Fleet:
             base = sum(self.base[i] for i in members)
             order = Order(
                 self.unit,
-                price,
+                unit_price,
                 _SET_SHARE * self.gap,
-                price,
+                unit_price,
                 wanted - spent,
                 base,
-                self._bounds(members, price),
+                self._bounds(members, unit_price),
                 self.hint(members),
                 is_rough,
             )
             self.problem(members)
-            jobs.append(Job(members, self.alone[members], state, order))
-        found = search_sets(jobs, self.problem, self.limits, self.executor, self.progress)
-        self.states |= {job.members: state for job, state in zip(jobs, found, strict=True)}
+            searches.append(SetSearch(members, self.alone[members], state, order))
+        found = search_sets(searches, self.problem, self.limits, self.executor, self.progress)
+        self.states |= {
+            search.members: state for search, state in zip(searches, found, strict=True)
+        }
         return all(self.states[members].best is not None for members in sets)
 
     def is_hard(self, sets: Sequence[Members]) -> bool:
@@ -176,11 +178,11 @@ class Fleet:
 
     def hint(self, members: Members) -> Vector | None:
         """Return what some vehicles do in the known plan of the fleet, if there is one."""
-        if not self.known or len(members) == 1:
+        if not self.incumbent_parts or len(members) == 1:
             return None
-        return self.joined(members, self.known)
+        return self.assembled(members, self.incumbent_parts)
 
-    def joined(self, members: Members, parts: Mapping[int, Vector]) -> Vector:
+    def assembled(self, members: Members, parts: Mapping[int, Vector]) -> Vector:
         """Return the point of a set that puts points of its vehicles together."""
         program = self.problem(members).program
         z = np.empty(program.num_columns)
@@ -188,7 +190,7 @@ class Fleet:
             z[program.blocks == block] = parts[i]
         return z
 
-    def parted(self, sets: Sequence[Members], points: Sequence[Vector]) -> dict[int, Vector]:
+    def split(self, sets: Sequence[Members], points: Sequence[Vector]) -> dict[int, Vector]:
         """Return every vehicle's part of points of sets."""
         return {
             i: z[self.problems[members].program.blocks == block]
@@ -196,7 +198,7 @@ class Fleet:
             for block, i in enumerate(members)
         }
 
-    def _bounds(self, members: Members, price: float) -> tuple[SetBound, ...]:
+    def _bounds(self, members: Members, unit_price: float) -> tuple[SetBound, ...]:
         """Return what is proven of parts of a set at this price."""
         if len(members) == 1:
             return ()
@@ -204,14 +206,16 @@ class Fleet:
         return tuple(
             SetBound(frozenset(members.index(i) for i in part), state.bound)
             for part, state in self.states.items()
-            if len(part) < len(members) and state.price == price and whole.issuperset(part)
+            if len(part) < len(members)
+            and state.unit_price == unit_price
+            and whole.issuperset(part)
         )
 
-    def crossing(
+    def inter_set_risks(
         self, sets: Sequence[Members], points: Sequence[Vector]
     ) -> dict[tuple[int, int], float]:
         """Estimate the risk between every two sets, numbered as given."""
-        return by_sets(self.meetings(sets, points), self.owners(sets))
+        return by_sets(self.pair_risks(sets, points), self.owners(sets))
 
     def owners(self, sets: Sequence[Members]) -> Indices:
         """Return the number of every vehicle's set."""
@@ -220,7 +224,7 @@ class Fleet:
             owners[list(members)] = number
         return owners
 
-    def meetings(
+    def pair_risks(
         self, sets: Sequence[Members], points: Sequence[Vector]
     ) -> dict[tuple[int, int], float]:
         """Estimate the risk between every two vehicles of different sets."""
@@ -233,36 +237,40 @@ class Fleet:
             ):
                 if self.scenario.vehicles[i].system.is_double_integrator:
                     sagittas[i] = self.scenario.dt**2 / 8.0 * controls
-        return meeting_risks(self.scenario, means, self.covariances, self.owners(sets), sagittas)
+        return pair_risks_across_sets(
+            self.scenario, means, self.covariances, self.owners(sets), sagittas
+        )
 
-    def part_of_one(self, sets: Sequence[Members], verdict: Verdict) -> bool:
+    def merge_rejected(self, sets: Sequence[Members], verdict: Verdict) -> bool:
         """Plan pairs across sets together whom a rejected plan is to be blamed on; tell if any."""
-        granted = self.scenario.risk_bound
-        blamed = verdict.to_blame(self.owners(sets), self.numbers, granted)
-        self.blamed |= blamed
-        return bool(blamed)
+        risk_bound = self.scenario.risk_bound
+        rejected_pairs = verdict.to_blame(self.owners(sets), self.numbers, risk_bound)
+        self.rejected_pairs |= rejected_pairs
+        return bool(rejected_pairs)
 
     def to_merge(self, sets: Sequence[Members]) -> dict[tuple[int, int], float]:
         """Return the pairs of vehicles of different sets that must be planned together."""
         owners = self.owners(sets)
-        return {pair: r for pair, r in self.blamed.items() if owners[pair[0]] != owners[pair[1]]}
+        return {
+            pair: r for pair, r in self.rejected_pairs.items() if owners[pair[0]] != owners[pair[1]]
+        }
 
     def remember(
         self,
         apart: Sequence[Members],
-        joined: Sequence[Members],
-        meetings: Mapping[tuple[int, int], float],
+        assembled: Sequence[Members],
+        pair_risks: Mapping[tuple[int, int], float],
     ) -> None:
         """Note whose meetings made sets planned apart into one."""
-        old, new = self.owners(apart).tolist(), self.owners(joined).tolist()
-        inside = {pair: risk for pair, risk in meetings.items() if new[pair[0]] == new[pair[1]]}
+        old, new = self.owners(apart).tolist(), self.owners(assembled).tolist()
+        inside = {pair: risk for pair, risk in pair_risks.items() if new[pair[0]] == new[pair[1]]}
         worst: dict[tuple[int, int], float] = {}
         for (i, j), risk in inside.items():
             key = (min(old[i], old[j]), max(old[i], old[j]))
             worst[key] = max(worst.get(key, 0.0), risk)
         for (i, j), risk in inside.items():
             if risk >= _TELLING * worst[min(old[i], old[j]), max(old[i], old[j])]:
-                self.met[i, j] = max(self.met.get((i, j), 0.0), risk)
+                self.coupling_risks[i, j] = max(self.coupling_risks.get((i, j), 0.0), risk)
 
     def couplings(self, sets: Sequence[Members]) -> tuple[Coupling, ...]:
         """Return why the vehicles of these sets were planned together."""
@@ -270,7 +278,7 @@ class Fleet:
         names = [vehicle.name for vehicle in self.scenario.vehicles]
         return tuple(
             Coupling(names[i], names[j], "collision", risk)
-            for (i, j), risk in sorted(self.met.items())
+            for (i, j), risk in sorted(self.coupling_risks.items())
             if owner[i] == owner[j]
         )
 
@@ -289,7 +297,7 @@ class Fleet:
         return None
 
 
-def _cost_without_dangers(program: DisjunctiveProgram) -> float:
+def _cost_without_hazards(program: DisjunctiveProgram) -> float:
     """Return what a vehicle's way to its goal costs through empty space; 0 where it has none."""
     lp = HighsLp(program.cost, program.lower, program.upper)
     lp.add_rows(program.hard, program.hard_lower, program.hard_upper)

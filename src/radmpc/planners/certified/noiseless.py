@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.incumbent import Best
+from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.turning import plan_by_turning
 from radmpc.planners.coarse_search import propose_sides
 from radmpc.planners.verdict import Judge
@@ -30,14 +30,14 @@ _NODES = 150
 """Nodes per vehicle for it; any plan will do."""
 
 
-def turn_from_noiseless(fleet: Fleet, best: Best, judge: Judge) -> None:
+def turn_from_noiseless(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
     """Turn half-spaces to plans of the vehicles each alone, and of all without noise.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet; nothing is done where it is large.
-    best : Best
+    incumbent : FleetIncumbent
         Takes what is certified and cheaper than what there is.
     judge : callable
         The referee.
@@ -51,12 +51,12 @@ def turn_from_noiseless(fleet: Fleet, best: Best, judge: Judge) -> None:
     starts = [_noiseless(fleet, whole, limits)]
     if alone and all(z is not None for z in alone):
         apart = np.concatenate([z for z in alone if z is not None])
-        plan_by_turning(fleet, best, judge, fleet.singles, _controls(fleet, whole, apart))
+        plan_by_turning(fleet, incumbent, judge, fleet.singles, _controls(fleet, whole, apart))
         if starts[0] is None or not np.array_equal(apart, starts[0]):
             starts.append(apart)
     for z in starts:
         if z is not None:
-            plan_by_turning(fleet, best, judge, (whole,), _controls(fleet, whole, z))
+            plan_by_turning(fleet, incumbent, judge, (whole,), _controls(fleet, whole, z))
 
 
 def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -33,32 +33,32 @@ _CLOSE = 0.03
 
 def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
     """Return a price at which vehicles that ignore each other do not exceed the budget by far."""
-    price = fleet.first_price()
+    unit_price = fleet.first_unit_price()
     # Where known sides risk too much at any price, others are needed, not a higher price.
-    most = _MOST * price
-    fleet.solve(fleet.singles, price, 1, is_rough=True)
+    most = _MOST * unit_price
+    fleet.solve(fleet.singles, unit_price, 1, is_rough=True)
     effort = 1
     while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
         if fleet.limits.reached or fleet.without_plan() is not None or effort > _MOST_EFFORT:
-            return price
+            return unit_price
         effort *= MORE_EFFORT
-        fleet.solve(missing, price, effort)
+        fleet.solve(missing, unit_price, effort)
     plans = [fleet.best(m) for m in fleet.singles]
     for _ in range(_MAX_PRICES):
         risk = sum(plan.risk for plan in plans)
         if risk <= OVERDRAWN * fleet.budget or fleet.limits.reached:
             break
-        tried.append((price, risk))
-        price = min(next_price(tried, fleet.budget), most)
+        tried.append((unit_price, risk))
+        unit_price = min(next_price(tried, fleet.budget), most)
         # By the sides found so far: no need to search for others yet.
         plans = [
-            repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)
+            repriced(fleet.problems[m], plan, fleet.unit, unit_price, fleet.limits)
             if plan.risk > _LITTLE * fleet.unit
             else plan
             for m, plan in zip(fleet.singles, plans, strict=True)
         ]
     tried.clear()
-    return price
+    return unit_price
 
 
 def next_price(tried: list[tuple[float, float]], budget: float) -> float:
@@ -68,10 +68,10 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
     along a straight line in logarithms. Risk that no price moves would drive it without end: from
     some multiple of the first price on, it stays.
     """
-    price, risk = tried[-1]
+    unit_price, risk = tried[-1]
     most = _DEAREST * tried[0][0]
     if 0.0 <= 1.0 - risk / budget <= _CLOSE:
-        return price
+        return unit_price
     budget *= 1.0 - 0.5 * _CLOSE
     above = [(p, r) for p, r in tried if r > budget]
     below = [(p, r) for p, r in tried if 0.0 < r <= budget]
@@ -83,7 +83,7 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
             return float(p1 * (p2 / p1) ** np.clip(share, 0.15, 0.85))
     step = _STEEPNESS * float(np.log(max(risk / budget, 1e-12)))
     step *= _stubbornness(tried, step)
-    return float(min(price * np.clip(np.exp(step), 0.2, 5.0), max(most, price)))
+    return float(min(unit_price * np.clip(np.exp(step), 0.2, 5.0), max(most, unit_price)))
 
 
 def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
@@ -94,8 +94,8 @@ def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
     """
     if len(tried) < 2 or step == 0.0:
         return 1.0
-    (before, risk_before), (price, risk) = tried[-2:]
-    last = float(np.log(price / before))
+    (before, risk_before), (unit_price, risk) = tried[-2:]
+    last = float(np.log(unit_price / before))
     if last * step <= 0.0:
         return 1.0
     fall = max(risk / risk_before, 1e-12) if risk_before > 0.0 else 1.0

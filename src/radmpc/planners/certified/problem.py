@@ -10,7 +10,7 @@ import numpy as np
 from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.lattice.passage import Passage
-from radmpc.planners.certified.lattice.search import Walk
+from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.coarse_search import propose_sides
 from radmpc.planners.policies import Ira, SolveRequest
 from radmpc.program.build import build_program
@@ -71,8 +71,8 @@ class SetProblem:
         rater = Rater(program, unit)
         passage = None
         if len(chosen) == 1 and program.num_avoidances and not rater.is_infeasible:
-            walk = Walk(program, chosen[0], unit)
-            passage = Passage(walk, rater) if walk.is_possible else None
+            path_search = PathSearch(program, chosen[0], unit)
+            passage = Passage(path_search, rater) if path_search.is_possible else None
         return cls(members, chosen, program, rater, passage)
 
     def without_cost(self) -> SetProblem:
@@ -80,10 +80,10 @@ class SetProblem:
         program = replace(self.program, cost=np.zeros(self.program.num_columns))
         passage = self.passage
         if passage is not None:
-            unit = passage.walk.unit
-            walk = Walk(program, self.models[0], unit)
-            walk.motion = replace(walk.motion, weight=0.0)
-            passage = Passage(walk, Rater(program, unit))
+            unit = passage.path_search.unit
+            path_search = PathSearch(program, self.models[0], unit)
+            path_search.motion = replace(path_search.motion, weight=0.0)
+            passage = Passage(path_search, Rater(program, unit))
         return replace(self, program=program, passage=passage)
 
     def means(self, z: np.ndarray) -> Tensor:
@@ -114,7 +114,7 @@ class SetState:
         Whether a limit ended the search.
     """
 
-    price: float
+    unit_price: float
     best: Incumbent | None
     bound: float
     frontier: Frontier
@@ -148,7 +148,7 @@ class Order:
     """
 
     unit: float
-    price: float
+    unit_price: float
     gap: float
     scale: float
     max_nodes: int
@@ -184,7 +184,7 @@ def advance(
     tree = RiskTree(
         problem.program,
         order.unit,
-        order.price,
+        order.unit_price,
         gap=order.gap,
         scale=order.scale,
         limits=limits,
@@ -192,7 +192,7 @@ def advance(
         rater=problem.rater,
     )
     if state is not None and state.bound < float("inf"):
-        tree.resume(state.frontier, state.price, state.best, order.base)
+        tree.resume(state.frontier, state.unit_price, state.best, order.base)
     if order.hint is not None:
         tree.consider(order.hint)
     tree.run(min(order.max_nodes, _PATIENCE * len(problem.members)))
@@ -200,7 +200,7 @@ def advance(
         _rescue(problem, scenario, tree, order, limits)
     has_time = tree.is_limited and not limits.reached
     if problem.passage is not None and has_time and not order.is_rough:
-        found = problem.passage.found(order.price, order.scale, limits, tree.best)
+        found = problem.passage.plan(order.unit_price, order.scale, limits, tree.best)
         if found is not None:
             tree.consider(found.z)
     if tree.is_limited and tree.nodes < order.max_nodes:
@@ -210,10 +210,10 @@ def advance(
     bound = max([tree.bound, sum(alone), *(b.value for b in order.bounds)])
     if tree.best is not None:
         bound = min(bound, tree.value)
-    is_same = state is not None and state.price == order.price
+    is_same = state is not None and state.unit_price == order.unit_price
     before = (state.nodes, state.lps) if state is not None and is_same else (0, 0)
     return SetState(
-        order.price,
+        order.unit_price,
         tree.best,
         bound,
         tree.frontier,

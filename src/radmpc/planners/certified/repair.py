@@ -15,7 +15,7 @@ from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["polish", "repriced"]
+__all__ = ["repair", "repriced"]
 
 _ROUNDS = 4
 _LEAST = 1e-9
@@ -31,7 +31,7 @@ _SLACK = 1e-6
 """Share of the budget kept back, so that the solver's tolerance cannot exceed it."""
 
 
-def polish(
+def repair(
     problems: Sequence[SetProblem], found: Sequence[Incumbent], budget: float
 ) -> tuple[Vector, ...] | None:
     """Fit a fleet's risks to a budget, every side as it is.
@@ -79,8 +79,8 @@ def polish(
         for number, (problem, incumbent) in enumerate(zip(problems, found, strict=True)):
             if not is_free[number] or sums[number] <= _LEAST * budget:
                 continue
-            granted = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
-            z = _at(problem, incumbent, granted)
+            allocated = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
+            z = _at(problem, incumbent, allocated)
             # Some risks cannot shrink, such as those next to the start: leave the set as it is.
             is_free[number] = z is not None
             points[number] = points[number] if z is None else z
@@ -88,7 +88,7 @@ def polish(
 
 
 def repriced(
-    problem: SetProblem, incumbent: Incumbent, unit: float, price: float, limits: Limits
+    problem: SetProblem, incumbent: Incumbent, unit: float, unit_price: float, limits: Limits
 ) -> Incumbent:
     """Return the best plan of the same sides at another price of risk, about.
 
@@ -115,13 +115,15 @@ def repriced(
     sides = incumbent.selection.tolist()
     far = float(clearance_for(_NEAR * unit))
     near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < far)
-    tree = RiskTree(program, unit, price, gap=1e-3, scale=price, limits=limits, rater=problem.rater)
-    tree.resume(((-np.inf, near),), price, incumbent)
+    tree = RiskTree(
+        program, unit, unit_price, gap=1e-3, scale=unit_price, limits=limits, rater=problem.rater
+    )
+    tree.resume(((-np.inf, near),), unit_price, incumbent)
     tree.run(1)
     return incumbent if tree.best is None else tree.best
 
 
-def _at(problem: SetProblem, incumbent: Incumbent, granted: Vector) -> Vector | None:
+def _at(problem: SetProblem, incumbent: Incumbent, allocated: Vector) -> Vector | None:
     """Return the least-cost point of a set whose events take at most what they are granted."""
     rows = problem.program.rows
     chosen = problem.program.selected_rows(incumbent.selection)
@@ -129,7 +131,7 @@ def _at(problem: SetProblem, incumbent: Incumbent, granted: Vector) -> Vector | 
     is_hard = problem.program.rows.deviations[chosen] == 0.0
     chosen = chosen[is_hard | (problem.program.clearances(incumbent.z)[chosen] < _FAR)]
     margins = np.zeros(rows.count)
-    margins[chosen] = rows.deviations[chosen] * clearance_for(granted[rows.events[chosen]])
+    margins[chosen] = rows.deviations[chosen] * clearance_for(allocated[rows.events[chosen]])
     lp = WarmLp(problem.program, margins)
     lp.activate(chosen.tolist())
     outcome, _ = lp.solve()

@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.incumbent import Best
+from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
@@ -69,7 +69,7 @@ _SAME_PRICE = 0.3
 """Relative difference of prices up to which a set that stood still is left alone."""
 
 
-def turn_half_spaces(fleet: Fleet, best: Best, judge: Judge) -> None:
+def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
     """Improve the best plan by half-spaces of any direction, until little is gained.
 
     Every danger keeps the side on which the plan passes it, by a half-space turned to where it
@@ -80,19 +80,19 @@ def turn_half_spaces(fleet: Fleet, best: Best, judge: Judge) -> None:
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
+    incumbent : FleetIncumbent
         With a plan; takes cheaper ones. What was proven stays as it is.
     judge : callable
         The referee.
     """
-    price = best.rounds[-1][1] if best.rounds else fleet.first_price()
-    turning = _Turning(fleet, best, judge, best.sets, price / fleet.unit)
-    turning.run(_points(fleet, best.sets, best.controls), _ROUNDS)
+    price = incumbent.round_bounds[-1][1] if incumbent.round_bounds else fleet.first_unit_price()
+    turning = _Turning(fleet, incumbent, judge, incumbent.sets, price / fleet.unit)
+    turning.run(_points(fleet, incumbent.sets, incumbent.controls), _ROUNDS)
 
 
 def plan_by_turning(
     fleet: Fleet,
-    best: Best,
+    incumbent: FleetIncumbent,
     judge: Judge,
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
@@ -103,7 +103,7 @@ def plan_by_turning(
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
+    incumbent : FleetIncumbent
         Takes the plan, if one is certified.
     judge : callable
         The referee.
@@ -113,8 +113,8 @@ def plan_by_turning(
         Of a plan without collisions, noise aside, in the scenario's order.
     """
     # Risk counts for much more than effort until the plan is certified.
-    price = _DEAR * fleet.first_price() / fleet.unit
-    turning = _Turning(fleet, best, judge, sets, price)
+    price = _DEAR * fleet.first_unit_price() / fleet.unit
+    turning = _Turning(fleet, incumbent, judge, sets, price)
     turning.run(_points(fleet, sets, controls), 2 * _ROUNDS)
 
 
@@ -133,7 +133,7 @@ class _Turning:
     """
 
     fleet: Fleet
-    best: Best
+    incumbent: FleetIncumbent
     judge: Judge
     sets: tuple[Members, ...]
     price: float
@@ -143,9 +143,9 @@ class _Turning:
     def run(self, points: Sequence[Vector], rounds: int) -> None:
         """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
         fleet, sets = self.fleet, self.sets
-        granted = fleet.scenario.risk_bound
+        risk_bound = fleet.scenario.risk_bound
         num_stalls, least = 0, self._take(points)
-        cheapest = _cost(fleet, sets, points) if least <= granted else float("inf")
+        cheapest = _cost(fleet, sets, points) if least <= risk_bound else float("inf")
         for number in range(rounds):
             if fleet.limits.reached or num_stalls >= _MAX_STALLS:
                 break
@@ -155,29 +155,36 @@ class _Turning:
             _LOG.info(
                 "turn %d of half-spaces: 1 %% of the risk bound at a price of %.3g; cost %.6g, "
                 "certificate %.3g of risk bound %g",
-                number + 1, 0.01 * granted * self.price, cost, certified, granted,
+                number + 1, 0.01 * risk_bound * self.price, cost, certified, risk_bound,
             )  # fmt: skip
             is_little = cheapest - cost < _ENOUGH * fleet.gap * abs(cost)
-            if certified <= granted:
+            if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
             else:
                 # Little above Δ may be mended by a price too near the last to be asked for else.
                 self.prices.clear()
-                is_little = certified > max(_LESS * least, _CLOSE * granted)
+                is_little = certified > max(_LESS * least, _CLOSE * risk_bound)
             num_stalls = num_stalls + 1 if is_little else 0
             least = min(least, certified)
-            ratio = float(np.clip(certified / (_AIM * granted), 1.0 / _MOST_MOVE, _MOST_MOVE))
+            ratio = float(np.clip(certified / (_AIM * risk_bound), 1.0 / _MOST_MOVE, _MOST_MOVE))
             self.price *= ratio**_DAMPING
 
     def _take(self, points: Sequence[Vector]) -> float:
         """Keep a plan if it is certified and the best; return its certificate."""
-        fleet, best, sets = self.fleet, self.best, self.sets
+        fleet, incumbent, sets = self.fleet, self.incumbent, self.sets
         controls = fleet.controls(sets, points)
         certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
-        if certified <= fleet.scenario.risk_bound and cost < best.cost:
-            best.controls, best.cost, best.certified, best.sets = controls, cost, certified, sets
+        if certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
+            incumbent.controls, incumbent.cost, incumbent.certified, incumbent.sets = (
+                controls,
+                cost,
+                certified,
+                sets,
+            )
             spent = sum(self.risks.get(m, 0.0) for m in sets)
-            best.turned_price = self.price * spent / max(certified, _NOTHING) if spent else None
+            incumbent.turned_price = (
+                self.price * spent / max(certified, _NOTHING) if spent else None
+            )
         return certified
 
     def _turned(self, members: Members, z: Vector) -> Vector:

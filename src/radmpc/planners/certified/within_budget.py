@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.incumbent import Best, take
+from radmpc.planners.certified.incumbent import FleetIncumbent, accept_round
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.rounds import Round
@@ -18,7 +18,7 @@ from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
 
-__all__ = ["WithinBudget", "take_sides"]
+__all__ = ["WithinBudget", "replan_on_sides"]
 
 _INF = float("inf")
 _TIE = 0.05
@@ -35,9 +35,9 @@ _CHEAPEST, _DEAREST = 1e-3, 1e5
 """Multiples of the first price between which given sides are priced."""
 
 
-def take_sides(
+def replan_on_sides(
     fleet: Fleet,
-    best: Best,
+    incumbent: FleetIncumbent,
     judge: Judge,
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
@@ -48,7 +48,7 @@ def take_sides(
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
+    incumbent : FleetIncumbent
         Where the plan is kept, if it is certified.
     judge : callable
         The referee.
@@ -58,26 +58,26 @@ def take_sides(
         Its controls, in the scenario's order.
     """
     plans = tuple(_incumbent(fleet.problem(m), [controls[i] for i in m]) for m in sets)
-    cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
-    price = fleet.first_price()
-    given = _round(sets, price, plans, cross)
-    take(fleet, given, best, judge)
-    low, high = _CHEAPEST * price, _DEAREST * price
+    inter_set_risk = sum(fleet.inter_set_risks(sets, [plan.z for plan in plans]).values())
+    unit_price = fleet.first_unit_price()
+    given = _round(sets, unit_price, plans, inter_set_risk)
+    accept_round(fleet, given, incumbent, judge)
+    low, high = _CHEAPEST * unit_price, _DEAREST * unit_price
     chosen = None
     for _ in range(_BISECTIONS):
         if fleet.limits.reached:
             break
-        price = (low * high) ** 0.5
+        unit_price = (low * high) ** 0.5
         priced = tuple(
-            repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)
+            repriced(fleet.problems[m], plan, fleet.unit, unit_price, fleet.limits)
             for m, plan in zip(sets, plans, strict=True)
         )
-        if sum(plan.risk for plan in priced) + cross <= fleet.budget:
-            high, chosen = price, _round(sets, price, priced, cross)
+        if sum(plan.risk for plan in priced) + inter_set_risk <= fleet.budget:
+            high, chosen = unit_price, _round(sets, unit_price, priced, inter_set_risk)
         else:
-            low = price
+            low = unit_price
     if chosen is not None:
-        take(fleet, chosen, best, judge)
+        accept_round(fleet, chosen, incumbent, judge)
 
 
 @dataclass(slots=True, eq=False)
@@ -91,7 +91,7 @@ class WithinBudget:
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
+    incumbent : FleetIncumbent
         What was found.
     gap : float
         The relative gap asked for.
@@ -100,7 +100,7 @@ class WithinBudget:
     """
 
     fleet: Fleet
-    best: Best
+    incumbent: FleetIncumbent
     gap: float
     judge: Judge
     _trees: dict[tuple[Members, float], BudgetTree] = field(default_factory=dict)
@@ -126,13 +126,13 @@ class WithinBudget:
         bool
             Whether a limit ended the search of any set.
         """
-        fleet, best = self.fleet, self.best
+        fleet, incumbent = self.fleet, self.incumbent
         plans, is_limited, is_changed = list(plans), False, False
-        cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
+        inter_set_risk = sum(fleet.inter_set_risks(sets, [plan.z for plan in plans]).values())
         for number, (members, plan) in enumerate(zip(sets, plans, strict=True)):
             # A plan with more faces may have no risk by those of the scenario: others only count.
             others = sum(p.risk for i, p in enumerate(plans) if i != number)
-            left = budget - cross - others
+            left = budget - inter_set_risk - others
             if not left > 0.0 or fleet.limits.reached:
                 continue
             tree = self._tree(members, left, plan)
@@ -142,35 +142,43 @@ class WithinBudget:
             if tree.best is None:
                 continue
             if len(sets) == 1:
-                best.within.append((left, tree.bound - tree.price))
+                incumbent.budget_bounds.append((left, tree.bound - tree.price))
             plans[number], is_changed = tree.best, True
         if is_changed:
-            price = best.rounds[-1][1] if best.rounds else fleet.first_price()
+            unit_price = (
+                incumbent.round_bounds[-1][1]
+                if incumbent.round_bounds
+                else fleet.first_unit_price()
+            )
             fleet.set_budget(budget)
-            take(fleet, _round(sets, price, plans, cross), best, self.judge)
+            accept_round(
+                fleet, _round(sets, unit_price, plans, inter_set_risk), incumbent, self.judge
+            )
         return is_limited
 
     def plans(self) -> list[Incumbent]:
         """Return the best plan, set by set."""
-        fleet, best = self.fleet, self.best
-        return [_incumbent(fleet.problem(m), [best.controls[i] for i in m]) for m in best.sets]
+        fleet, incumbent = self.fleet, self.incumbent
+        return [
+            _incumbent(fleet.problem(m), [incumbent.controls[i] for i in m]) for m in incumbent.sets
+        ]
 
     def _tree(self, members: Members, budget: float, plan: Incumbent) -> BudgetTree:
         """Return the search of a set within a budget, where it stood."""
         if (members, budget) not in self._trees:
             problem = self.fleet.problem(members)
             scale = max(plan.cost, _LEAST_SCALE)
-            price = _TIE * self.gap * scale
+            unit_price = _TIE * self.gap * scale
             tree = BudgetTree(
                 problem.program,
                 budget,
-                price,
+                unit_price,
                 gap=_SHARE * self.gap,
                 scale=scale,
                 limits=self.fleet.limits,
                 rater=Rater(problem.program, budget),
             )
-            tree.resume(_frontier(self.fleet, members, budget), price, None)
+            tree.resume(_frontier(self.fleet, members, budget), unit_price, None)
             self._trees[members, budget] = tree
         tree = self._trees[members, budget]
         tree.limits = self.fleet.limits
@@ -178,11 +186,11 @@ class WithinBudget:
 
 
 def _round(
-    sets: tuple[Members, ...], price: float, plans: Sequence[Incumbent], cross: float
+    sets: tuple[Members, ...], unit_price: float, plans: Sequence[Incumbent], inter_set_risk: float
 ) -> Round:
     """Return plans of sets as a round that proves nothing."""
     risk = sum(plan.risk for plan in plans)
-    return Round(sets, price, tuple(plans), risk, cross, -_INF, _INF, is_limited=True)
+    return Round(sets, unit_price, tuple(plans), risk, inter_set_risk, -_INF, _INF, is_limited=True)
 
 
 def _incumbent(problem: SetProblem, controls: Sequence[Matrix]) -> Incumbent:
@@ -198,5 +206,5 @@ def _frontier(fleet: Fleet, members: Members, budget: float) -> Frontier:
     state = fleet.states.get(members)
     if state is None or not state.frontier:
         return ((-_INF, ()),)
-    paid = state.price * budget / fleet.unit
+    paid = state.unit_price * budget / fleet.unit
     return tuple((bound - paid, chosen) for bound, chosen in state.frontier)

@@ -10,7 +10,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.infeasible.cures import cure_sentence
 from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.infeasible.stuck import stuck_reason
-from radmpc.planners.explain import danger, unable_alone
+from radmpc.planners.explain import hazard_name, unable_alone
 from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
 from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
 from radmpc.program.build import condensed_models
@@ -189,7 +189,7 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
             f"No plan was certified within {bound}, and none was ruled out: {limit_clause(limits)}"
         )
     takers = "; ".join(
-        f"{danger(risk_item)} around step {risk_item.step} ({risk:.2g})"
+        f"{hazard_name(risk_item)} around step {risk_item.step} ({risk:.2g})"
         for risk_item, risk in found.takers[:_NAMED]
     )
     if found.bound > scenario.risk_bound:

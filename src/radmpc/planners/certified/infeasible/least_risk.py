@@ -22,7 +22,7 @@ _UNIT = 0.49
 _TOLERANCE = 0.02
 """Share of the risk bound to which the least risk is sought."""
 
-_Danger = tuple[str, str, str | None]
+_HazardKey = tuple[str, str, str | None]
 """Cause, vehicle, and what it may meet."""
 
 _EFFORTS = (1, 4, 16)
@@ -82,7 +82,7 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
     for effort in _EFFORTS:
         while True:
             found = run_round(fleet, 1.0, effort)
-            if found is None or not found.is_sketch:
+            if found is None or not found.is_initial:
                 break
             best = _better(fleet, best, found)
             if best.risk <= enough:
@@ -102,8 +102,8 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     initial = fleet.initial
     # At a price of 1, and with effort free, the value is the risk in units.
     bound = max(best.bound, fleet.unit * found.least + initial)
-    settled = sum(fleet.problems[m].program.presolved_risk for m in found.sets)
-    risk = initial + settled + found.risk + found.cross
+    presolved = sum(fleet.problems[m].program.presolved_risk for m in found.sets)
+    risk = initial + presolved + found.risk + found.inter_set_risk
     if risk >= best.risk:
         return replace(best, bound=min(bound, best.risk))
     points = [plan.z for plan in found.plans]
@@ -113,15 +113,15 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
 
 def _takers(fleet: Fleet, found: Round) -> tuple[tuple[RiskItem, float], ...]:
     """Return what each danger takes over the whole horizon, with its worst step."""
-    total: dict[_Danger, float] = defaultdict(float)
-    worst: dict[_Danger, tuple[float, RiskItem]] = {}
+    total: dict[_HazardKey, float] = defaultdict(float)
+    worst: dict[_HazardKey, tuple[float, RiskItem]] = {}
     names = [v.name for v in fleet.scenario.vehicles]
-    for danger in fleet.start_dangers:
-        two = len(danger.members) == 2
-        other = names[danger.members[1]] if two else danger.other
-        risk_item = RiskItem(danger.cause, names[danger.members[0]], other, 0)
-        total[risk_item[:3]] += danger.risk
-        worst[risk_item[:3]] = (danger.risk, risk_item)
+    for hazard in fleet.start_hazards:
+        two = len(hazard.members) == 2
+        other = names[hazard.members[1]] if two else hazard.other
+        risk_item = RiskItem(hazard.cause, names[hazard.members[0]], other, 0)
+        total[risk_item[:3]] += hazard.risk
+        worst[risk_item[:3]] = (hazard.risk, risk_item)
     for members, plan in zip(found.sets, found.plans, strict=True):
         program = fleet.problems[members].program
         risks = program.event_risks(plan.z, plan.selection)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.problem import SetProblem
-from radmpc.planners.explain import impossible_places
+from radmpc.planners.explain import trivially_infeasible
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
 from radmpc.solvers.priced.tree import RiskTree
@@ -47,7 +47,7 @@ def stuck_reason(
     many : str or None
         As of `Reason`.
     """
-    reason = impossible_places(scenario.subset(members, scenario.risk_bound))
+    reason = trivially_infeasible(scenario.subset(members, scenario.risk_bound))
     if reason is not None:
         return members, reason, None
     members = _smallest(scenario, members, limits)

@@ -7,7 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.lattice.half_planes import Danger, gap_middles, limits_at
+from radmpc.planners.certified.lattice.half_planes import (
+    AvoidanceHalfPlanes,
+    gap_middles,
+    limits_at,
+)
 from radmpc.program.condensed import CondensedModel
 
 __all__ = ["Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
@@ -81,7 +85,7 @@ class Lattice:
 
 
 def coarse_lattice(
-    model: CondensedModel, dangers: list[list[Danger]], longest: Vector, moves: int
+    model: CondensedModel, avoidances: list[list[AvoidanceHalfPlanes]], longest: Vector, moves: int
 ) -> Lattice:
     """Return the lattice over everything within reach and borders.
 
@@ -97,7 +101,7 @@ def coarse_lattice(
         Cells that this is.
     """
     start = model.drift_position[0]
-    lower, upper = limits_at(dangers)
+    lower, upper = limits_at(avoidances)
     low = np.maximum(model.reach_lower, lower).min(axis=0)
     high = np.minimum(model.reach_upper, upper).max(axis=0)
     low, high = np.minimum(low - start, 0.0), np.maximum(high - start, 0.0)
@@ -123,12 +127,12 @@ def finer_lattice(lattice: Lattice, cells: Indices) -> Lattice:
     )
 
 
-def snapped_lattice(lattice: Lattice, dangers: list[list[Danger]]) -> Lattice:
+def snapped_lattice(lattice: Lattice, avoidances: list[list[AvoidanceHalfPlanes]]) -> Lattice:
     """Return a lattice whose lines run through the middles of gaps between parallel sides."""
     lines = []
     for axis, line in enumerate(lattice.axes(lattice.reference[0])):
         stride = float(lattice.stride[axis])
-        for middle in gap_middles(dangers, axis, _NARROW * stride):
+        for middle in gap_middles(avoidances, axis, _NARROW * stride):
             nearest = int(np.abs(line - middle).argmin())
             if abs(line[nearest] - middle) <= 0.5 * stride:
                 line[nearest] = middle

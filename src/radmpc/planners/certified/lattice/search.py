@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability
-from radmpc.planners.certified.lattice.half_planes import Danger, dangers_of
+from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes, half_planes_of
 from radmpc.planners.certified.lattice.motion import Motion
 from radmpc.planners.certified.lattice.moves import (
     Lattice,
@@ -29,7 +29,7 @@ from radmpc.planners.certified.lattice.moves import (
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["Walk"]
+__all__ = ["PathSearch"]
 
 _MOVES = (3, 6)
 """Cells that the longest move covers, each way; finer where a coarser lattice knows no way."""
@@ -50,7 +50,7 @@ Float32 = npt.NDArray[np.float32]
 
 
 @dataclass(eq=False)
-class Walk:
+class PathSearch:
     """The lattice search of one vehicle's program.
 
     Parameters
@@ -74,11 +74,11 @@ class Walk:
     unit: float
     first: int = 0
     level: int = 0
-    is_quick: bool = False
-    _dangers: list[list[Danger]] = field(default_factory=list)
+    is_coarse_only: bool = False
+    _avoidances: list[list[AvoidanceHalfPlanes]] = field(default_factory=list)
     _deviations: dict[tuple[bytes, bytes], float] = field(default_factory=dict)
     """The largest of each danger over all windows: what is near then is looked at in all."""
-    _ways: dict[tuple[float, float], Matrix | None] = field(default_factory=dict)
+    _paths: dict[tuple[float, float], Matrix | None] = field(default_factory=dict)
     _margins: dict[tuple[object, ...], tuple[Indices, Vector]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -96,7 +96,7 @@ class Walk:
         """The outputs that are the vehicle's positions, step by step."""
         return slice(self.first, self.first + 2 * (self.model.horizon + 1))
 
-    def way(self, rate: float, haste: float = 0.0) -> Matrix | None:
+    def path(self, price: float, delay_cost: float = 0.0) -> Matrix | None:
         """Return the best positions at each step.
 
         Parameters
@@ -111,36 +111,36 @@ class Walk:
         (T+1, 2) array or None
             Positions [m]; None where the lattice knows no way.
         """
-        if not self._dangers:
-            self._dangers = dangers_of(self.program, self.model.horizon, self.places)
-            for danger in (danger for at in self._dangers for danger in at):
-                known = self._deviations.get(danger.key, 0.0)
-                self._deviations[danger.key] = max(known, danger.deviation)
-        if (rate, haste) not in self._ways:
-            self._ways[rate, haste] = self._found(rate, haste)
-        return self._ways[rate, haste]
+        if not self._avoidances:
+            self._avoidances = half_planes_of(self.program, self.model.horizon, self.places)
+            for avoidance in (avoidance for at in self._avoidances for avoidance in at):
+                known = self._deviations.get(avoidance.key, 0.0)
+                self._deviations[avoidance.key] = max(known, avoidance.deviation)
+        if (price, delay_cost) not in self._paths:
+            self._paths[price, delay_cost] = self._refined_path(price, delay_cost)
+        return self._paths[price, delay_cost]
 
-    def _found(self, rate: float, haste: float) -> Matrix | None:
+    def _refined_path(self, price: float, delay_cost: float) -> Matrix | None:
         """Seek a way, on finer lattices where coarser ones know none, from then on there alone."""
         while True:
             moves = _MOVES[min(self.level, len(_MOVES) - 1)]
-            lattice = coarse_lattice(self.model, self._dangers, self.motion.longest, moves)
+            lattice = coarse_lattice(self.model, self._avoidances, self.motion.longest, moves)
             if self.level == len(_MOVES):
                 # Narrow ways may lie between the lines.
-                lattice = snapped_lattice(lattice, self._dangers)
-            cells = self._search(lattice, rate, haste)
+                lattice = snapped_lattice(lattice, self._avoidances)
+            cells = self._search(lattice, price, delay_cost)
             if cells is not None:
                 break
-            if self.is_quick or self.level == len(_MOVES):
+            if self.is_coarse_only or self.level == len(_MOVES):
                 return None
             self.level += 1
         if lattice.lines is None:
             finer = finer_lattice(lattice, cells)
-            found = self._search(finer, rate, haste)
+            found = self._search(finer, price, delay_cost)
             lattice, cells = finer, 2 * cells if found is None else found
         return lattice.positions(cells)
 
-    def _search(self, lattice: Lattice, rate: float, haste: float) -> Indices | None:
+    def _search(self, lattice: Lattice, price: float, delay_cost: float) -> Indices | None:
         """Return the cheapest way over a lattice, (T+1, 2) cells from the start."""
         motion, horizon = self.motion, self.model.horizon
         moves = np.diff(lattice.reference, axis=0)
@@ -150,8 +150,8 @@ class Walk:
         values[(slice(None), slice(None), *origin)] = motion.first_costs(
             moves[0] * lattice.stride, lattice.stride, lattice.moves
         )
-        weight = np.float32(rate)
-        late = np.float32(haste)
+        weight = np.float32(price)
+        late = np.float32(delay_cost)
         arrivals: list[Float32] = []
         for k in range(horizon):
             if k > 0:
@@ -162,7 +162,7 @@ class Walk:
             values[risks > min(self.unit, CONVEX_RISK)] = _INF
             values = _shifted(values)
             values[:, :, ~self._within_reach(lattice, k + 1)] = _INF
-            if haste > 0.0:
+            if delay_cost > 0.0:
                 values[:, :, ~self._in_goal(lattice, k + 1)] += late
             arrivals.append(values)
         if values.min() >= 0.5 * _INF:
@@ -212,18 +212,18 @@ class Walk:
         width = 2 * lattice.moves + 1
         risks = np.zeros(width * width * lattice.shape[0] * lattice.shape[1])
         move = lattice.reference[k + 1] - lattice.reference[k]
-        for danger in self._dangers[k]:
-            places, margins = self._near(lattice, lattice.reference[k], move, danger)
+        for avoidance in self._avoidances[k]:
+            places, margins = self._near(lattice, lattice.reference[k], move, avoidance)
             if places.size:
-                risks[places] += _tail(margins / danger.deviation)
+                risks[places] += _tail(margins / avoidance.deviation)
         return risks.reshape(width, width, *lattice.shape).astype(np.float32)
 
     def _near(
-        self, lattice: Lattice, reference: Indices, move: Indices, danger: Danger
+        self, lattice: Lattice, reference: Indices, move: Indices, avoidance: AvoidanceHalfPlanes
     ) -> tuple[Indices, Vector]:
         """Return where a danger is near, and how near; known ones are not worked out again."""
         key = (
-            danger.key,
+            avoidance.key,
             lattice.stride[0],
             lattice.shape,
             lattice.moves,
@@ -233,19 +233,19 @@ class Walk:
         )
         known = self._margins.get(key)
         if known is None:
-            known = self._margins[key] = self._measured(lattice, reference, move, danger)
+            known = self._margins[key] = self._measured(lattice, reference, move, avoidance)
         return known
 
     def _measured(
-        self, lattice: Lattice, reference: Indices, move: Indices, danger: Danger
+        self, lattice: Lattice, reference: Indices, move: Indices, avoidance: AvoidanceHalfPlanes
     ) -> tuple[Indices, Vector]:
         """Return the moves along which the best side leaves little room, and how little."""
-        near = self._near_by * self._deviations[danger.key] * 1.5
+        near = self._near_by * self._deviations[avoidance.key] * 1.5
         axes = lattice.axes(reference)
         # Cells from which no move leads near are cut away first.
         longest = (lattice.moves + np.abs(move)) * lattice.stride
         rough = np.full(lattice.shape, -np.inf)
-        for here, ahead in zip(danger.here, danger.ahead, strict=True):
+        for here, ahead in zip(avoidance.here, avoidance.ahead, strict=True):
             slack = np.full(lattice.shape, np.inf)
             for plane in (here, ahead):
                 room = plane[2] - plane[0] * axes[0][:, None] - plane[1] * axes[1][None, :]
@@ -256,7 +256,7 @@ class Walk:
         points = np.column_stack([axes[0][x], axes[1][y]])
         reached = lattice.reached(points, (x, y), steps)
         best = np.full((len(steps), x.size), -np.inf)
-        for here, ahead in zip(danger.here, danger.ahead, strict=True):
+        for here, ahead in zip(avoidance.here, avoidance.ahead, strict=True):
             now = here[2] - points @ here[:2]
             then = ahead[2] - ahead[0] * reached[0] - ahead[1] * reached[1]
             np.maximum(best, np.minimum(now[None, :], then), out=best)
