@@ -57,7 +57,7 @@ def singles():
     """Return three vehicles, each planned alone at the first price."""
     fleet = Fleet(paper(3, 2), 1e-3, Limits(), lambda done, total: None)
     fleet.solve(fleet.singles, fleet.first_unit_price(), 1)
-    problems = [fleet.problems[m] for m in fleet.singles]
+    problems = [fleet.programs.problems[m] for m in fleet.singles]
     return problems, [fleet.best(m) for m in fleet.singles]
 
 

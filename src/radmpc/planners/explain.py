@@ -210,8 +210,8 @@ def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
         when = f"between steps {risk_item.step} and {risk_item.step + 1}"
     return (
         f"{_capitalized(hazard_name(risk_item))} cannot be kept apart {when}: none of the faces "
-        "between them leaves room for any motion that limits and goals allow. Lengthen the horizon, "
-        "shorten dt, or raise pair_faces."
+        "between them leaves room for any motion that limits and goals allow. Lengthen the "
+        "horizon, shorten dt, or raise pair_faces."
     )
 
 

@@ -1,4 +1,4 @@
-"""The best certified plan so far: fitted to what the referee finds, not to simple bounds."""
+"""The best certified plan of a fleet: rescaled to what the referee finds, not to union bounds."""
 
 from __future__ import annotations
 
@@ -18,24 +18,64 @@ from radmpc.solvers.solution import relative_gap
 __all__ = ["FleetIncumbent", "accept_round"]
 
 _MAX_RESCALINGS = 5
+"""Budgets that the plan of one round is rescaled to at most [-]: each costs a linear program per
+set and a certificate."""
+
 _SPENT = 0.85
-"""Share of Δ from which on the referee's figure counts as used up."""
+"""Share of Δ from which on the certificate counts as having used it up [-]."""
 
 _AIM = 0.95
+"""Share of Δ that the certificate is to come to at the next budget [-]: it grows a little faster
+than in proportion."""
+
 _BACK_OFF = 0.97
+"""Factor that keeps the next budget below one that the referee rejected [-]."""
+
 _STRETCH = 3.0
+"""Factor by which a budget grows at most from one rescaling to the next [-]."""
+
 _CLOSE = 0.03
-"""Relative difference below which two budgets are one."""
+"""Relative difference below which two budgets are one [-]."""
 
 _NOTHING = 1e-300
+"""Stands for a certificate of 0 where one divides by it [-]."""
 
 _HIDDEN = 2.0
-"""Multiple of what was estimated between sets from which on the estimate hid something."""
+"""Multiple of the risk estimated between sets up to which the referee's counts as explained [-]."""
 
 
 @dataclass(slots=True, eq=False)
 class FleetIncumbent:
-    """The best certified plan so far, and what the rounds proved."""
+    """The best certified plan so far, and what the rounds proved.
+
+    Attributes
+    ----------
+    controls : tuple of (T, m) array
+        Its controls, in the scenario's order; empty without a plan.
+    cost : float
+        Its cost; inf without a plan.
+    union_bound : float
+        What its union bounds sum to beyond the starts, at most [-].
+    certified : float
+        Its certificate [-].
+    rejected_budget : float
+        The least budget for which the referee rejected the plan of a round [-].
+    has_failed : bool
+        Whether the referee rejected the last round at every budget tried.
+    first_certificate : float
+        What the referee found in the last round at its first budget [-]; 0 where it was not asked.
+    sets : tuple of tuple of int
+        Who was planned together.
+    round_bounds : list of (float, float)
+        Of each round, the least cost plus priced risk of any plan, and the unit price.
+    budget_bounds : list of (float, float)
+        Budgets [-], and the least cost of any plan within each.
+    steps : list of Step
+        The record of the rounds.
+    turned_price : float or None
+        What a little more Δ would save by half-spaces turned to the plan, per unit of probability;
+        None if it has none.
+    """
 
     controls: tuple[Matrix, ...] = ()
     cost: float = float("inf")
@@ -44,37 +84,46 @@ class FleetIncumbent:
     rejected_budget: float = float("inf")
     has_failed: bool = False
     first_certificate: float = 0.0
-    """What the referee found in the last plan taken as it came; 0 where it was not asked."""
     sets: tuple[tuple[int, ...], ...] = ()
     round_bounds: list[tuple[float, float]] = field(default_factory=list)
-    """Of each round, the least cost and priced risk of any plan, and the price."""
     budget_bounds: list[tuple[float, float]] = field(default_factory=list)
-    """What simple bounds may sum to beyond the starts, and the least cost of any plan within."""
     steps: list[Step] = field(default_factory=list)
     turned_price: float | None = None
-    """What a little more Δ would save by half-spaces turned to the plan; None if it has none."""
 
     def bound(self, fleet: Fleet) -> float:
-        """Return the least cost of any plan whose simple bounds sum to no more than its own."""
+        """Return a lower bound on the cost of any plan within its budget or the fleet's."""
         return self._bound(fleet, max(fleet.budget, self.union_bound))
 
     def reported_bound(self, fleet: Fleet, gap: float) -> float:
-        """Return a lower bound on the cost of any plan whose simple bounds sum to Δ at most.
+        """Return a lower bound on the cost of any plan whose union bounds sum to Δ at most.
 
-        If the gap is closed, that of plans whose simple bounds sum to what this one's do: lower,
-        and saying more.
+        If the gap is closed, that of all plans whose union bounds sum to no more than this one's:
+        it is lower and holds for more plans.
+
+        Parameters
+        ----------
+        fleet : Fleet
+            The fleet.
+        gap : float
+            The relative gap asked for [-].
+
+        Returns
+        -------
+        float
+            No more than the cost of the incumbent; -inf where nothing is proven.
         """
         bound = self.bound(fleet)
-        risk_bound = fleet.scenario.risk_bound - fleet.initial
-        if relative_gap(self.cost, bound) > gap and risk_bound > 0.0:
-            bound = self._bound(fleet, risk_bound)
+        left = fleet.scenario.risk_bound - fleet.initial
+        if relative_gap(self.cost, bound) > gap and left > 0.0:
+            bound = self._bound(fleet, left)
         return min(bound, self.cost)
 
     def price(self, fleet: Fleet) -> float | None:
         """Return what a little more Δ would save, per unit of probability; None if unknown.
 
-        The simple bounds may sum to more in proportion to Δ, and what that saves is the price of
-        the round with the best bound. Where the plan leaves much of Δ, Δ is not what limits it.
+        It is the shadow price of Δ: the union bounds may sum to more in proportion to Δ, and what
+        that saves is the price of the round with the best bound. Where the plan leaves much of Δ
+        unused, Δ is not what limits it.
         """
         risk_bound = fleet.scenario.risk_bound
         if not self.round_bounds or not self.controls or self.certified <= 0.0:
@@ -84,21 +133,34 @@ class FleetIncumbent:
         if self.turned_price is not None:
             return self.turned_price
         units = max(fleet.budget, self.union_bound) / fleet.unit
-        _, price = max(self.round_bounds, key=lambda candidate: candidate[0] - candidate[1] * units)
-        return price / fleet.unit * self.union_bound / self.certified
+        _, unit_price = max(self.round_bounds, key=lambda bound: bound[0] - bound[1] * units)
+        return unit_price / fleet.unit * self.union_bound / self.certified
 
     def _bound(self, fleet: Fleet, budget: float) -> float:
         """Return the least cost within a budget."""
-        bounds = [least - price * budget / fleet.unit for least, price in self.round_bounds]
+        bounds = [
+            least - unit_price * budget / fleet.unit for least, unit_price in self.round_bounds
+        ]
         bounds += [bound for most, bound in self.budget_bounds if budget <= most * (1.0 + 1e-12)]
         return max(bounds, default=-np.inf)
 
 
 def accept_round(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judge: Judge) -> bool:
-    """Keep a round's plan if it is certified and better than what there is.
+    """Make a round's plan the incumbent if it is certified and cheaper.
 
-    What simple bounds sum to and what the referee finds differ: fitted to more or less of the
-    former, the sides of the round come to just below Δ by the latter.
+    What union bounds sum to and what the referee finds differ: the risks of the round are rescaled
+    to larger and smaller budgets until its certificate is just below Δ.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet; its budget is set by what the referee passed and rejected.
+    candidate : Round
+        The plan.
+    incumbent : FleetIncumbent
+        Takes the plan.
+    judge : callable
+        The referee.
 
     Returns
     -------
@@ -117,14 +179,14 @@ def accept_round(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judg
 
 @dataclass(slots=True, eq=False)
 class _Rescaling:
-    """How far a round's fitting to the referee has come.
+    """How far the search for the budget at which a round's certificate is just below Δ has come.
 
     Attributes
     ----------
-    budget, cross : float
-        What simple bounds may sum to next, and what of it is kept for risk between sets.
+    budget, inter_set_risk : float
+        What union bounds may sum to next, and how much of it is reserved for risk between sets [-].
     low, high : float
-        The most that the referee left within Δ, and the least that it did not.
+        The largest budget that the referee passed, and the least that it rejected [-].
     """
 
     fleet: Fleet
@@ -140,7 +202,7 @@ class _Rescaling:
     has_merged: bool = False
 
     def step(self) -> bool:
-        """Fit to one budget; tell whether to go on to the next."""
+        """Rescale to one budget; tell whether to go on to the next."""
         points = rescaled(self.fleet, self.candidate, self.budget, self.inter_set_risk)
         if points is None:
             return self._after_failure()
@@ -172,21 +234,19 @@ class _Rescaling:
         return not is_same
 
     def _after_failure(self) -> bool:
-        """Grant more where the sides do not fit; tell whether to go on."""
+        """Raise the budget where these alternatives exceed it; tell whether to go on."""
         if self.high < float("inf"):
-            # Too little for these sides, and `high` too much.
+            # Too little for these alternatives, and `high` too much.
             self.budget = 0.5 * (self.budget + self.high)
             return True
         if self.is_judged or self.incumbent.controls:
             return False
         self.is_judged = True
-        risk_bound, verdict = _left_by_referee(
-            self.fleet, self.candidate, self.incumbent, self.judge
-        )
+        budget, verdict = _left_by_referee(self.fleet, self.candidate, self.incumbent, self.judge)
         self.has_merged = _is_hidden(self.fleet, self.candidate, verdict)
-        if self.has_merged or risk_bound <= self.budget * (1.0 + _CLOSE):
+        if self.has_merged or budget <= self.budget * (1.0 + _CLOSE):
             return False
-        self.budget = risk_bound
+        self.budget = budget
         return True
 
     def settle(self) -> bool:
@@ -198,9 +258,9 @@ class _Rescaling:
         if self.low:
             fleet.set_budget(min(self.low, _BACK_OFF * incumbent.rejected_budget))
         elif incumbent.has_failed:
-            if self.verdict is not None and fleet.merge_rejected(self.candidate.sets, self.verdict):
+            if self.verdict is not None and fleet.merging.reject(self.candidate.sets, self.verdict):
                 return True
-            # The referee finds more in these sides: nearer to Δ, where it cannot.
+            # The referee finds more in these alternatives: go nearer to Δ, where it cannot.
             incumbent.rejected_budget = min(incumbent.rejected_budget, fleet.budget)
             fleet.set_budget(_BACK_OFF * (fleet.budget * fleet.least_budget) ** 0.5)
         return False
@@ -208,15 +268,14 @@ class _Rescaling:
 
 def _is_hidden(fleet: Fleet, candidate: Round, verdict: Verdict) -> bool:
     """Merge sets where the referee finds much more between them than was estimated; tell if so."""
-    across = verdict.across(fleet.owners(candidate.sets), fleet.numbers)
-    estimated = _HIDDEN * candidate.inter_set_risk + fleet.gap * fleet.scenario.risk_bound
-    return sum(across.values()) > estimated and fleet.merge_rejected(candidate.sets, verdict)
+    estimate = _HIDDEN * candidate.inter_set_risk + fleet.gap * fleet.scenario.risk_bound
+    return fleet.merging.is_hidden(candidate.sets, verdict, estimate)
 
 
 def _left_by_referee(
     fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judge: Judge
 ) -> tuple[float, Verdict]:
-    """Return what simple bounds may sum to, by what the referee finds in a round as it is."""
+    """Return what union bounds may sum to, by what the referee finds in a round as it is."""
     union_bound = candidate.risk + candidate.inter_set_risk
     raw = [plan.z for plan in candidate.plans]
     verdict = _accept(fleet, candidate, raw, incumbent, judge, union_bound)
@@ -232,18 +291,14 @@ def _accept(
     judge: Judge,
     union_bound: float,
 ) -> Verdict:
-    """Keep a plan if it is certified and the best; return what the referee says of it."""
-    controls = fleet.controls(candidate.sets, points)
+    """Keep a plan if it is certified and the cheapest; return what the referee says of it."""
+    controls = fleet.programs.controls(candidate.sets, points)
     verdict = judge(controls)
     pairs = zip(candidate.sets, points, strict=True)
-    cost = sum(float(fleet.problems[m].program.cost @ z) for m, z in pairs)
+    cost = sum(float(fleet.programs.problems[m].program.cost @ z) for m, z in pairs)
     if verdict.certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
-        incumbent.controls, incumbent.cost, incumbent.sets, incumbent.union_bound = (
-            controls,
-            cost,
-            candidate.sets,
-            union_bound,
-        )
+        incumbent.controls, incumbent.cost, incumbent.sets = controls, cost, candidate.sets
+        incumbent.union_bound = union_bound
         incumbent.certified = verdict.certified
-        fleet.incumbent_parts = fleet.split(candidate.sets, points)
+        fleet.incumbent_parts = fleet.programs.split(candidate.sets, points)
     return verdict

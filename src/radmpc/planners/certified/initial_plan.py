@@ -8,10 +8,11 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
+from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.solvers.priced.neighborhood import Neighborhood, Seek
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.rating import Rater
@@ -52,13 +53,13 @@ def initial_plan(
             plans[members] = state.best
     sets = tuple(part for m in sets for part in ((m,) if m in plans else tuple((i,) for i in m)))
     for _ in range(_ROUNDS):
-        pair_risks = fleet.pair_risks(sets, [plans[m].z for m in sets])
-        pair_risks |= {pair: 1.0 for pair in fleet.to_merge(sets)}
-        set_risks = by_sets(pair_risks, fleet.owners(sets))
+        pair_risks = fleet.programs.pair_risks(sets, [plans[m].z for m in sets])
+        pair_risks |= {pair: 1.0 for pair in fleet.merging.to_merge(sets)}
+        set_risks = by_sets(pair_risks, owners_of(sets))
         merged = _merged(sets, set_risks, _NEGLIGIBLE * fleet.unit)
         if merged == sets:
             break
-        fleet.remember(sets, merged, pair_risks)
+        fleet.merging.remember(sets, merged, pair_risks)
         sets = merged
         for members in sets:
             if members not in plans:
@@ -67,7 +68,7 @@ def initial_plan(
                 if plan is None:
                     return None
                 plans[members] = plan
-    fleet.incumbent_parts = fleet.split(sets, [plans[m].z for m in sets])
+    fleet.incumbent_parts = fleet.programs.split(sets, [plans[m].z for m in sets])
     return sets, tuple(plans[m] for m in sets)
 
 
@@ -91,7 +92,7 @@ def _weights(fleet: Fleet, members: Members, alone: Mapping[int, np.ndarray]) ->
     """Return how much each vehicle is in the others' way when all are planned alone."""
     everyone = [alone[m[0]] for m in fleet.singles]
     weights = dict.fromkeys(members, 0.0)
-    for (i, j), risk in fleet.inter_set_risks(fleet.singles, everyone).items():
+    for (i, j), risk in fleet.programs.inter_set_risks(fleet.singles, everyone).items():
         if i in weights and j in weights:
             weights[i] += risk
             weights[j] += risk
@@ -106,7 +107,7 @@ def _planned_in_turn(
     weights: Mapping[int, float],
 ) -> Incumbent | None:
     """Plan the vehicles of a set one after the other, those most in the way first."""
-    problem = fleet.problem(members)
+    problem = fleet.programs.problem(members)
     if problem.rater.is_infeasible:
         return None
     values = [
@@ -118,7 +119,7 @@ def _planned_in_turn(
         problem.program, fleet.unit, unit_price, unit_price, fleet.limits, move, values, seek
     )
     order = sorted(range(len(members)), key=lambda block: -weights[members[block]])
-    start = fleet.assembled(members, alone)
+    start = fleet.programs.assembled(members, alone)
     found = [around.place(start, order)]
     if found[0] is None and not fleet.limits.reached:
         found.append(around.place_in_haste(start, order))
@@ -136,14 +137,14 @@ def _planned_in_turn(
 
 def _seek(fleet: Fleet, members: Members, unit_price: float) -> Seek:
     """Return the search for a way among vehicles that are placed, on a lattice of its own."""
-    problem = fleet.problem(members)
+    problem = fleet.programs.problem(members)
 
     def seek(rater: Rater, block: int, is_earliest: bool) -> Incumbent | None:
         if rater.is_infeasible:
             return None
         model = problem.models[block]
         first = block * model.drift_position.size
-        alone = fleet.problem((members[block],)).passage
+        alone = fleet.programs.problem((members[block],)).passage
         level = 0 if alone is None else alone.path_search.level
         path_search = PathSearch(
             rater.program, model, fleet.unit, first, level, is_coarse_only=True

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.turning import plan_by_turning
 from radmpc.planners.coarse_search import propose_sides
 from radmpc.planners.verdict import Judge
@@ -61,12 +62,12 @@ def turn_from_noiseless(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -
 
 def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return the controls of vehicles from a point of theirs."""
-    return tuple(controls_of([fleet.models[i] for i in members], z))
+    return tuple(controls_of([fleet.programs.models[i] for i in members], z))
 
 
 def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | None:
     """Return a plan of some vehicles on which every row of the faces just holds."""
-    problem = fleet.problem(members)
+    problem = fleet.programs.problem(members)
     program = problem.program
     margins = np.zeros(program.rows.count)
     return (

@@ -132,7 +132,7 @@ def _draft(result: _SearchResult, gap: float, seconds: float) -> Draft:
         (answer.explanation if answer is not None else "") or None,
         lower_bound=_finite(bound),
         price=incumbent.price(fleet),
-        couplings=fleet.couplings(incumbent.sets),
+        couplings=fleet.merging.couplings(incumbent.sets),
         stopped_by=result.stopped_by,
     )
 

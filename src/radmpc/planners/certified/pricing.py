@@ -52,7 +52,7 @@ def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
         unit_price = min(next_price(tried, fleet.budget), most)
         # By the sides found so far: no need to search for others yet.
         plans = [
-            repriced(fleet.problems[m], plan, fleet.unit, unit_price, fleet.limits)
+            repriced(fleet.programs.problems[m], plan, fleet.unit, unit_price, fleet.limits)
             if plan.risk > _LITTLE * fleet.unit
             else plan
             for m, plan in zip(fleet.singles, plans, strict=True)

@@ -41,7 +41,7 @@ def rescaled(
     tuple of (n,) array or None
         A point per set; None where these sides do not fit.
     """
-    problems = [fleet.problems[m] for m in candidate.sets]
+    problems = [fleet.programs.problems[m] for m in candidate.sets]
     whole, budget = budget, budget - inter_set_risk
     plans = candidate.plans
     if budget < candidate.risk <= (1.0 + 2.0 * OVER) * budget:
@@ -69,7 +69,7 @@ def rescaled(
         float(p.program.event_risks(z, i.selection).sum())
         for p, z, i in zip(problems, points, plans, strict=True)
     )
-    risk += sum(fleet.inter_set_risks(candidate.sets, points).values())
+    risk += sum(fleet.programs.inter_set_risks(candidate.sets, points).values())
     return points if risk <= whole else raw if fits else None
 
 
@@ -79,7 +79,7 @@ def _kept_apart(
     """Take back what fitting moved into another set's way."""
     chosen = list(points)
     for _ in range(_TAKE_BACKS):
-        crossing = fleet.inter_set_risks(candidate.sets, chosen)
+        crossing = fleet.programs.inter_set_risks(candidate.sets, chosen)
         if (
             sum(crossing.values())
             <= 2.0 * candidate.inter_set_risk + _INTER_SET_SHARE * fleet.gap * fleet.unit

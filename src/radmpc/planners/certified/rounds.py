@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.initial_plan import initial_plan
 from radmpc.planners.certified.inter_set_risk import by_sets
+from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.solvers.priced.nodes import Incumbent
 
 __all__ = ["Round", "run_round"]
@@ -86,21 +87,21 @@ def run_round(fleet: Fleet, unit_price: float, effort: int) -> Round | None:
         if not has_plans:
             return None
         plans = [fleet.best(m) for m in sets]
-        pair_risks = fleet.pair_risks(sets, [plan.z for plan in plans])
-        set_risks = by_sets(pair_risks, fleet.owners(sets))
+        pair_risks = fleet.programs.pair_risks(sets, [plan.z for plan in plans])
+        set_risks = by_sets(pair_risks, owners_of(sets))
         inter_set_risk = sum(set_risks.values())
         allowed = _allowed_inter_set_risk(fleet, plans, unit_price)
-        rejected = fleet.to_merge(sets)
+        rejected = fleet.merging.to_merge(sets)
         if inter_set_risk <= allowed and not rejected:
             return _round(fleet, sets, unit_price, inter_set_risk)
-        ranked = _worst_first(by_sets(rejected, fleet.owners(sets)))
+        ranked = _worst_first(by_sets(rejected, owners_of(sets)))
         for pair, risk in _worst_first(set_risks):
             if inter_set_risk <= allowed:
                 break
             inter_set_risk -= risk
             ranked.append((pair, risk))
         merged = _merged(sets, [pair for pair, _ in ranked])
-        fleet.remember(sets, merged, pair_risks | rejected)
+        fleet.merging.remember(sets, merged, pair_risks | rejected)
         sets = merged
 
 
@@ -122,7 +123,9 @@ def _initial_round(fleet: Fleet, sets: tuple[Members, ...], unit_price: float) -
     if initial_plans is None:
         return None
     initial_sets, plans = initial_plans
-    inter_set_risk = sum(fleet.inter_set_risks(initial_sets, [plan.z for plan in plans]).values())
+    inter_set_risk = sum(
+        fleet.programs.inter_set_risks(initial_sets, [plan.z for plan in plans]).values()
+    )
     least = sum(fleet.states[m].bound for m in sets)
     return _summed(
         fleet, Round(initial_sets, unit_price, plans, 0.0, inter_set_risk, least, 0.0, True, True)

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
@@ -172,7 +173,7 @@ class _Turning:
     def _take(self, points: Sequence[Vector]) -> float:
         """Keep a plan if it is certified and the best; return its certificate."""
         fleet, incumbent, sets = self.fleet, self.incumbent, self.sets
-        controls = fleet.controls(sets, points)
+        controls = fleet.programs.controls(sets, points)
         certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
         if certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
             incumbent.controls, incumbent.cost, incumbent.certified, incumbent.sets = (
@@ -197,7 +198,7 @@ class _Turning:
         if found is None:
             return z
         new, self.risks[members] = found.z, found.risk
-        cost = self.fleet.problem(members).program.cost
+        cost = self.fleet.programs.problem(members).program.cost
         if float(cost @ np.abs(new - z)) <= _STILL * self.fleet.gap * float(cost @ new):
             self.prices[members] = self.price
         return new
@@ -214,15 +215,17 @@ def _points(fleet: Fleet, sets: Sequence[Members], controls: Sequence[Matrix]) -
 
 def _cost(fleet: Fleet, sets: Sequence[Members], points: Sequence[Vector]) -> float:
     """Return the effort of a plan."""
-    return sum(float(fleet.problem(m).program.cost @ z) for m, z in zip(sets, points, strict=True))
+    return sum(
+        float(fleet.programs.problem(m).program.cost @ z) for m, z in zip(sets, points, strict=True)
+    )
 
 
 def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumbent | None:
     """Return the best plan of a set whose half-spaces are turned to a given one."""
-    problem = fleet.problem(members)
+    problem = fleet.programs.problem(members)
     intervals = fleet.scenario.avoidance == "intervals"
     turned = Turned(problem.models, problem.means(z), controls_of(problem.models, z), intervals)
-    alone = fleet.alone[members]
+    alone = fleet.programs.alone[members]
     program = build_program(alone, problem.models, risk_bound=alone.risk_bound, turned=turned)
     rater = Rater(program, _ANY)
     if rater.is_infeasible:

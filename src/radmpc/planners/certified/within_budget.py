@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent, accept_round
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.rounds import Round
@@ -57,8 +58,8 @@ def replan_on_sides(
     controls : tuple of (T, m) array
         Its controls, in the scenario's order.
     """
-    plans = tuple(_incumbent(fleet.problem(m), [controls[i] for i in m]) for m in sets)
-    inter_set_risk = sum(fleet.inter_set_risks(sets, [plan.z for plan in plans]).values())
+    plans = tuple(_incumbent(fleet.programs.problem(m), [controls[i] for i in m]) for m in sets)
+    inter_set_risk = sum(fleet.programs.inter_set_risks(sets, [plan.z for plan in plans]).values())
     unit_price = fleet.first_unit_price()
     given = _round(sets, unit_price, plans, inter_set_risk)
     accept_round(fleet, given, incumbent, judge)
@@ -69,7 +70,7 @@ def replan_on_sides(
             break
         unit_price = (low * high) ** 0.5
         priced = tuple(
-            repriced(fleet.problems[m], plan, fleet.unit, unit_price, fleet.limits)
+            repriced(fleet.programs.problems[m], plan, fleet.unit, unit_price, fleet.limits)
             for m, plan in zip(sets, plans, strict=True)
         )
         if sum(plan.risk for plan in priced) + inter_set_risk <= fleet.budget:
@@ -128,7 +129,9 @@ class WithinBudget:
         """
         fleet, incumbent = self.fleet, self.incumbent
         plans, is_limited, is_changed = list(plans), False, False
-        inter_set_risk = sum(fleet.inter_set_risks(sets, [plan.z for plan in plans]).values())
+        inter_set_risk = sum(
+            fleet.programs.inter_set_risks(sets, [plan.z for plan in plans]).values()
+        )
         for number, (members, plan) in enumerate(zip(sets, plans, strict=True)):
             # A plan with more faces may have no risk by those of the scenario: others only count.
             others = sum(p.risk for i, p in enumerate(plans) if i != number)
@@ -160,13 +163,14 @@ class WithinBudget:
         """Return the best plan, set by set."""
         fleet, incumbent = self.fleet, self.incumbent
         return [
-            _incumbent(fleet.problem(m), [incumbent.controls[i] for i in m]) for m in incumbent.sets
+            _incumbent(fleet.programs.problem(m), [incumbent.controls[i] for i in m])
+            for m in incumbent.sets
         ]
 
     def _tree(self, members: Members, budget: float, plan: Incumbent) -> BudgetTree:
         """Return the search of a set within a budget, where it stood."""
         if (members, budget) not in self._trees:
-            problem = self.fleet.problem(members)
+            problem = self.fleet.programs.problem(members)
             scale = max(plan.cost, _LEAST_SCALE)
             unit_price = _TIE * self.gap * scale
             tree = BudgetTree(

@@ -9,7 +9,8 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
@@ -102,12 +103,12 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     initial = fleet.initial
     # At a price of 1, and with effort free, the value is the risk in units.
     bound = max(best.bound, fleet.unit * found.least + initial)
-    presolved = sum(fleet.problems[m].program.presolved_risk for m in found.sets)
+    presolved = sum(fleet.programs.problems[m].program.presolved_risk for m in found.sets)
     risk = initial + presolved + found.risk + found.inter_set_risk
     if risk >= best.risk:
         return replace(best, bound=min(bound, best.risk))
     points = [plan.z for plan in found.plans]
-    controls = fleet.controls(found.sets, points)
+    controls = fleet.programs.controls(found.sets, points)
     return LeastRisk(risk, min(bound, risk), controls, found.sets, _takers(fleet, found))
 
 
@@ -123,7 +124,7 @@ def _takers(fleet: Fleet, found: Round) -> tuple[tuple[RiskItem, float], ...]:
         total[risk_item[:3]] += hazard.risk
         worst[risk_item[:3]] = (hazard.risk, risk_item)
     for members, plan in zip(found.sets, found.plans, strict=True):
-        program = fleet.problems[members].program
+        program = fleet.programs.problems[members].program
         risks = program.event_risks(plan.z, plan.selection)
         for event in np.flatnonzero(risks > 0.0):
             risk_item = program.risk_items[int(program.rows.risk_items[event])]
