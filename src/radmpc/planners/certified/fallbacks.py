@@ -16,13 +16,14 @@ from radmpc.planners.certified.within_budget import replan_on_sides
 __all__ = ["last_resort"]
 
 _TRIAL = 1.5
-"""Time to find out whether more faces open a way to those who have none [s]."""
+"""Time to find out whether more faces leave a plan to vehicles that have none [s]."""
 
 _FOUND = WhyNot("", is_proven=False)
+"""What there is to explain where a plan was found after all: nothing."""
 
 
 def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
-    """Go on without a plan: by way of the safest, by more faces, by more effort, until time is up.
+    """Go on without a plan: from the safest, with more faces, with more effort, until time is up.
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
     answer: WhyNot | None = None
     turn_from_noiseless(fleet, incumbent, search.judge)
     if incumbent.controls and fleet.budget > 0.0 and fleet.without_plan() is None:
-        # Prices that were doubtful without any plan are not with one: go on for a bound.
+        # Prices that were doubtful without any plan are not so with one: go on for a bound.
         search.run()
     while not limits.reached and not incumbent.controls:
         if answer is None:
@@ -76,7 +77,7 @@ def _take(search: PriceSearch, answer: WhyNot) -> None:
 
 
 def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[PriceSearch | None, WhyNot]:
-    """Search where more faces open a way to those who have none; say what was tried."""
+    """Search where more faces leave a plan to vehicles that have none; say what was tried."""
     fleet = search.fleet
     scenario, limits = fleet.scenario, fleet.limits
     tried: list[str] = []

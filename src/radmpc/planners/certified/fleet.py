@@ -172,7 +172,7 @@ class Fleet:
         effort : int
             Multiplies the nodes that every set gets [-].
         is_rough : bool
-            Whether plans are only to tell the price, so that heuristics are left out.
+            Whether plans are only to tell the price, so that the lattice is not searched.
 
         Returns
         -------

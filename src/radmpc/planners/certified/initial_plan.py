@@ -1,4 +1,4 @@
-"""A plan of the whole fleet in a hurry: tangled vehicles one after the other."""
+"""An initial plan of the whole fleet by a construction heuristic: one vehicle after the other."""
 
 from __future__ import annotations
 
@@ -20,14 +20,17 @@ from radmpc.solvers.priced.rating import Rater
 __all__ = ["initial_plan"]
 
 _ROUNDS = 8
+"""Rounds of merging sets and planning them anew, at most [-]: what is then left between sets is
+charged to the budget."""
+
 _NEGLIGIBLE = 1e-3
-"""Share of the unit that risk between two vehicles may take before they are replanned."""
+"""Share of the unit that the risk between two sets may take before they are merged [-]."""
 
 
 def initial_plan(
     fleet: Fleet, sets: tuple[Members, ...], unit_price: float
 ) -> tuple[tuple[Members, ...], tuple[Incumbent, ...]] | None:
-    """Plan vehicles in each other's way one after the other.
+    """Plan vehicles that are in each other's way greedily, one after the other.
 
     Parameters
     ----------
@@ -35,13 +38,13 @@ def initial_plan(
         With a plan of every vehicle alone.
     sets : tuple of tuple of int
         A partition; what was searched to the end stays as it is, unless others get in its way.
-    price : float
-        Of one unit of risk.
+    unit_price : float
+        Cost of one unit of risk.
 
     Returns
     -------
     tuple of sets and plans, or None
-        No set collides with another. None where some vehicle found no way, or time ran out.
+        Sets between which the risk is negligible. None where no path was found for some vehicle.
     """
     if any(fleet.states[m].best is None for m in fleet.singles):
         return None
@@ -75,7 +78,7 @@ def initial_plan(
 def _merged(
     sets: tuple[Members, ...], set_risks: Mapping[tuple[int, int], float], least: float
 ) -> tuple[Members, ...]:
-    """Join all sets that are in each other's way, directly or through others."""
+    """Merge all sets that are in each other's way, directly or through others."""
     pairs = np.array([pair for pair, risk in set_risks.items() if risk > least], dtype=np.int64)
     if pairs.size == 0:
         return sets
@@ -89,7 +92,7 @@ def _merged(
 
 
 def _weights(fleet: Fleet, members: Members, alone: Mapping[int, np.ndarray]) -> dict[int, float]:
-    """Return how much each vehicle is in the others' way when all are planned alone."""
+    """Return the risk that each vehicle runs with others of its set if all are planned alone."""
     everyone = [alone[m[0]] for m in fleet.singles]
     weights = dict.fromkeys(members, 0.0)
     for (i, j), risk in fleet.programs.inter_set_risks(fleet.singles, everyone).items():
@@ -136,7 +139,7 @@ def _planned_in_turn(
 
 
 def _seek(fleet: Fleet, members: Members, unit_price: float) -> Seek:
-    """Return the search for a way among vehicles that are placed, on a lattice of its own."""
+    """Return the search for a path among vehicles that are placed, on a lattice of its own."""
     problem = fleet.programs.problem(members)
 
     def seek(rater: Rater, block: int, is_earliest: bool) -> Incumbent | None:

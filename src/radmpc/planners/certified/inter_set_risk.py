@@ -1,4 +1,4 @@
-"""Which sets get into each other's way: a quick estimate that proposes, the referee decides."""
+"""Inter-set risk: a quick estimate of which sets collide. It proposes, the referee decides."""
 
 from __future__ import annotations
 
@@ -32,7 +32,12 @@ def inter_set_risks(
     owners: Indices,
     sagittas: Tensor | None = None,
 ) -> dict[tuple[int, int], float]:
-    """Estimate the collision risk of every two sets; see `meeting_risks`.
+    """Estimate the collision risk of every two sets.
+
+    Parameters
+    ----------
+    scenario, means, covariances, owners, sagittas
+        As in `pair_risks_across_sets`.
 
     Returns
     -------
@@ -45,7 +50,20 @@ def inter_set_risks(
 def by_sets(
     pair_risks: Mapping[tuple[int, int], float], owners: Indices
 ) -> dict[tuple[int, int], float]:
-    """Sum the risks of pairs of vehicles over the sets that own them."""
+    """Sum the risks of pairs of vehicles over the sets that own them.
+
+    Parameters
+    ----------
+    pair_risks : mapping of (int, int) to float
+        Risks of pairs of vehicles [-].
+    owners : (N,) int array
+        The set of each vehicle.
+
+    Returns
+    -------
+    dict of (int, int) to float
+        Risks of pairs of sets [-], lower number first.
+    """
     found: dict[tuple[int, int], float] = {}
     sets = owners.tolist()
     for (one, two), risk in pair_risks.items():

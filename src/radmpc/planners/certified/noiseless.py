@@ -1,8 +1,9 @@
 """Plans without noise, as starts for turning half-spaces.
 
-Faces can see no way where there is one: two vehicles that pass each other closely, with hardly any
-noise, may be apart by no face at both ends of an interval and still never meet. A plan of each
-vehicle alone, or of all without noise, may be certified as it is, or become so.
+A program may be infeasible by the faces although there is a plan: two vehicles that pass each other
+closely, with hardly any noise, may be kept apart by no face at both ends of an interval and still
+never touch. A plan of each vehicle alone, or of all without noise, may be certified as it is, or
+become so.
 """
 
 from __future__ import annotations
@@ -22,13 +23,13 @@ from radmpc.solvers.solution import Limits
 __all__ = ["turn_from_noiseless"]
 
 _MOST_VEHICLES = 8
-"""Vehicles of a fleet beyond which it is not planned as one without regard for risk."""
+"""Vehicles of a fleet beyond which it is not planned as one without regard for risk [-]."""
 
 _SECONDS, _SHARE = 2.0, 0.3
-"""Time for a plan without regard for risk [s], and its most share of what is left."""
+"""Time for a plan without regard for risk [s], at most this share of what is left [-]."""
 
 _NODES = 150
-"""Nodes per vehicle for it; any plan will do."""
+"""Nodes per vehicle for it [-]; any plan will do."""
 
 
 def turn_from_noiseless(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
@@ -39,7 +40,7 @@ def turn_from_noiseless(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -
     fleet : Fleet
         The fleet; nothing is done where it is large.
     incumbent : FleetIncumbent
-        Takes what is certified and cheaper than what there is.
+        Takes what is certified and cheaper than it.
     judge : callable
         The referee.
     """

@@ -1,4 +1,4 @@
-"""Planning a whole fleet at the right price of risk, with a certificate and a lower bound."""
+"""Planning a whole fleet at one price of risk, with a certificate and a lower bound."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from radmpc.solvers.solution import Solver, relative_gap
 __all__ = ["Certified"]
 
 _TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
-"""Time kept back for turning half-spaces to a plan: a share of the limit, or seconds up to a larger
-share of it. Turning takes 0.3 to 4 s on the families of the benchmarks."""
+"""Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up to a
+larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks."""
 
 _LEAST_TURNING = 2.0
-"""Time that turning is granted at least, if the limit leaves it [s]."""
+"""Time that turning gets at least, if the limit leaves it [s]."""
 
 _UNSPENT = 0.5
-"""Share of Δ below which the referee leaves so much that other sides are tried."""
+"""Share of Δ below which a certificate leaves so much that other alternatives are tried [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,18 @@ class Certified(Decomposition):
         return "certified"
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
-        """Plan a fleet to a proven gap; every plan is certified. See `Decomposition.plan`."""
+        """Plan a fleet to a proven gap; every plan is certified.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
+
+        Returns
+        -------
+        Draft
+            With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
+        """
         begun = time.perf_counter()
         ruled_out = sure_why_not(scenario, run.limits)
         if ruled_out is not None:
@@ -60,12 +71,12 @@ class Certified(Decomposition):
             return _empty(scenario, result.answer, begun)
         result.search.close()
         run.found(incumbent.cost, _finite(incumbent.reported_bound(fleet, planner.gap)))
-        run.progress("polishing", 0, 1)
+        run.progress("improving", 0, 1)
         # Large fleets gain little by the second: not longer than the search took.
         fleet.limits = run.limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
         turn_half_spaces(fleet, incumbent, run.judge)
         if incumbent.certified < _UNSPENT * scenario.risk_bound:
-            # Not risk but the faces, or their sides, made the plan what it is. (Tried for all
+            # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
             turn_from_noiseless(fleet, incumbent, run.judge)
         return _draft(result, planner.gap, time.perf_counter() - begun)
@@ -73,7 +84,7 @@ class Certified(Decomposition):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _SearchResult:
-    """What the search came to.
+    """How the search ended.
 
     Attributes
     ----------
@@ -107,7 +118,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     search = PriceSearch(fleet, incumbent, planner.gap, run.judge)
     if fleet.budget > 0.0:
         search.run()
-    # Turning has time of its own, kept back from the search.
+    # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
     if search.incumbent.controls:
         return _SearchResult(search, None, stopped_by)
@@ -117,7 +128,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
 
 
 def _draft(result: _SearchResult, gap: float, seconds: float) -> Draft:
-    """Return the best plan and what is proven of it."""
+    """Return the incumbent and what is proven of it."""
     fleet, incumbent, answer = result.search.fleet, result.search.incumbent, result.answer
     closed = gap * (1.0 + 1e-6)
     bound = incumbent.reported_bound(fleet, closed)
@@ -146,5 +157,5 @@ def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
 
 
 def _finite(bound: float) -> float | None:
-    """Return a bound that says something."""
+    """Return a lower bound on a cost, 0 at least; None where nothing is proven."""
     return max(bound, 0.0) if np.isfinite(bound) else None

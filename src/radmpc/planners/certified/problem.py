@@ -26,11 +26,11 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Order", "SetProblem", "SetState", "advance"]
 
 _PATIENCE = 60
-"""Nodes per vehicle without any plan before heuristics look for one."""
+"""Nodes per vehicle without any plan before heuristics look for one [-]."""
 
 _RESCUE_NODES = 80
-"""Nodes per vehicle that these get: a few more than after which `branch` turns to heuristics. Any
-plan will do, and half-spaces turned to it are better than the best by faces."""
+"""Nodes per vehicle that these get [-]: a few more than those after which `branch` turns to
+heuristics. Any plan will do, and half-spaces turned to it are better than the best by faces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,8 +41,8 @@ class SetProblem:
     ----------
     members : tuple of int
         The vehicles, by their number in the fleet, ascending; block i is member i.
-    models : tuple of Subject
-        The same vehicles as programs see them.
+    models : tuple of CondensedModel
+        Their condensed models.
     program : DisjunctiveProgram
         Their obstacles, workspace and pairs.
     rater : Rater
@@ -65,7 +65,24 @@ class SetProblem:
         models: Sequence[CondensedModel],
         unit: float,
     ) -> SetProblem:
-        """Build the program of some vehicles of a fleet, in a scenario of theirs alone."""
+        """Build the program of some vehicles of a fleet.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            These vehicles alone.
+        members : tuple of int
+            Their numbers in the fleet, ascending.
+        models : sequence of CondensedModel
+            Those of the whole fleet.
+        unit : float
+            The fleet's unit of risk [-], see `radmpc.planners.certified.fleet`.
+
+        Returns
+        -------
+        SetProblem
+            With a lattice search where it is one vehicle in the plane.
+        """
         chosen = tuple(models[i] for i in members)
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
         rater = Rater(program, unit)
@@ -100,12 +117,12 @@ class SetState:
 
     Attributes
     ----------
-    price : float
-        Price of a unit of risk that value and bound refer to.
+    unit_price : float
+        Cost of one unit of risk that value and bound refer to.
     best : Incumbent or None
         The best plan at that price.
     bound : float
-        Proven least ``cost + price · risk / unit``; inf where no plan exists at any price.
+        Proven least ``cost + unit_price · risk / unit``; inf where no plan exists at any price.
     frontier : Frontier
         What is left of the search.
     nodes, lps : int
@@ -130,21 +147,21 @@ class Order:
     Attributes
     ----------
     unit : float
-        The fleet's risk budget.
-    price : float
+        The fleet's unit of risk [-].
+    unit_price : float
         Cost of one unit of risk.
     gap, scale : float
-        Relative gap, and the value below which it is taken of this.
+        Relative gap [-], and the value below which it is taken of this instead.
     max_nodes : int
         Nodes to spend now.
     base : float
         What the set costs at least, whatever it risks.
     bounds : tuple of SetBound
-        What parts of the set were proven to cost at this price.
+        Lower bounds proven for subsets at this price.
     hint : (n,) array or None
         A point to begin with.
     is_rough : bool
-        Whether it is only to learn about prices.
+        Whether plans are only to tell the price, so that the lattice is not searched.
     """
 
     unit: float
@@ -170,7 +187,7 @@ def advance(
     scenario : Scenario
         These vehicles alone.
     state : SetState or None
-        Where the search stood, at whatever price.
+        Where the search stood, at any price.
     order : Order
         What is asked.
     limits : Limits

@@ -1,4 +1,4 @@
-"""A round's plan with its risks fitted to the bound."""
+"""A round's plan with the risks of its rows rescaled to a budget."""
 
 from __future__ import annotations
 
@@ -11,41 +11,44 @@ from radmpc.solvers.priced.budget import OVER
 __all__ = ["rescaled"]
 
 _TAKE_BACKS = 3
+"""Times that sets moved into each other's way get their plans of the round back, at most [-]."""
 
 _DEARER = (2.0, 6.0, 20.0, 100.0)
+"""Multiples of the round's price at which its alternatives are replanned if rescaling fails [-]."""
+
 _LITTLE = 1e-4
-"""Share of the unit below which a set's risk is left as it is."""
+"""Share of the unit below which a set's risk is left as it is [-]."""
 
 _INTER_SET_SHARE = 0.04
-"""Share of gap times unit by which fitting may raise the risk between sets."""
+"""Share of gap times unit by which rescaling may raise the risk between sets [-]."""
 
 
 def rescaled(
     fleet: Fleet, candidate: Round, budget: float, inter_set_risk: float
 ) -> tuple[Vector, ...] | None:
-    """Return a round's plan with its risks fitted to a budget.
+    """Return a round's plan with its risks rescaled to a budget.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    found : Round
+    candidate : Round
         The plan at its price.
     budget : float
-        What its simple bounds may sum to, beyond the risk of the starts.
-    cross : float
-        Risk between sets to leave room for.
+        What its union bounds may sum to beyond the risk of the starts [-].
+    inter_set_risk : float
+        How much of it is reserved for risk between sets [-].
 
     Returns
     -------
     tuple of (n,) array or None
-        A point per set; None where these sides do not fit.
+        A point per set; None where these alternatives exceed the budget.
     """
     problems = [fleet.programs.problems[m] for m in candidate.sets]
     whole, budget = budget, budget - inter_set_risk
     plans = candidate.plans
     if budget < candidate.risk <= (1.0 + 2.0 * OVER) * budget:
-        # At its budget up to rounding: nothing to fit.
+        # At its budget up to rounding: nothing to rescale.
         whole, budget = whole + candidate.risk - budget, candidate.risk
     points = repair(problems, plans, budget)
     for factor in _DEARER:
@@ -76,7 +79,7 @@ def rescaled(
 def _kept_apart(
     fleet: Fleet, candidate: Round, raw: tuple[Vector, ...], points: tuple[Vector, ...]
 ) -> tuple[Vector, ...]:
-    """Take back what fitting moved into another set's way."""
+    """Give sets that were moved into another's way their plans of the round back."""
     chosen = list(points)
     for _ in range(_TAKE_BACKS):
         crossing = fleet.programs.inter_set_risks(candidate.sets, chosen)

@@ -14,12 +14,13 @@ from radmpc.solvers.priced.nodes import Incumbent
 __all__ = ["Round", "run_round"]
 
 _INTER_SET_SHARE = 0.1
-"""Share of the gap that risk between sets may cost before they are merged."""
+"""Share of the gap that risk between sets may cost before they are merged [-]."""
 
 _NO_PRICE = 1e-200
+"""Stands for a unit price of 0 where one divides by it."""
 
 _INTER_SET_BUDGET = 0.2
-"""Share of the budget that risk between sets may take before they are merged."""
+"""Share of the budget that risk between sets may take before they are merged [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,20 +31,20 @@ class Round:
     ----------
     sets : tuple of tuple of int
         A partition of the fleet.
-    price : float
-        Price of a unit of risk.
+    unit_price : float
+        Cost of one unit of risk.
     plans : tuple of Incumbent
         The plan of each set.
-    risk, cross : float
-        What the sets run within, and about what they run between them.
+    risk, inter_set_risk : float
+        What the union bounds within the sets sum to, and an estimate of those between them [-].
     least : float
-        Lower bound on cost and priced risk of any plan of the fleet.
+        Lower bound on cost plus priced risk of any plan of the fleet.
     open_gap : float
-        What the sets' own searches leave between plans and bounds.
+        What the sets' own searches leave between the values of plans and bounds.
     is_limited : bool
         Whether a limit ended any of them.
-    is_sketch : bool
-        Whether it was made in a hurry, before the sets were searched.
+    is_initial : bool
+        Whether it is the initial plan, made before the sets were searched to the end.
     """
 
     sets: tuple[Members, ...]
@@ -64,16 +65,16 @@ def run_round(fleet: Fleet, unit_price: float, effort: int) -> Round | None:
     ----------
     fleet : Fleet
         The fleet.
-    price : float
-        Of one unit of risk.
+    unit_price : float
+        Cost of one unit of risk.
     effort : int
-        Multiplies the nodes that every set gets.
+        Multiplies the nodes that every set gets [-].
 
     Returns
     -------
     Round or None
         None where a set has no plan, or a limit was reached before all had one. The first time
-        that a set proves hard, a plan of the whole fleet made in a hurry.
+        that a set proves hard, the initial plan of the whole fleet.
     """
     sets: tuple[Members, ...] = fleet.singles
     while True:
@@ -118,7 +119,7 @@ def _round(
 
 
 def _initial_round(fleet: Fleet, sets: tuple[Members, ...], unit_price: float) -> Round | None:
-    """Return a plan of the whole fleet made in a hurry, if there is one."""
+    """Return the initial plan of the whole fleet, if there is one."""
     initial_plans = initial_plan(fleet, sets, unit_price)
     if initial_plans is None:
         return None
@@ -133,14 +134,14 @@ def _initial_round(fleet: Fleet, sets: tuple[Members, ...], unit_price: float) -
 
 
 def _summed(fleet: Fleet, candidate: Round) -> Round:
-    """Fill in what follows from the plans."""
+    """Fill in the risk and the open gap, which follow from the plans."""
     risk = sum(plan.risk for plan in candidate.plans)
     value = sum(plan.cost for plan in candidate.plans) + candidate.unit_price * risk / fleet.unit
     return replace(candidate, risk=risk, open_gap=value - candidate.least)
 
 
 def _allowed_inter_set_risk(fleet: Fleet, plans: Sequence[Incumbent], unit_price: float) -> float:
-    """Return the risk between sets that costs a small share of the gap, and of the budget."""
+    """Return the risk between sets that takes a small share of the gap, and of the budget."""
     cost = sum(plan.cost + unit_price * plan.risk / fleet.unit for plan in plans)
     return max(
         0.0,

@@ -1,4 +1,4 @@
-"""The search for the price at which a fleet just uses its budget of risk."""
+"""The search for the unit price of risk at which a fleet just uses its budget."""
 
 from __future__ import annotations
 
@@ -21,37 +21,50 @@ __all__ = ["PriceSearch"]
 _LOG = logging.getLogger(__name__)
 
 _MAX_ROUNDS = 40
+"""Rounds at most [-]: a stop for risk that no price moves."""
+
 _SEARCH_SHARE = 0.5
+"""Share of the open gap that, left by the sets' own searches, calls for more nodes instead of
+another price [-]."""
+
 _MAX_INITIAL_PLANS = 8
+"""Prices at which an initial plan is sought, at most [-]."""
+
 _DOUBTFUL = 1e2
-"""Multiple of the first price at which, without any plan, the bound itself is doubted: the safest
-plan tells."""
+"""Multiple of the first price at which, without any plan, the search for the safest plan decides
+whether there can be one [-]."""
 
 _DEAREST = 1e7
-"""Multiple of the first price beyond which a price changes nothing any more."""
+"""Multiple of the first price that no price exceeds [-]: beyond it nothing changes."""
 
 _FAR = 1.6
-"""Multiple of the budget beyond which a sketch is drawn again."""
+"""Multiple of the budget beyond which the initial plan is made again at a higher price [-]."""
 
 _SAME = 1e-4
-"""Relative difference below which two prices are one."""
+"""Relative difference below which two prices are one [-]."""
 
 _STUBBORN = 1e-3
-"""Relative difference below which two plans risk the same, whatever the price."""
+"""Relative difference below which two plans risk the same, whatever the price [-]."""
 
 _NODES_WITHIN = 400
-"""Nodes per vehicle of a set, and effort, of a search within the budget."""
+"""Nodes of a search within the budget, per vehicle of a set [-], multiplied by the effort."""
 
 _MAX_WITHIN = 12
+"""Budgets that are searched within, at most [-]."""
+
 _AIM = 0.97
+"""Share of Δ that the certificate is to come to at the next budget, and the factor by which a
+rejected budget falls at least [-]."""
+
 _SAME_BUDGET = 0.02
-"""Relative difference below which two budgets are one."""
+"""Relative difference below which two budgets are one [-]."""
 
 _WORTHWHILE = 0.1
-"""Share of the gap by which a search within the budget must gain to be done again."""
+"""Share of the gap by which a search within the budget must gain to be done again [-]."""
 
 _FINE = 2e-3
-"""Gap to plans that spend as much that is small enough once Δ itself is proven."""
+"""Gap to plans within the same budget that is small enough once the gap to those within Δ is
+closed [-]."""
 
 
 @dataclass(slots=True, eq=False)
@@ -63,17 +76,19 @@ class PriceSearch:
     fleet : Fleet
         The fleet.
     incumbent : FleetIncumbent
-        What was found.
+        The best certified plan, and what is proven.
     gap : float
-        The relative gap asked for.
+        The relative gap asked for [-].
     judge : callable
         The referee.
     tried : list of (float, float)
-        Prices, and the risk at them.
-    price : float
-        The next.
+        Unit prices, and the risk at them [-].
+    unit_price : float
+        The next, cost of one unit of risk.
     effort : int
-        Multiplies the nodes that every set gets.
+        Multiplies the nodes that every set gets [-].
+    within : WithinBudget
+        The search for where no price leads.
     """
 
     fleet: Fleet
@@ -159,7 +174,7 @@ class PriceSearch:
             fleet.set_budget(incumbent.union_bound)
 
     def _next_budget(self, budget: float, passed: float, failed: float) -> float:
-        """Return what to search within next, given what the referee passed and what it failed."""
+        """Return the budget to search within next, given what the referee passed and rejected."""
         fleet, incumbent = self.fleet, self.incumbent
         least = fleet.least_budget
         if failed == float("inf"):
@@ -167,7 +182,7 @@ class PriceSearch:
         if passed > 0.0:
             return (passed * failed) ** 0.5 if passed < failed else passed
         if budget <= least * (1.0 + OVER):
-            # The simple bounds are the referee's, and what exceeds them is rounding.
+            # The union bounds are the referee's, and what exceeds them is rounding.
             return least * (1.0 - 10.0 * OVER)
         share = (
             _AIM * fleet.scenario.risk_bound / incumbent.first_certificate
@@ -177,30 +192,30 @@ class PriceSearch:
         return max(least, budget * min(_AIM, share))
 
     def _is_closed(self) -> bool:
-        """Whether the gap is closed, to plans that spend as much or to all within Δ."""
+        """Whether the gap is closed, to plans within the same budget or to all within Δ."""
         incumbent, gap = self.incumbent, self.gap
         open_gap = relative_gap(incumbent.cost, incumbent.bound(self.fleet))
         if open_gap <= gap:
             return True
         is_fine = open_gap <= max(gap, _FINE)
-        # No plan within Δ by simple bounds is cheaper; what spending more of the referee's leave
-        # could still gain is little, or out of its leave, or dear.
+        # No plan within Δ by union bounds is cheaper; what a larger budget could still gain is
+        # little, or rejected by the referee, or takes long.
         return self._is_proven() and (incumbent.has_failed or is_fine or self.effort > 1)
 
     def _is_proven(self) -> bool:
-        """Whether no plan within Δ by simple bounds is cheaper by more than the gap."""
+        """Whether no plan within Δ by union bounds is cheaper by more than the gap."""
         return (
             relative_gap(self.incumbent.cost, self.incumbent.reported_bound(self.fleet, self.gap))
             <= self.gap
         )
 
     def _after_initial_plan(self, candidate: Round) -> None:
-        """Raise the price where the sketch risks too much, before searching at length."""
+        """Raise the price where the initial plan risks too much, before searching at length."""
         fleet = self.fleet
         if candidate.risk > OVERDRAWN * fleet.budget:
             self.tried.append((self.unit_price, candidate.risk))
             self.unit_price = next_price(self.tried, fleet.budget - candidate.inter_set_risk)
-        # Far from any plan draw again, at the new price.
+        # Far from the budget, make it again at the new price.
         is_near = bool(self.incumbent.controls) or candidate.risk <= _FAR * fleet.budget
         fleet.has_tried_initial_plan = is_near or len(self.tried) >= _MAX_INITIAL_PLANS
 
@@ -218,7 +233,7 @@ class PriceSearch:
         self.tried.append((self.unit_price, candidate.risk))
         following = next_price(self.tried, fleet.budget - candidate.inter_set_risk)
         if self._is_at_jump(candidate):
-            # No price leads to what lies between two plans of different sides.
+            # No price leads to what lies between two plans of different alternatives.
             self.close(candidate)
             if incumbent.controls:
                 return True
@@ -250,7 +265,7 @@ def _tell(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent) -> None:
             f"{incumbent.certified:.3g} of risk bound {fleet.scenario.risk_bound:g}"
         )
     _LOG.info(
-        "%s %d: %d sets, the largest of %d; 1 %% of the risk bound at a price of %.3g; simple "
+        "%s %d: %d sets, the largest of %d; 1 %% of the risk bound at a price of %.3g; union "
         "bounds sum to %.3g, up to %.3g allowed; %s; %.2f s",
         step.stage,
         step.iteration + 1,
@@ -268,7 +283,7 @@ def _step(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, seconds: fl
     """Return the record of a round."""
     plans = candidate.plans
     return Step(
-        stage="sketch" if candidate.is_initial else "round",
+        stage="initial" if candidate.is_initial else "round",
         vehicles=tuple(v.name for v in fleet.scenario.vehicles),
         iteration=len(incumbent.steps),
         cost=sum(plan.cost for plan in plans),

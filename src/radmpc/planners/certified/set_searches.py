@@ -15,7 +15,7 @@ from radmpc.solvers.solution import Limits
 __all__ = ["SetSearch", "search_sets"]
 
 _CHUNKS = 16
-"""Parts that a round's sets are handed out in: few enough to pay their way, enough to share."""
+"""Parts that a round's sets are handed out in [-]: few enough to pay their way, enough to share."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +51,7 @@ def search_sets(
 
     Parameters
     ----------
-    jobs : sequence of Job
+    searches : sequence of SetSearch
         The sets.
     problem : callable
         Returns a set's program, for those searched here.
@@ -65,7 +65,7 @@ def search_sets(
     Returns
     -------
     list of SetState
-        In the order of the jobs.
+        In the order of the searches.
     """
     if executor is None or len(searches) < 2:
         found = []

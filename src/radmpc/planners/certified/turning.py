@@ -1,4 +1,7 @@
-"""Cheaper plans by half-spaces turned to the plan at hand, again and again."""
+"""Cheaper plans by half-spaces turned to the plan at hand, again and again.
+
+The price is the shadow price of the risk, per unit of probability, unless it is called a unit price.
+"""
 
 from __future__ import annotations
 
@@ -24,70 +27,73 @@ __all__ = ["plan_by_turning", "turn_half_spaces"]
 _LOG = logging.getLogger(__name__)
 
 _ROUNDS = 12
-"""Rounds at most; the families of the benchmarks take 4 to 12."""
+"""Rounds at most [-]; the families of the benchmarks take 4 to 12."""
 
 _NODES = 400
-"""Nodes per set and round: every danger has one side, so that nodes only add what comes near."""
+"""Nodes per set and round [-]: each avoidance has one alternative, nodes only add what comes near."""
 
 _NEAR = 12.0
-"""Standard deviations up to which a danger counts from the first."""
+"""Clearance up to which an avoidance is chosen from the first node on [standard deviations]."""
 
 _AIM = 0.97
-"""Share of Δ that the price aims at by the referee."""
+"""Share of Δ that the certificate is to come to at the next price [-]."""
 
 _MOST_MOVE = 30.0
-"""Factor by which a price changes at most between rounds."""
+"""Ratio of certificate to aim that a price follows at most, either way [-]."""
 
 _DAMPING = 0.8
-"""Power of the ratio that the price follows: risk answers to price a little more than inversely."""
+"""Power of that ratio that the price follows [-]: risk falls a little faster than in proportion."""
 
 _ENOUGH = 0.2
-"""Share of the gap below which a round gains too little to go on."""
+"""Share of the gap below which a round gains too little to go on [-]."""
 
 _MAX_STALLS = 2
-"""Rounds in a row that gain too little, after which none follows."""
+"""Rounds in a row that gain too little, after which none follows [-]."""
 
 _LESS = 0.9
-"""Share of the least certificate so far that a round must come below while it is far above Δ."""
+"""Share of the least certificate so far that a round must come below while far above Δ [-]."""
 
 _CLOSE = 2.0
-"""Multiple of Δ up to which a certificate above it is for the price to mend."""
+"""Multiple of Δ up to which a certificate above it is left for the price to repair [-]."""
 
 _DEAR = 10.0
-"""Multiple of the first price of risk from a plan that risks too much."""
+"""Multiple of the first price at which turning begins from a plan that risks too much [-]."""
 
-_ROOM = 1.1
-"""What the rows may sum to, in multiples of what they do at the plan that they are turned to."""
+_SLACK = 1.1
+"""What the rows may sum to, in multiples of what they do at the plan that they are turned to [-]."""
 
 _ANY = 1e3
-"""Sum of risks that is no limit."""
+"""Sum of risks that is no limit [-]."""
 
 _NOTHING = 1e-300
+"""Stands for a certificate of 0 where one divides by it [-]."""
+
 _STILL = 0.1
-"""Share of the gap below which what a set's controls change by is nothing."""
+"""Share of the gap below which the effort by which a set's controls change counts as nothing [-]."""
 
 _SAME_PRICE = 0.3
-"""Relative difference of prices up to which a set that stood still is left alone."""
+"""Relative difference of prices up to which a set that has converged is left alone [-]."""
 
 
 def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
-    """Improve the best plan by half-spaces of any direction, until little is gained.
+    """Improve the incumbent by half-spaces of any direction, until little is gained.
 
-    Every danger keeps the side on which the plan passes it, by a half-space turned to where it
-    separates best along the plan. With one side for each danger the least effort at a price of risk
-    is a linear program with tangents; its plan turns the half-spaces anew.
+    Every hazard keeps the side on which the plan passes it, by a half-space turned to where it
+    separates best along the plan. With one alternative for each avoidance the least effort at a
+    price of risk is a linear program with tangents; its plan turns the half-spaces anew.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
     incumbent : FleetIncumbent
-        With a plan; takes cheaper ones. What was proven stays as it is.
+        Has a plan, and takes cheaper ones. What was proven stays as it is.
     judge : callable
         The referee.
     """
-    price = incumbent.round_bounds[-1][1] if incumbent.round_bounds else fleet.first_unit_price()
-    turning = _Turning(fleet, incumbent, judge, incumbent.sets, price / fleet.unit)
+    rounds = incumbent.round_bounds
+    unit_price = rounds[-1][1] if rounds else fleet.first_unit_price()
+    turning = _Turning(fleet, incumbent, judge, incumbent.sets, unit_price / fleet.unit)
     turning.run(_points(fleet, incumbent.sets, incumbent.controls), _ROUNDS)
 
 
@@ -126,11 +132,11 @@ class _Turning:
     Attributes
     ----------
     price : float
-        Of the risk, per unit of probability.
+        Shadow price of the risk, per unit of probability.
     prices : dict
-        Sets that no longer change, with the price at which that was.
+        Sets that have converged, with the price at which they did.
     risks : dict
-        What the rows of each set sum to.
+        What the rows of each set sum to [-].
     """
 
     fleet: Fleet
@@ -162,7 +168,7 @@ class _Turning:
             if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
             else:
-                # Little above Δ may be mended by a price too near the last to be asked for else.
+                # Little above Δ, a price so near the last may do that converged sets would skip it.
                 self.prices.clear()
                 is_little = certified > max(_LESS * least, _CLOSE * risk_bound)
             num_stalls = num_stalls + 1 if is_little else 0
@@ -171,7 +177,7 @@ class _Turning:
             self.price *= ratio**_DAMPING
 
     def _take(self, points: Sequence[Vector]) -> float:
-        """Keep a plan if it is certified and the best; return its certificate."""
+        """Keep a plan if it is certified and the cheapest; return its certificate."""
         fleet, incumbent, sets = self.fleet, self.incumbent, self.sets
         controls = fleet.programs.controls(sets, points)
         certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
@@ -189,10 +195,10 @@ class _Turning:
         return certified
 
     def _turned(self, members: Members, z: Vector) -> Vector:
-        """Return a set's plan with its half-spaces turned anew, unless it has settled."""
-        known = self.prices.get(members)
-        is_settled = known is not None and abs(self.price / known - 1.0) < _SAME_PRICE
-        if is_settled or self.fleet.limits.reached:
+        """Return a set's plan with its half-spaces turned anew, unless it has converged."""
+        price = self.prices.get(members)
+        has_converged = price is not None and abs(self.price / price - 1.0) < _SAME_PRICE
+        if has_converged or self.fleet.limits.reached:
             return z
         found = _turned(self.fleet, members, z, self.price)
         if found is None:
@@ -232,7 +238,7 @@ def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumben
         return None
     rating = rater.rate(z)
     # A plan that risks too much must be allowed to, or it could not become better step by step.
-    unit = max(fleet.unit, min(_ROOM * rating.risk, _ANY))
+    unit = max(fleet.unit, min(_SLACK * rating.risk, _ANY))
     if unit < _ANY:
         rater = Rater(program, unit)
     tree = RiskTree(

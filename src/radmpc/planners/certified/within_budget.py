@@ -22,18 +22,23 @@ from radmpc.solvers.priced.rating import Rater
 __all__ = ["WithinBudget", "replan_on_sides"]
 
 _INF = float("inf")
+"""No limit, or, negated, no bound."""
+
 _TIE = 0.05
-"""Share of the gap that the whole budget costs: enough to prefer less risk at equal effort."""
+"""Share of the gap that the whole budget costs [-]: enough to prefer less risk at equal effort."""
 
 _LEAST_SCALE = 1e-6
-"""Cost below which gaps are taken of this."""
+"""Cost below which gaps are taken of this instead."""
 
 _SHARE = 0.5
-"""Share of the gap that the search may use."""
+"""Share of the gap that the search may use [-]."""
 
 _BISECTIONS = 14
+"""Prices tried for given alternatives [-]: enough to find the right one within 0.1 % of the range's
+logarithm."""
+
 _CHEAPEST, _DEAREST = 1e-3, 1e5
-"""Multiples of the first price between which given sides are priced."""
+"""Multiples of the first price between which given alternatives are priced [-]."""
 
 
 def replan_on_sides(
@@ -43,14 +48,14 @@ def replan_on_sides(
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
 ) -> None:
-    """Keep the cheapest plan that passes everything on the sides of a given one.
+    """Look for the cheapest certified plan with the alternatives of a given one.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
     incumbent : FleetIncumbent
-        Where the plan is kept, if it is certified.
+        Takes the plan, if it is certified.
     judge : callable
         The referee.
     sets : tuple of tuple of int
@@ -83,7 +88,7 @@ def replan_on_sides(
 
 @dataclass(slots=True, eq=False)
 class WithinBudget:
-    """The search for the least cost within what simple bounds may sum to.
+    """The search for the least cost within what union bounds may sum to.
 
     Where the whole fleet is one set, what is found is the best, and its bound that of any plan;
     several sets are improved one after the other, each within what the others leave.
@@ -93,9 +98,9 @@ class WithinBudget:
     fleet : Fleet
         The fleet.
     incumbent : FleetIncumbent
-        What was found.
+        Takes what is found and certified.
     gap : float
-        The relative gap asked for.
+        The relative gap asked for [-].
     judge : callable
         The referee.
     """
@@ -118,7 +123,7 @@ class WithinBudget:
         plans : sequence of Incumbent
             A plan of each, within the budget together unless there is only one.
         budget : float
-            What simple bounds may sum to beyond the starts.
+            What union bounds may sum to beyond the starts [-].
         max_nodes : int
             Nodes per vehicle of a set.
 
@@ -160,7 +165,7 @@ class WithinBudget:
         return is_limited
 
     def plans(self) -> list[Incumbent]:
-        """Return the best plan, set by set."""
+        """Return the incumbent, set by set."""
         fleet, incumbent = self.fleet, self.incumbent
         return [
             _incumbent(fleet.programs.problem(m), [incumbent.controls[i] for i in m])

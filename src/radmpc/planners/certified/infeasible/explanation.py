@@ -19,10 +19,13 @@ from radmpc.solvers.solution import Limits
 __all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
 
 _NAMED = 3
+"""Hazards of the safest plan that are named [-]."""
+
 _MAX_CONFLICTS = 8
+"""Groups of stuck vehicles that are looked for, at most [-]: each takes a search."""
 
 _CURED = 2
-"""Groups of vehicles for which cures are tried; more would take too long."""
+"""Groups of vehicles for which cures are tried [-]; more would take too long."""
 
 _QUICK = 0.4
 """Time to look at what the others could do where some are ruled out at first sight [s]."""
@@ -88,7 +91,20 @@ def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
 
 
 def ended(scenario: Scenario, limits: Limits) -> str:
-    """Say what ended a search that had found nothing and ruled out nothing."""
+    """Say what ended a search that had found nothing and ruled out nothing.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        Those of the search.
+
+    Returns
+    -------
+    str
+        One sentence or two.
+    """
     kept = (
         (v.name, reserve_reason(s))
         for v, s in zip(scenario.vehicles, condensed_models(scenario), strict=True)
@@ -141,7 +157,7 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
     if found is None:  # a fleet has vehicles: it was looked at, or there are reasons
         return WhyNot(ended(scenario, limits), is_proven=False)
-    # Above Δ by simple bounds, the safest plan may still be within it by the referee's.
+    # Above Δ by union bounds, the safest plan may still be within it by the referee's.
     is_proven = found.bound > scenario.risk_bound
     text = _too_much(scenario, found, limits)
     if is_proven:
@@ -194,7 +210,7 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
     )
     if found.bound > scenario.risk_bound:
         head = (
-            f"No plan is within {bound} by simple bounds with the faces of this scenario: every "
+            f"No plan is within {bound} by union bounds with the faces of this scenario: every "
             f"such plan runs at least {rounded_down(found.bound)}."
         )
     else:

@@ -18,15 +18,16 @@ from radmpc.solvers.solution import Limits
 __all__ = ["LeastRisk", "least_risk"]
 
 _UNIT = 0.49
-"""Most that a single row may risk: up to here its tail is convex."""
+"""The unit of risk, and with it the row risk cap [-]: below one half a row's tail is convex."""
 
 _TOLERANCE = 0.02
-"""Share of the risk bound to which the least risk is sought."""
+"""Share of the risk bound to which the least risk is sought [-]."""
 
 _HazardKey = tuple[str, str, str | None]
 """Cause, vehicle, and what it may meet."""
 
 _EFFORTS = (1, 4, 16)
+"""Multiples of the nodes of a round that are tried one after the other [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,15 +37,15 @@ class LeastRisk:
     Attributes
     ----------
     risk : float
-        What the best plan found runs, as programs count it; inf without one.
+        What the best plan found runs, by union bounds [-]; inf without one.
     bound : float
-        What every plan runs at least; inf where there is none at any risk.
+        What every plan runs at least, by union bounds [-]; inf where there is none at any risk.
     controls : tuple of (T, m) array
         That plan, per vehicle; empty without one.
     sets : tuple of tuple of int
         Who was planned together.
     takers : tuple of (RiskItem, float)
-        The dangers of that plan, the greatest first, each with its worst step.
+        The hazards of that plan, the greatest first, each with its worst step.
     stuck : tuple of int
         Vehicles that together have no plan at any risk; empty if there are none such.
     """
@@ -67,7 +68,7 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
     limits : Limits
         When to stop early.
     enough : float
-        A plan that runs no more than this ends the search.
+        A plan that runs no more than this ends the search [-].
 
     Returns
     -------
@@ -113,7 +114,7 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
 
 
 def _takers(fleet: Fleet, found: Round) -> tuple[tuple[RiskItem, float], ...]:
-    """Return what each danger takes over the whole horizon, with its worst step."""
+    """Return what each hazard takes over the whole horizon, with its worst step."""
     total: dict[_HazardKey, float] = defaultdict(float)
     worst: dict[_HazardKey, tuple[float, RiskItem]] = {}
     names = [v.name for v in fleet.scenario.vehicles]
