@@ -18,13 +18,19 @@ __all__ = ["Centralized"]
 
 @dataclass(frozen=True, slots=True)
 class Centralized(Decomposition):
-    """All vehicles in one program."""
+    """All vehicles in one program; a record without attributes."""
 
     def __str__(self) -> str:
         return "centralized"
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
-        """Plan all vehicles together, as one set; see `Decomposition.plan`."""
+        """Plan all vehicles together, as one set.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
+        """
         begun = time.perf_counter()
         run.progress("solving", 0, 1)
         task = SetTask(scenario, planner, "centralized", run.rng)

@@ -1,9 +1,9 @@
-"""Sides for every avoidance from a coarse search over places and times.
+"""An alternative for every avoidance from a coarse search over positions and times.
 
-One vehicle after the other walks over a grid, step by step, at the least effort, around obstacles
-and around those that walked before. Only the sides it passes things on are kept: the linear
-program of these sides then finds the trajectories, dynamics and all. A heuristic for tangled
-scenes, where branching alone takes long to find any plan; it proves nothing.
+A path over a grid is sought for one vehicle after the other, step by step, at the least effort,
+around obstacles and around the vehicles placed before. Only the alternatives that it satisfies are
+kept: the linear program with these then finds the trajectories, dynamics and all. A heuristic for
+tangled scenes, where branching alone takes long to find any plan; it proves nothing.
 """
 
 from __future__ import annotations
@@ -24,8 +24,13 @@ from radmpc.solvers.solution import Limits
 __all__ = ["propose_sides"]
 
 _CELLS_PER_STEP = 5
+"""Cells to the longest displacement along each axis [-]."""
+
 _MAX_CELLS = 6_000
+"""Cells of a grid at most [-]: they grow until there are no more."""
+
 _MAX_ROUNDS = 5
+"""Orders of the vehicles that are tried, at most [-]: whoever found no path goes first."""
 
 
 def propose_sides(
@@ -36,8 +41,8 @@ def propose_sides(
     Parameters
     ----------
     program : DisjunctiveProgram
-        The program of the subjects.
-    models : sequence of Subject
+        The program of the vehicles.
+    models : sequence of CondensedModel
         Its vehicles, in the order of its blocks.
     margins : (r,) array
         Back-off of each row [m].
@@ -47,7 +52,7 @@ def propose_sides(
     Returns
     -------
     (v,) int array or None
-        A selection; None if no way was found in time, and in space, where grids are too large.
+        A selection; None if no path was found in time, and in space, where grids are too large.
     """
     if models[0].reach_lower.shape[1] != 2:
         return None
@@ -66,7 +71,7 @@ def propose_sides(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Grid:
-    """Places a vehicle may be at.
+    """Positions a vehicle may be at.
 
     Attributes
     ----------
@@ -108,18 +113,18 @@ class _Search:
         self.outputs = program.constant.copy()
 
     def place(self, order: list[int]) -> int | None:
-        """Walk all vehicles in an order; return the one that found no way."""
+        """Seek a path for all vehicles in an order; return the one that has none."""
         self.outputs = self.program.constant.copy()
         placed: set[int] = set()
         for i in order:
             placed.add(i)
-            path = self._walk(i, placed)
+            path = self._path(i, placed)
             if path is None:
                 return i
             self.outputs[self.first[i] : self.first[i + 1]] = path.ravel()
         return None
 
-    def _walk(self, i: int, placed: set[int]) -> Matrix | None:
+    def _path(self, i: int, placed: set[int]) -> Matrix | None:
         """Return positions at every step, (T+1, 2), at the least sum of squared moves."""
         model = self.models[i]
         grid, last = _grid(model), model.horizon
@@ -212,7 +217,7 @@ class _Halfplane:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Step:
-    """One step of the walk: from which places to which, and what forbids it."""
+    """One step of the path search: from which positions to which, and what forbids it."""
 
     here: Matrix
     ahead: Matrix
@@ -220,7 +225,7 @@ class _Step:
     tests: list[list[tuple[np.ndarray, np.ndarray]]]
 
     def relax(self, costs: Vector) -> tuple[Vector, Indices]:
-        """Return the least cost of each place ahead and where it came from."""
+        """Return the least cost of each position ahead and where it came from."""
         if len(self.here) == len(self.ahead) == len(self.grid.points):
             return self._between_cells(costs)
         moves = self.ahead[None, :, :] - self.here[:, None, :]

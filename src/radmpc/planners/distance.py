@@ -58,7 +58,12 @@ class Distance(Decomposition):
         """Plan every vehicle alone, then together those whose paths come close.
 
         The sets are the connected components of the graph. Nothing keeps them apart but the
-        distance: the certificate says whether that was enough. See `Decomposition.plan`.
+        distance: the certificate says whether that was enough.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
         """
         begun = time.perf_counter()
         singles: Sets = tuple((i,) for i in range(scenario.num_vehicles))
@@ -71,11 +76,11 @@ class Distance(Decomposition):
             return Draft(status, (), singles, steps, (), seconds, why)
         sets, couplings = _sets(scenario, alone, self.meters)
         together = tuple(members for members in sets if len(members) > 1)
-        known = dict(zip(singles, alone, strict=True))
+        plan_of = dict(zip(singles, alone, strict=True))
         found = plan_sets(scenario, together, planner, run, "sets")
-        known |= dict(zip(together, found, strict=True))
-        plans = [known[members] for members in sets]
-        steps += tuple(step for members in together for step in known[members].steps)
+        plan_of |= dict(zip(together, found, strict=True))
+        plans = [plan_of[members] for members in sets]
+        steps += tuple(step for members in together for step in plan_of[members].steps)
         seconds["sets"] = time.perf_counter() - begun - seconds["alone"]
         status, why = verdict_of_sets(scenario, sets, plans)
         is_whole = all(p.outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE} for p in plans)

@@ -3,7 +3,7 @@
 At a start the mean is fixed, in a goal it lies in a box. The probability that a Gaussian around a
 mean hits a convex set grown by a radius is a log-concave function of the mean, and so is the risk
 of its best half-space's clearance quasi-concave: over a box either is least at a corner. The least
-over the corners of small boxes, summed over dangers, is therefore a bound that no plan is below.
+over the corners of small boxes, summed over hazards, is therefore a bound that no plan is below.
 """
 
 from __future__ import annotations
@@ -29,22 +29,23 @@ from radmpc.referee.encounters import Encounters
 __all__ = ["EndpointHazard", "Floors", "floors", "start_hazards"]
 
 _FAR = 8.5
-"""Standard deviations beyond which a danger counts as nothing (1e-17)."""
+"""Clearance beyond which a hazard counts as nothing (1e-17) [standard deviations]."""
 
 _LEAST = 1e-4
-"""Share of Δ below which a danger counts as nothing: most of a large fleet's need no look."""
+"""Share of Δ below which a hazard counts as nothing [-]: most of a large fleet's need no look."""
 
 _TOL = 1e-6
 """What a plan may miss its goal by [m]."""
 
 _CELLS = {2: 6, 3: 2}
-"""Cells per axis into which a goal is cut, by dimension: dangers on opposite sides of it are least
-at different corners, and the fewer cells, the further is the sum of those from the least sum."""
+"""Cells per axis into which a goal is cut, by dimension [-]: hazards on opposite sides of it are
+least at different corners, and the fewer cells, the further is the sum of those from the least
+sum."""
 
 
 @dataclass(frozen=True, slots=True)
 class EndpointHazard:
-    """What a place risks of one kind.
+    """What a start or a goal risks of one kind.
 
     Attributes
     ----------
@@ -77,12 +78,12 @@ class Floors:
 
     Attributes
     ----------
-    starts, goals : tuple of Danger
+    starts, goals : tuple of EndpointHazard
         Whatever is not nothing, the greatest first.
     vehicles : (N, 2) array
-        What each vehicle risks at least at its start and in its goal, other vehicles aside.
+        What each vehicle risks at least at its start and in its goal, other vehicles aside [-].
     total : float
-        What the fleet risks at least.
+        What the fleet risks at least [-].
     """
 
     starts: tuple[EndpointHazard, ...]
@@ -98,7 +99,7 @@ def floors(scenario: Scenario, models: Sequence[CondensedModel]) -> Floors:
     ----------
     scenario : Scenario
         The fleet.
-    models : sequence of Subject
+    models : sequence of CondensedModel
         Its vehicles over the whole horizon.
 
     Returns
@@ -121,7 +122,20 @@ def floors(scenario: Scenario, models: Sequence[CondensedModel]) -> Floors:
 def start_hazards(
     scenario: Scenario, models: Sequence[CondensedModel]
 ) -> tuple[EndpointHazard, ...]:
-    """Return what the starts risk, the greatest first: no less than any plan runs there."""
+    """Return what the starts risk: no less than any plan runs there.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    models : sequence of CondensedModel
+        Its vehicles over the whole horizon.
+
+    Returns
+    -------
+    tuple of EndpointHazard
+        The greatest first.
+    """
     return _hazards(scenario, models, at_goal=False)[0]
 
 
@@ -155,14 +169,14 @@ def _box(model: CondensedModel, *, at_goal: bool) -> Box:
 def _of_vehicle(
     scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool
 ) -> tuple[list[EndpointHazard], float]:
-    """Return what one vehicle risks in a place, danger by danger and in all."""
+    """Return what one vehicle risks at an endpoint, hazard by hazard and in all."""
     cells = _CELLS[scenario.dimension] if at_goal else 1
     points = box.corners(cells)
     radius = scenario.vehicles[i].radius
     hazards: list[EndpointHazard] = []
     fields: list[Vector] = []
     for name, near in shapes.near(box, radius, _far(scenario)).items():
-        # Pieces of one obstacle are one danger: the worst of them is a bound on their union.
+        # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
         by_piece = [_cells(_risks(points, box.covariance, radius, piece), cells) for piece in near]
         field = np.maximum.reduce(by_piece)
         distance = min(float(_distances(points, piece).max()) for piece in near)
@@ -184,7 +198,7 @@ def _of_vehicle(
 
 
 def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[EndpointHazard]:
-    """Return what pairs risk in their places."""
+    """Return what pairs risk at their endpoints."""
     if len(boxes) < 2:
         return []
     radii = np.array([v.radius for v in scenario.vehicles])

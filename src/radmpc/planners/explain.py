@@ -37,6 +37,7 @@ __all__ = [
 ]
 
 _MAX_NODES = 2_000
+"""Nodes to find out whether a vehicle or a pair alone has a plan [-]."""
 
 
 def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> str:
@@ -93,7 +94,24 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
 def explain_stuck(
     scenario: Scenario, stuck: Sequence[int], planner: Planner, limits: Limits
 ) -> str | None:
-    """Say why some vehicles have no plan on their share of the risk; None where all have one."""
+    """Say why some vehicles have no plan on their share of the risk.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    stuck : sequence of int
+        Those without a plan.
+    planner : Planner
+        Risk policy and gap that they were planned with.
+    limits : Limits
+        When to stop looking.
+
+    Returns
+    -------
+    str or None
+        None where all have a plan.
+    """
     if not stuck:
         return None
     share = scenario.risk_bound * len(stuck) / scenario.num_vehicles
@@ -135,17 +153,27 @@ def trivially_infeasible(scenario: Scenario, *, deterministic: bool = False) -> 
 
 
 _OPEN = "No plan was found, and a limit ended the search for the reason"
+"""Said where nothing was ruled out; which limit follows."""
 
 _SLOW = "Lengthen the horizon, raise the limits, or soften the feedback."
+"""Said of goals out of reach."""
 
 _GENERAL = (
     "Each vehicle and each pair can be planned, but not all together within the risk bound: "
     "raise risk_bound, lengthen the horizon, or reduce the noise."
 )
+"""Said where no smaller group explains it."""
 
 
 def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | None:
-    """Say if a vehicle cannot even fly through empty space.
+    """Say if a vehicle cannot even reach its goal through empty space.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    model : CondensedModel
+        The vehicle over the whole horizon.
 
     Returns
     -------
@@ -182,8 +210,8 @@ def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
         return _start_in_conflict(worst)
     parts = [f"{hazard_name(risk_item)} (risk {risk:.3g})" for risk_item, risk in ranked[:3]]
     return (
-        f"The starts alone carry a collision risk of {at_start:.3g} by simple bounds, above the "
-        f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
+        f"The starts alone carry a collision risk of {at_start:.3g} by union bounds, above the "
+        f"{program.risk_bound:.3g} allocated: {'; '.join(parts)}. Move the starts apart or reduce "
         "initial_covariance."
     )
 
@@ -204,7 +232,7 @@ def _start_in_conflict(risk_item: RiskItem) -> str:
 
 
 def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
-    """Name a danger that exists wherever the vehicles may be at that time."""
+    """Name a hazard that exists wherever the vehicles may be at that time."""
     when = f"at step {risk_item.step}"
     if scenario.avoidance == "intervals":
         when = f"between steps {risk_item.step} and {risk_item.step + 1}"
@@ -221,7 +249,7 @@ def _capitalized(text: str) -> str:
 
 
 def hazard_name(risk_item: RiskItem) -> str:
-    """Name a danger."""
+    """Return the parties of a hazard in words."""
     cause: Cause = risk_item.cause
     if cause == "pair":
         return f"vehicles {risk_item.vehicle!r} and {risk_item.other!r}"

@@ -1,6 +1,6 @@
 """What rules out any plan before a search: control reserve, time, and risk at starts and goals.
 
-Every reason here is a proof: no plan exists, by whatever half-spaces or sides.
+Every reason here is a proof: no plan exists, whatever the half-spaces or alternatives.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ __all__ = [
 ]
 
 _ROUNDING = 1e-6
-"""Share of Δ by which a risk must exceed it to be called above: what integrals are off by."""
+"""Share of Δ by which a risk must exceed it to count as above [-]: the error of the integrals."""
 
 _GROUPED = 3
-"""Vehicles with the same reason from which on one sentence speaks of all."""
+"""Vehicles with the same reason from which on one sentence names them all [-]."""
 
 _TOLD = 8
-"""Sentences at most; one more says how many are left out."""
+"""Sentences at most [-]; one more says how many are left out."""
 
 _NOTICED = 0.5
-"""Share of the control limit from which on what feedback keeps back is worth telling."""
+"""Share of the control limit from which on what feedback reserves is worth telling [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
     ----------
     scenario : Scenario
         The fleet.
-    models : sequence of Subject
+    models : sequence of CondensedModel
         Its vehicles over the whole horizon.
 
     Returns
@@ -86,6 +86,13 @@ def grouped(
     scenario: Scenario, reasons: Sequence[Reason]
 ) -> list[tuple[tuple[int, ...] | None, str]]:
     """Return reasons in words, one sentence for vehicles that share one.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    reasons : sequence of Reason
+        What was found.
 
     Returns
     -------
@@ -161,7 +168,20 @@ def _too_far(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | Non
 
 
 def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
-    """Return the sentence that a goal is out of reach, of one vehicle and of several."""
+    """Return the sentence that a goal is out of reach.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    model : CondensedModel
+        The vehicle over the whole horizon.
+
+    Returns
+    -------
+    pair of str
+        What follows "Vehicle 'name'", and the same of several vehicles.
+    """
     seconds = scenario.horizon * scenario.dt
     kept = reserve_reason(model)
     because = f" (the feedback {kept})" if kept else ""
@@ -176,7 +196,20 @@ def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
 
 
 def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
-    """Say what starts and goals risk, where that alone is above Δ."""
+    """Say what starts and goals risk, where that alone is above Δ.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    found : Floors
+        What they risk.
+
+    Returns
+    -------
+    list of Reason
+        Empty where they risk no more than Δ.
+    """
     granted = scenario.risk_bound * (1.0 + _ROUNDING)
     if found.total <= granted:
         return []

@@ -183,7 +183,20 @@ def run_sets(
 
 
 def in_order(sets: Sequence[tuple[int, ...]], plans: Sequence[SetPlan]) -> tuple[Matrix, ...]:
-    """Return the controls of all vehicles that have any, in the scenario's order."""
+    """Return the controls of all vehicles that have any, in the scenario's order.
+
+    Parameters
+    ----------
+    sets : sequence of tuple of int
+        A partition of the fleet.
+    plans : sequence of SetPlan
+        The plan of each.
+
+    Returns
+    -------
+    tuple of (T, m) array
+        One per vehicle with a plan.
+    """
     controls = {
         i: control
         for members, plan in zip(sets, plans, strict=True)

@@ -1,4 +1,4 @@
-"""Places that several vehicles have in common trouble: one sentence names them all."""
+"""Starts or goals of several vehicles at fault for the same reason: one sentence names them all."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from radmpc.planners.wording import endpoints_text, is_contact, listed, rounded
 __all__ = ["endpoint_sentences"]
 
 _SHARED = 3
-"""Vehicles with the same trouble from which on one sentence speaks of all."""
+"""Vehicles with the same reason from which on one sentence names them all [-]."""
 
 
 def endpoint_sentences(
@@ -23,7 +23,7 @@ def endpoint_sentences(
     ----------
     scenario : Scenario
         The fleet.
-    dangers : sequence of Danger
+    hazards : sequence of EndpointHazard
         The places.
 
     Returns
@@ -44,7 +44,7 @@ def endpoint_sentences(
 
 
 def _groups(scenario: Scenario, hazards: Sequence[EndpointHazard]) -> list[list[EndpointHazard]]:
-    """Return dangers of one reason; of pairs, those that hang together."""
+    """Return hazards of one reason; of pairs, those that hang together."""
     groups: list[list[EndpointHazard]] = []
     for hazard in hazards:
         akin = [g for g in groups if _is_akin(scenario, g, hazard)]
@@ -55,7 +55,7 @@ def _groups(scenario: Scenario, hazards: Sequence[EndpointHazard]) -> list[list[
 
 
 def _is_akin(scenario: Scenario, group: Sequence[EndpointHazard], hazard: EndpointHazard) -> bool:
-    """Whether a danger has the reason of a group."""
+    """Whether a hazard has the reason of a group."""
     first = group[0]
     if (first.cause, first.at_goal) != (hazard.cause, hazard.at_goal):
         return False

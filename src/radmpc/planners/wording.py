@@ -1,4 +1,4 @@
-"""Sentences about dangers, and numbers rounded to the safe side."""
+"""Sentences about hazards, and numbers rounded to the safe side."""
 
 from __future__ import annotations
 
@@ -20,10 +20,19 @@ __all__ = [
 ]
 
 _NAMED = 3
+"""Names or hazards that a sentence lists at most [-]; it says how many others there are."""
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
-    """Return names in a row, three at most and how many others there are."""
+    """Return names as a list in words, three at most and how many others there are.
+
+    Parameters
+    ----------
+    names : sequence of str
+        One or more.
+    last : str
+        The word before the last.
+    """
     if len(names) > _NAMED + 1:
         names = [*names[:_NAMED], f"{len(names) - _NAMED} more"]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
@@ -38,7 +47,13 @@ def limit_clause(limits: Limits) -> str:
 
 
 def rounded(risk: float, bound: float) -> str:
-    """Return a risk in as many digits, two at least, as tell it from a bound."""
+    """Return a risk in as many digits, two at least, as tell it from a bound.
+
+    Parameters
+    ----------
+    risk, bound : float
+        Probabilities [-].
+    """
     for digits in range(2, 17):
         text = f"{risk:.{digits}g}"
         if (float(text) > bound) == (risk > bound) and float(text) != bound:
@@ -59,7 +74,15 @@ def rounded_down(risk: float) -> str:
 
 
 def is_contact(scenario: Scenario, hazard: EndpointHazard) -> bool:
-    """Whether means touch, or leave the workspace, wherever they are in a place."""
+    """Whether the means touch, or leave the workspace, wherever they are at an endpoint.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    hazard : EndpointHazard
+        What may happen there.
+    """
     reach = sum(scenario.vehicles[i].radius for i in hazard.members)
     return hazard.distance < (0.0 if hazard.cause == "workspace" else reach)
 
@@ -71,7 +94,7 @@ def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: 
     ----------
     scenario : Scenario
         The fleet.
-    dangers : sequence of Danger
+    hazards : sequence of EndpointHazard
         One, or the greatest first.
     risk : float
         What they risk together.
@@ -95,7 +118,7 @@ def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: 
 
 
 def _what(scenario: Scenario, hazard: EndpointHazard) -> str:
-    """Name a danger and its place."""
+    """Name a hazard and its place."""
     names = [repr(scenario.vehicles[i].name) for i in hazard.members]
     place = "goal" if hazard.at_goal else "start"
     if hazard.cause == "pair":
@@ -105,7 +128,7 @@ def _what(scenario: Scenario, hazard: EndpointHazard) -> str:
 
 
 def _one(scenario: Scenario, hazard: EndpointHazard, number: str, bound: str) -> str:
-    """Return the sentence about one danger."""
+    """Return the sentence about one hazard."""
     names = [repr(scenario.vehicles[i].name) for i in hazard.members]
     radii = [scenario.vehicles[i].radius for i in hazard.members]
     risk = f"a risk of {number}"

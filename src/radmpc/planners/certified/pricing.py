@@ -22,7 +22,7 @@ _MOST_EFFORT = 10_000
 """Effort beyond which more does not help [-]: what is left are programs that no solver solves."""
 
 _MAX_PRICES = 6
-"""Prices that vehicles alone are tried at [-]: linear programs of chosen alternatives, no search."""
+"""Prices that vehicles alone are tried at [-]: linear programs at chosen alternatives."""
 
 _MOST = 12.0
 """Multiple of the first guess that a price from vehicles alone may reach [-]."""

@@ -1,6 +1,6 @@
 """Cheaper plans by half-spaces turned to the plan at hand, again and again.
 
-The price is the shadow price of the risk, per unit of probability, unless it is called a unit price.
+The price is the shadow price of the risk, per unit of probability, unless called a unit price.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _ROUNDS = 12
 """Rounds at most [-]; the families of the benchmarks take 4 to 12."""
 
 _NODES = 400
-"""Nodes per set and round [-]: each avoidance has one alternative, nodes only add what comes near."""
+"""Nodes per set and round [-]: avoidances have one alternative, nodes only add what comes near."""
 
 _NEAR = 12.0
 """Clearance up to which an avoidance is chosen from the first node on [standard deviations]."""
@@ -60,7 +60,7 @@ _DEAR = 10.0
 """Multiple of the first price at which turning begins from a plan that risks too much [-]."""
 
 _SLACK = 1.1
-"""What the rows may sum to, in multiples of what they do at the plan that they are turned to [-]."""
+"""What the rows may sum to, in multiples of what they do at the plan they are turned to [-]."""
 
 _ANY = 1e3
 """Sum of risks that is no limit [-]."""
@@ -69,7 +69,7 @@ _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
 
 _STILL = 0.1
-"""Share of the gap below which the effort by which a set's controls change counts as nothing [-]."""
+"""Share of the gap below which the change of a set's controls counts as nothing [-]."""
 
 _SAME_PRICE = 0.3
 """Relative difference of prices up to which a set that has converged is left alone [-]."""

@@ -1,4 +1,4 @@
-"""What a vehicle must not touch, window by window, as half-planes."""
+"""The avoidances of a vehicle, window by window, as half-planes."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ __all__ = ["AvoidanceHalfPlanes", "gap_middles", "half_planes_of", "limits_at"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AvoidanceHalfPlanes:
-    """One avoidance over a window: half-planes at its start and at its end, side by side.
+    """One avoidance over a window: half-planes at its start and at its end, per alternative.
 
     Attributes
     ----------
     here, ahead : (s, 3) array
-        Normal and offset per side; a normal of 0 and an offset of inf where nothing is asked.
+        Normal [-] and offset [m] per alternative; 0 and inf where nothing is asked.
     deviation : float
         The largest standard deviation of its rows [m].
     """
@@ -31,14 +31,29 @@ class AvoidanceHalfPlanes:
 
     @property
     def key(self) -> tuple[bytes, bytes]:
-        """What makes two windows of a danger that does not move the same."""
+        """Equal for two windows of an avoidance of something that does not move."""
         return self.here.tobytes(), self.ahead.tobytes()
 
 
 def half_planes_of(
     program: DisjunctiveProgram, horizon: int, own: slice
 ) -> list[list[AvoidanceHalfPlanes]]:
-    """Return the avoidances of each window; where others are placed is part of the offsets."""
+    """Return the avoidances of each window; where others are placed is part of the offsets.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        Of one vehicle in the plane, others in place.
+    horizon : int
+        Windows, T.
+    own : slice
+        The outputs that are the vehicle's positions, step by step.
+
+    Returns
+    -------
+    list of list of AvoidanceHalfPlanes
+        Those of each window.
+    """
     rows = program.rows
     others = program.constant[: program.num_positions].copy()
     others[own] = 0.0
@@ -67,7 +82,22 @@ def half_planes_of(
 def gap_middles(
     avoidances: Sequence[Sequence[AvoidanceHalfPlanes]], axis: int, widest: float
 ) -> list[float]:
-    """Return the middles of gaps between parallel sides along an axis, the narrowest last [m]."""
+    """Return the middles of gaps between parallel half-planes along an axis.
+
+    Parameters
+    ----------
+    avoidances : sequence of sequence of AvoidanceHalfPlanes
+        Those of each window.
+    axis : int
+        0 or 1.
+    widest : float
+        The widest gap that counts [m].
+
+    Returns
+    -------
+    list of float
+        Coordinates [m], that of the narrowest gap last.
+    """
     lower, upper = set[float](), set[float]()
     for avoidance in {avoidance.key: avoidance for at in avoidances for avoidance in at}.values():
         for plane in (*avoidance.here, *avoidance.ahead):
@@ -79,7 +109,7 @@ def gap_middles(
 
 
 def limits_at(avoidances: Sequence[Sequence[AvoidanceHalfPlanes]]) -> tuple[Matrix, Matrix]:
-    """Return the box that dangers of one side only, as borders are, leave at each step.
+    """Return the box that avoidances of one alternative, as of borders, leave at each step.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Incumbents of a single vehicle among many dangers: a way on a lattice, then a small search."""
+"""Incumbents of a single vehicle among many obstacles: a path on a lattice, then a small search."""
 
 from __future__ import annotations
 
@@ -18,20 +18,24 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Passage"]
 
 _NODES = 50
+"""Nodes of a small search around a path or a plan [-]."""
+
 _NODES_ALONG = 150
+"""Nodes of each of the two searches for the earliest plan [-]."""
 
 _ROUGH_GAP = 0.05
+"""Relative gap of the second of these [-]: every vehicle is planned anew afterwards."""
 
-_ROOM = 1.0
-"""How far a plan may be off its way on the lattice, in longest moves."""
+_TUBE = 1.0
+"""How far the earliest plan may be off its path on the lattice [longest displacements]."""
 
 _STEP_SHARE = 0.01
-"""Share of the risk bound that a vehicle in haste risks to gain a step."""
+"""Share of the risk bound that the earliest plan may risk to gain a step [-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Pace:
-    """What small searches go by: a price of risk, a scale of values, when to stop."""
+    """What small searches go by: the price of a unit of risk, a scale of values, when to stop."""
 
     unit_price: float
     scale: float
@@ -41,11 +45,11 @@ class _Pace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Passage:
-    """Ways through, sought anew at every price.
+    """Paths through the obstacles, sought anew at every price.
 
     Attributes
     ----------
-    walk : Walk
+    path_search : PathSearch
         The lattice search of the vehicle's program.
     rater : Rater
         The program, laid out for rating.
@@ -55,19 +59,19 @@ class Passage:
     rater: Rater
 
     def plan(
-        self, unit_price: float, scale: float, limits: Limits, known: Incumbent | None
+        self, unit_price: float, scale: float, limits: Limits, incumbent: Incumbent | None
     ) -> Incumbent | None:
-        """Return a plan at a price of a unit of risk; None where no way was found.
+        """Return a plan at a price of risk; None where no path was found.
 
         Parameters
         ----------
-        price : float
-            Of one unit of risk.
+        unit_price : float
+            Cost of one unit of risk.
         scale : float
-            Value below which gaps are taken of this.
+            Value below which gaps are taken of this instead.
         limits : Limits
             When to stop early.
-        known : Incumbent or None
+        incumbent : Incumbent or None
             The best plan so far.
 
         Returns
@@ -75,7 +79,7 @@ class Passage:
         Incumbent or None
             No worse than the plan given.
         """
-        best, pace = known, _Pace(unit_price, scale, limits, _NODES)
+        best, pace = incumbent, _Pace(unit_price, scale, limits, _NODES)
         path = self.path_search.path(unit_price / self.path_search.unit)
         if path is not None:
             best = _better(
@@ -88,26 +92,22 @@ class Passage:
     def earliest_plan(self, limits: Limits) -> Incumbent | None:
         """Return a plan that waits where it must and then loses no time; None if none was found.
 
-        It leaves the way to others, who may find none past a vehicle that takes all its time.
-
-        Parameters
-        ----------
-        limits : Limits
-            When to stop early.
+        It leaves the passage free early for others, which may find no path past a vehicle that
+        takes all its time.
         """
         path_search, unit = self.path_search, self.path_search.unit
-        # Where no effort is needed, or none counts, any price makes haste.
+        # Where no effort is needed, or none counts, any cost of delay will do.
         delay_cost = path_search.motion.start_cost or 1.0
         # A step is worth about a hundredth of the bound.
         price = delay_cost / (_STEP_SHARE * self.rater.program.risk_bound)
         path = path_search.path(price, delay_cost)
         if path is None:
             return None
-        room = np.tile(_ROOM * path_search.motion.longest, len(path))
+        room = np.tile(_TUBE * path_search.motion.longest, len(path))
         program = along(self.rater.program, path_search.places, path.ravel(), room)
         rater = Rater(program, unit)
         found = self._along(rater, path, _Pace(price * unit, delay_cost, limits, _NODES_ALONG))
-        # The lattice knows no sagitta: a side that it passes on may not hold, or not be the best.
+        # The lattice ignores the sagitta: an alternative of its path may not hold, or not be best.
         tree = RiskTree(
             program,
             unit,
@@ -123,7 +123,7 @@ class Passage:
         return tree.best
 
     def _along(self, rater: Rater, path: Matrix, pace: _Pace) -> Incumbent | None:
-        """Return a plan that passes everything on the way's sides, or about."""
+        """Return a plan with the alternatives that a path satisfies, where these are clear."""
         program = rater.program
         outputs = program.constant.copy()
         outputs[self.path_search.places] = path.ravel()
@@ -131,7 +131,7 @@ class Passage:
         slacks = program.rows.offsets - program.rows.normals @ outputs
         found = self._around(rater, slacks, None, pace)
         if found is None and not pace.limits.reached:
-            # In a maze too many sides are in doubt: first those of the way, all of them.
+            # In a maze too many alternatives are in doubt: first all of the path's own.
             found = self._around(rater, slacks, None, pace, is_rigid=True)
             if found is not None:
                 found = self._around(rater, program.slacks(found.z), found, pace)
@@ -146,7 +146,7 @@ class Passage:
         *,
         is_rigid: bool = False,
     ) -> Incumbent | None:
-        """Search near a way for a plan, or for a better one."""
+        """Search near a path for a plan, or for a better one."""
         return search_around(
             rater,
             slacks,
@@ -162,6 +162,6 @@ class Passage:
 
 
 def _better(one: Incumbent | None, two: Incumbent | None, price: float) -> Incumbent | None:
-    """Return the plan of less cost and priced risk."""
+    """Return the plan of less cost plus priced risk."""
     plans = [plan for plan in (one, two) if plan is not None]
     return min(plans, key=lambda plan: plan.cost + price * plan.risk, default=None)
