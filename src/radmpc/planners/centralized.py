@@ -18,7 +18,7 @@ __all__ = ["Centralized"]
 
 @dataclass(frozen=True, slots=True)
 class Centralized(Decomposition):
-    """All vehicles in one program; a record without attributes."""
+    """All vehicles in one program."""
 
     def __str__(self) -> str:
         return "centralized"

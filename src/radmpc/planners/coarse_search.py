@@ -15,6 +15,7 @@ from itertools import product
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.planners.coarse_grid import CoarseGrid, coarse_grid
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import avoidance_blocks
@@ -22,12 +23,6 @@ from radmpc.solvers.selection import least_violated, violations_of_outputs
 from radmpc.solvers.solution import Limits
 
 __all__ = ["propose_sides"]
-
-_CELLS_PER_STEP = 5
-"""Cells to the longest displacement along each axis [-]."""
-
-_MAX_CELLS = 6_000
-"""Cells of a grid at most [-]: they grow until there are no more."""
 
 _MAX_ROUNDS = 5
 """Orders of the vehicles that are tried, at most [-]: whoever found no path goes first."""
@@ -69,26 +64,6 @@ def propose_sides(
     return None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Grid:
-    """Positions a vehicle may be at.
-
-    Attributes
-    ----------
-    points : (c, 2) array
-        Cell centers [m], row by row.
-    shape : (int, int)
-        Cells per axis.
-    reach : tuple of int
-        Cells per axis that one step can cross.
-    """
-
-    points: Matrix
-    shape: tuple[int, int]
-    reach: tuple[int, int]
-    stride: Vector
-
-
 class _Search:
     """The vehicles placed so far."""
 
@@ -127,7 +102,7 @@ class _Search:
     def _path(self, i: int, placed: set[int]) -> Matrix | None:
         """Return positions at every step, (T+1, 2), at the least sum of squared moves."""
         model = self.models[i]
-        grid, last = _grid(model), model.horizon
+        grid, last = coarse_grid(model), model.horizon
         tests = self._tests(i, placed)
         here = model.drift_position[:1]
         goal = model.vehicle.goal.center[None, :]
@@ -147,7 +122,7 @@ class _Search:
         return _traced(parents, grid.points, here[0], goal[0])
 
     def _within_reach(
-        self, model: CondensedModel, points: Matrix, k: int, grid: _Grid
+        self, model: CondensedModel, points: Matrix, k: int, grid: CoarseGrid
     ) -> np.ndarray:
         """Whether points lie in the vehicle's reach at a step, up to half a cell."""
         half = 0.5 * grid.stride
@@ -221,7 +196,7 @@ class _Step:
 
     here: Matrix
     ahead: Matrix
-    grid: _Grid
+    grid: CoarseGrid
     tests: list[list[tuple[np.ndarray, np.ndarray]]]
 
     def relax(self, costs: Vector) -> tuple[Vector, Indices]:
@@ -273,24 +248,6 @@ def _overlap(count: int, shift: int) -> tuple[slice, slice]:
     if shift >= 0:
         return slice(0, max(count - shift, 0)), slice(shift, count)
     return slice(-shift, count), slice(0, max(count + shift, 0))
-
-
-def _grid(model: CondensedModel) -> _Grid:
-    """Return a grid over the vehicle's reach, some cells to the longest step."""
-    low, high = model.reach_lower.min(axis=0), model.reach_upper.max(axis=0)
-    steps = np.maximum(
-        np.diff(model.reach_upper, axis=0).max(axis=0),
-        -np.diff(model.reach_lower, axis=0).min(axis=0),
-    )
-    stride = np.maximum(steps, 1e-6) / _CELLS_PER_STEP
-    while np.prod(np.floor((high - low) / stride) + 1) > _MAX_CELLS:
-        stride = stride * 1.25
-    axes = [np.arange(a, b + s, s) for a, b, s in zip(low, high, stride, strict=True)]
-    x, y = np.meshgrid(*axes, indexing="ij")
-    # One cell more than a step covers: rounding to centers takes up to half a cell at each end.
-    reach = np.floor(steps / stride + 1e-9).astype(int) + 1
-    points = np.column_stack([x.ravel(), y.ravel()])
-    return _Grid(points, (len(axes[0]), len(axes[1])), (int(reach[0]), int(reach[1])), stride)
 
 
 def _traced(parents: list[Indices], cells: Matrix, start: Vector, goal: Vector) -> Matrix:

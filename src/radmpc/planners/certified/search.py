@@ -6,8 +6,9 @@ import logging
 import time
 from dataclasses import dataclass, field
 
+from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent, accept_round
+from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.within_budget import WithinBudget

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix
+from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent, accept_round
+from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced

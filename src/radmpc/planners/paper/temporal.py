@@ -113,6 +113,17 @@ def standing_obstacle(
     """Return the square around a vehicle that has no plan yet: at its start, for all steps.
 
     Under intervals, the hull with the square that it drifts to within the first step.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    covariances : (T+1, n, n) array
+        Covariances of its state; the first counts.
+    intervals : bool
+        Whether the motion between steps counts.
+    sigmas : float
+        Half-side of the square beside the radius [standard deviations].
     """
     count = len(covariances)
     half = _half_sides(vehicle, covariances[:1], sigmas)[0]

@@ -180,7 +180,7 @@ def _tell(step: Step, seconds: float) -> None:
     """Log an iteration."""
     _LOG.info(
         "%s, %d vehicles: iteration %d, cost %.6g; %d of %d constraints use up their risk; "
-        "simple bounds sum to %.3g, %.3g allocated; %.2f s",
+        "union bounds sum to %.3g, %.3g allocated; %.2f s",
         step.stage,
         len(step.vehicles),
         step.iteration + 1,
