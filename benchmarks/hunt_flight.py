@@ -143,6 +143,8 @@ def solid_distances(solid: Polytope, points: Matrix) -> Vector:
         best = np.minimum(best, _segment_distances(one, two - one, points))
     if points.shape[1] == 3:
         for face, normal in enumerate(solid.normals):
+            if not normal.any():
+                continue
             feet = points - values[:, face, None] * normal
             on_face = (feet @ solid.normals.T <= solid.offsets + 1e-12).all(axis=1)
             best = np.where(on_face, np.minimum(best, np.abs(values[:, face])), best)

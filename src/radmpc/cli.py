@@ -135,7 +135,7 @@ def reproduce(
 @app.command()
 def check(scenario: given.ScenarioFile) -> int:
     """Say whether a scenario file is valid."""
-    from radmpc.console.reports.report import scenario_line
+    from radmpc.console.words import scenario_line
     from radmpc.io.native.scenario_file import load_scenario
 
     show(f"valid: {scenario_line(load_scenario(scenario))}")

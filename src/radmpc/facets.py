@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.errors import ScenarioError
+from radmpc.outline import outline
 
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull
@@ -17,6 +19,8 @@ __all__ = ["Facets", "facets", "frame", "surface"]
 
 # Relative to the largest coordinate: below, a width is rounding. Qhull gives up from 1e-14 on.
 _FLAT = 1e-12
+# Coordinates whose squares overflow: no area can be told [m].
+_TOO_FAR = 1e150
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,14 +64,16 @@ def facets(points: Matrix) -> Facets:
 
     Raises
     ------
-    QhullError, ValueError
+    ScenarioError
         If the points are spread too far to tell.
     """
     scale = float(np.abs(points).max(initial=0.0)) or 1.0
     moves = points / scale - points[0] / scale
     along, across = frame(moves, _FLAT)
     if not len(across) and len(along) > 1:
-        return _of_body(points)
+        if scale > _TOO_FAR:
+            raise _too_far()
+        return _of_polygon(points) if len(along) == 2 else _of_body(points)
     return _of_flat(points, moves @ along.T, along, across)
 
 
@@ -88,9 +94,7 @@ def surface(points: Matrix) -> Tensor:
     if found.dimension == 2:
         first, *rest = points[found.corners]
         return np.array([[first, second, third] for second, third in pairwise(rest)])
-    from scipy.spatial import ConvexHull  # noqa: PLC0415 - boxes do without scipy
-
-    hull = ConvexHull(points)
+    hull = _qhull(points)
     first, second, third = points[hull.simplices.T]
     # Qhull gives no order; the plane's normal points outward.
     normals = np.cross(second - first, third - first)
@@ -139,30 +143,61 @@ def _orthonormal(vectors: Matrix, basis: Matrix, least: float) -> Matrix:
     return basis
 
 
-def _of_body(points: Matrix) -> Facets:
-    """Return the facets of points that span everything."""
-    from scipy.spatial import ConvexHull  # noqa: PLC0415 - boxes do without scipy
+def _of_polygon(points: Matrix) -> Facets:
+    """Return the facets of points that span the plane."""
+    corners = outline(points)
+    edges = np.column_stack([corners, np.roll(corners, -1)])
+    x, y = (points[edges[:, 1]] - points[edges[:, 0]]).T
+    # Plus zero: no minus zeros in files.
+    normals = np.column_stack([y, -x]) / np.hypot(x, y)[:, None] + 0.0
+    offsets = (normals @ points.T).max(axis=1)
+    first, _ = _faces(np.column_stack([normals, offsets]))
+    return Facets(normals[first], offsets[first], corners, edges, 2)
 
-    hull = ConvexHull(points)
-    # Qhull cuts facets into simplices: equal planes up to rounding are one face.
-    _, first, face = np.unique(
-        np.round(hull.equations, 9), axis=0, return_index=True, return_inverse=True
-    )
-    equations = hull.equations[np.sort(first)]
+
+def _of_body(points: Matrix) -> Facets:
+    """Return the facets of points that span space."""
+    hull = _qhull(points)
+    first, face = _faces(hull.equations)
+    equations = hull.equations[first]
     return Facets(
         normals=np.ascontiguousarray(equations[:, :-1]),
         offsets=np.ascontiguousarray(-equations[:, -1]),
         corners=hull.vertices.astype(np.int64),
-        edges=_edges(hull, face.ravel()),
+        edges=_edges(hull, face),
         dimension=points.shape[1],
     )
 
 
+def _qhull(points: Matrix) -> ConvexHull:
+    """Return what Qhull says of points that span space."""
+    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - the plane does without
+
+    try:
+        return ConvexHull(points)
+    except (QhullError, ValueError) as error:
+        raise _too_far() from error
+
+
+def _too_far() -> ScenarioError:
+    """Return the error of points spread too far."""
+    return ScenarioError("has points too far apart to tell what they enclose")
+
+
+def _faces(equations: Matrix) -> tuple[Indices, Indices]:
+    """Return the first of equal planes, in their order, and which face each plane is of.
+
+    Up to rounding: Qhull cuts facets into simplices, and a side may have a corner in it.
+    """
+    _, first, face = np.unique(
+        np.round(equations, 9), axis=0, return_index=True, return_inverse=True
+    )
+    return np.sort(first), face.ravel()
+
+
 def _edges(hull: ConvexHull, face: Indices) -> Indices:
-    """Return the edges of a hull, (e, 2), given the face that each simplex is part of."""
+    """Return the edges of a hull in space, (e, 2), given the face that each simplex is part of."""
     dimension = hull.simplices.shape[1]
-    if dimension == 2:
-        return hull.simplices.astype(np.int64)
     simplex, opposite = np.nonzero(face[:, None] != face[hull.neighbors])
     others = [[j for j in range(dimension) if j != i] for i in range(dimension)]
     sides = np.sort(hull.simplices[simplex[:, None], np.array(others)[opposite]], axis=1)
@@ -188,7 +223,7 @@ def _of_flat(points: Matrix, places: Matrix, along: Matrix, across: Matrix) -> F
         corners = np.array([places[:, 0].argmin(), places[:, 0].argmax()])
         normals, edges = np.concatenate([along, -along, sides]), corners[None]
     else:
-        own = _of_body(places)
+        own = _of_polygon(places)
         normals = np.concatenate([own.normals @ along, sides])
         corners, edges = own.corners, own.edges
     return Facets(normals, (normals @ points.T).max(axis=1), corners, edges, len(along))

@@ -11,6 +11,7 @@ from functools import cache, partial
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
+import scipy
 
 from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
 from radmpc.arrays import Matrix
@@ -236,10 +237,14 @@ def _cost(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:
 @cache
 def _versions() -> dict[str, str]:
     """Return the versions a plan depends on."""
-    found = {"radmpc": __version__, "python": platform.python_version()}
-    for package in ("highspy", "numpy", "scipy"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:  # pragma: no cover - a vendored copy without metadata
-            found[package] = "unknown"
-    return found
+    try:
+        highspy = version("highspy")
+    except PackageNotFoundError:  # pragma: no cover - a vendored copy without metadata
+        highspy = "unknown"
+    return {
+        "radmpc": __version__,
+        "python": platform.python_version(),
+        "highspy": highspy,
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from radmpc.console import output
 from radmpc.console.files import OutputError, check_output, demo_text, writing
 from radmpc.console.output import note, show_json
 from radmpc.console.reports.progress import ProgressLine, progress_line, progress_text
@@ -25,6 +26,25 @@ from .test_report import make_plan, shown
 def test_a_note_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     note("one\n  two")
     assert capsys.readouterr().err == "radmpc: one two\n"
+
+
+LINES = ["a [b] c", "ends in spaces  ", "", "tab\there", "schöner Hafen", "bell\a", "two\nlines"]
+
+
+@pytest.mark.parametrize("text", [*LINES, "word " * 30])
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_lines_are_printed_the_same_without_rich(
+    text: str,
+    is_terminal: bool,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: is_terminal)
+    monkeypatch.setenv("COLUMNS", "40")
+    output.show(text, "next")
+    width = 40 if is_terminal else 5000
+    rendered = output._rendered([text, "next"], is_terminal, width)
+    assert capsys.readouterr().out == rendered + "\n"
 
 
 def test_numbers_that_json_lacks_are_refused() -> None:

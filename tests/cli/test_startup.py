@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from .conftest import CROSSING
 
-# A quarter of a second and more each.
-NEVER = {"scipy.optimize", "scipy.stats", "scipy.ndimage", "matplotlib", "pandas", "PIL"}
+# A tenth of a second and more each.
+NEVER = {
+    "scipy.linalg",
+    "scipy.ndimage",
+    "scipy.optimize",
+    "scipy.sparse.csgraph",
+    "scipy.sparse.linalg",
+    "scipy.spatial",
+    "scipy.stats",
+    "matplotlib",
+    "pandas",
+    "PIL",
+}
 CORNERS = "  - {name: reef, vertices: [[4.5, 7], [5.5, 7], [5.5, 8]]}"
+BENT = "  - {name: reef, vertices: [[4.5, 7], [5.5, 7], [5.5, 8], [5.2, 7.2]]}"
 ASKS = """
 import sys
 from radmpc.cli import app
@@ -30,18 +43,53 @@ def loaded(*words: object) -> set[str]:
     return set(done.stderr.split())
 
 
-def test_a_file_of_boxes_is_checked_without_scipy_and_solvers(crossing: Path) -> None:
-    modules = loaded("check", crossing)
+@pytest.fixture
+def with_rock(tmp_path: Path) -> Callable[[str], Path]:
+    """Write the crossing with another rock."""
+
+    def write(rock: str) -> Path:
+        path = tmp_path / "reef.yaml"
+        old = next(line for line in CROSSING.splitlines() if "rock" in line)
+        path.write_text(CROSSING.replace(old, rock), encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_the_version_is_told_without_numbers_files_and_styles() -> None:
+    assert loaded("--version") & {"numpy", "pydantic", "rich", "ruamel.yaml"} == set()
+
+
+@pytest.mark.parametrize("rock", ["  - {name: rock, min: [4, 7], max: [5, 8]}", CORNERS])
+def test_convex_obstacles_are_checked_with_numpy_alone(
+    rock: str, with_rock: Callable[[str], Path]
+) -> None:
+    modules = loaded("check", with_rock(rock))
     assert "radmpc.io.native.scenario_file" in modules
-    assert modules & (NEVER | {"scipy", "highspy", "radmpc.planning"}) == set()
+    assert modules & (NEVER | {"scipy", "shapely", "highspy", "rich", "radmpc.planning"}) == set()
+
+
+def test_only_an_obstacle_that_is_not_convex_needs_shapely(
+    with_rock: Callable[[str], Path],
+) -> None:
+    modules = loaded("check", with_rock(BENT))
+    assert "shapely" in modules
+    assert modules & (NEVER | {"scipy", "highspy", "rich", "radmpc.planning"}) == set()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", ["check", "plan"])
-def test_of_scipy_only_what_small_scenarios_need_is_loaded(command: str, tmp_path: Path) -> None:
-    path = tmp_path / "reef.yaml"
-    rock = next(line for line in CROSSING.splitlines() if "rock" in line)
-    path.write_text(CROSSING.replace(rock, CORNERS), encoding="utf-8")
-    modules = loaded(command, path)
-    assert "scipy.spatial" in modules
-    assert modules & NEVER == set()
+def test_of_scipy_only_what_small_scenarios_need_is_loaded(
+    with_rock: Callable[[str], Path],
+) -> None:
+    modules = loaded("plan", with_rock(CORNERS))
+    assert {"scipy.sparse", "scipy.special", "highspy"} <= modules
+    assert modules & (NEVER | {"shapely"}) == set()
+
+
+@pytest.mark.slow
+def test_a_plan_is_verified_without_trees_and_solvers(crossing: Path, tmp_path: Path) -> None:
+    out = tmp_path / "plan.json"
+    loaded("plan", crossing, "-o", out)
+    modules = loaded("verify", out, "--samples", 100)
+    assert "radmpc.referee" in modules
+    assert modules & (NEVER | {"highspy", "shapely", "radmpc.solvers"}) == set()

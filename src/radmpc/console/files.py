@@ -6,7 +6,6 @@ import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.resources import files
 from pathlib import Path
 
 from radmpc.errors import RadmpcError
@@ -78,6 +77,8 @@ def writing(target: Path | str) -> Iterator[None]:
 
 def demo_text() -> str:
     """Return the shipped scenario as it stands in its file."""
+    from importlib.resources import files  # noqa: PLC0415 - few commands ask
+
     return files("radmpc.data").joinpath(f"{DEMO_NAME}.yaml").read_text(encoding="utf-8")
 
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import StringIO
 from shutil import get_terminal_size
-
-from rich.console import Console, RenderableType
+from typing import TYPE_CHECKING, TypeGuard
 
 from radmpc.console.files import OutputError, writing
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 __all__ = ["note", "show", "show_json", "silence_closed_pipe", "width"]
 
@@ -21,12 +23,25 @@ _PIPED_WIDTH = 5000  # letters; no line of a report is broken
 
 def show(*parts: RenderableType) -> None:
     """Print parts of a report to stdout: styled on a terminal, plain text otherwise."""
-    is_terminal = sys.stdout.isatty()
+    is_terminal, most = sys.stdout.isatty(), width()
+    lines = [part.rstrip() for part in parts if _is_plain(part, most)]
+    _write("\n".join(lines) if len(lines) == len(parts) else _rendered(parts, is_terminal, most))
+
+
+def _is_plain(part: RenderableType, most: int) -> TypeGuard[str]:
+    """Whether a part is a line that is printed as it is."""
+    return isinstance(part, str) and len(part) <= most and part.isascii() and part.isprintable()
+
+
+def _rendered(parts: Sequence[RenderableType], is_terminal: bool, most: int) -> str:
+    """Return parts of a report as text, with styles on a terminal."""
+    from rich.console import Console  # noqa: PLC0415 - a line or two do without
+
     buffer = StringIO()
     console = Console(
         file=buffer,
         force_terminal=is_terminal,
-        width=width(),
+        width=most,
         # Names come from files: brackets in them are no markup.
         markup=False,
         highlight=False,
@@ -34,7 +49,7 @@ def show(*parts: RenderableType) -> None:
     )
     for part in parts:
         console.print(part)
-    _write("\n".join(line.rstrip() for line in buffer.getvalue().splitlines()))
+    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines())
 
 
 def width() -> int:

@@ -12,9 +12,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from radmpc.arguments import is_number, told
 from radmpc.arrays import Indices, Tensor, Vector
@@ -22,6 +19,8 @@ from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
+from radmpc.nearby import near_pairs
+from radmpc.planners.components import components
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.sets import SetPlan, in_order, plan_sets, verdict_of_sets
@@ -101,16 +100,13 @@ def _sets(
         ]
     )
     pairs, distances = close_pairs(positions, meters)
-    n = scenario.num_vehicles
-    edges = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    count, labels = connected_components(edges, directed=False)
-    sets = [tuple(int(i) for i in np.flatnonzero(labels == c)) for c in range(count)]
+    sets = components(scenario.num_vehicles, pairs.tolist())
     names = [vehicle.name for vehicle in scenario.vehicles]
     couplings = tuple(
         Coupling(names[i], names[j], "distance", closest)
         for (i, j), closest in zip(pairs.tolist(), distances.tolist(), strict=True)
     )
-    return tuple(sorted(sets)), couplings
+    return sets, couplings
 
 
 def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:
@@ -134,7 +130,7 @@ def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:
     for here, ahead in pairwise(positions.swapaxes(0, 1)):
         # Two that come close within the step have middles no further apart than this.
         longest = float(np.linalg.norm(ahead - here, axis=1).max(initial=0.0))
-        near = KDTree(0.5 * (here + ahead)).query_pairs(meters + longest, output_type="ndarray")
+        near = near_pairs(0.5 * (here + ahead), meters + longest)
         i, j = near[:, 0], near[:, 1]
         start, end = here[i] - here[j], ahead[i] - ahead[j]
         move = end - start

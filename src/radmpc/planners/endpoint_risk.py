@@ -13,13 +13,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.geometry import Polytope
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
+from radmpc.nearby import near_pairs
 from radmpc.planners.boxes import Box, Shapes
 from radmpc.program.condensed import CondensedModel
 from radmpc.referee.bound.bounds import instant_risks
@@ -208,7 +208,7 @@ def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> lis
     far = _far(scenario)
     near = 2.0 * (radii.max() + halves.max() + far * spreads.max()) + 1e-6
     found = []
-    for i, j in sorted(cKDTree(centers).query_pairs(float(near))):
+    for i, j in near_pairs(centers, float(near)).tolist():
         one, two = boxes[i], boxes[j]
         box = Box(one.lower - two.upper, one.upper - two.lower, one.covariance + two.covariance)
         points = box.corners(1)

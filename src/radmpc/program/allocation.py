@@ -56,8 +56,8 @@ def uniform_allocation(
     if counts.sum() == 0 or left <= 0.0:
         return unavoidable
     shares = counts.sum() + (program.num_presolved if spread == "all" else 0)
-    allocated: Vector = unavoidable + left / float(shares)
-    return allocated
+    risks: Vector = unavoidable + left / float(shares)
+    return risks
 
 
 def margins_of(program: DisjunctiveProgram, allocation: Vector) -> Vector:

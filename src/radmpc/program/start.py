@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from radmpc.arrays import Tensor
 from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
+from radmpc.nearby import near_pairs
 from radmpc.program.openings import best_clearance
 
 __all__ = ["start_pair_risk"]
@@ -45,7 +45,7 @@ def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:
     faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
     origin = np.zeros((1, scenario.dimension))
     total = 0.0
-    for i, j in sorted(cKDTree(positions).query_pairs(float(near))):
+    for i, j in near_pairs(positions, float(near)).tolist():
         clearance, _ = best_clearance(
             positions[i] - positions[j],
             noises[i] + noises[j],

@@ -6,16 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 from scipy.special import ndtr
 
-from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
 
 # Standard deviations from which an encounter is far, and the risk of one half-space there.
 _CUTOFF = 9.0
+# Vehicles up to which every pair is looked at: a tree is no quicker, and takes long to load.
+_FEW = 64
 CUTOFF_RISK = float(ndtr(-_CUTOFF))
 
 
@@ -68,18 +69,27 @@ def near_pairs(balls: Balls) -> Indices:
     found: list[Indices] = []
     for k in range(balls.centers.shape[1]):
         centers, reaches = balls.centers[:, k], balls.reaches[:, k]
-        # The larger of two balls that meet reaches the other's center within twice its radius.
-        tree = cKDTree(centers)
-        lists = tree.query_ball_point(centers, 2.0 * reaches)
-        sizes = np.array([len(near) for near in lists])
-        i = np.repeat(np.arange(count), sizes)
-        j = np.concatenate([np.asarray(near, dtype=np.int64) for near in lists])
-        low, high = np.minimum(i, j), np.maximum(i, j)
+        low, high = _candidates(centers, reaches)
         gap = np.linalg.norm(centers[low] - centers[high], axis=1)
         meet = (low < high) & (gap <= reaches[low] + reaches[high])
         found.append(np.unique(low[meet] * count + high[meet]))
     keys = np.unique(np.concatenate(found))
     return np.column_stack([keys // count, keys % count])
+
+
+def _candidates(centers: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
+    """Return pairs among which are all whose balls meet, some of them twice or with themselves."""
+    count = len(centers)
+    if count <= _FEW:
+        low, high = np.triu_indices(count, 1)
+        return low, high
+    from scipy.spatial import cKDTree  # noqa: PLC0415 - see `_FEW`
+
+    # The larger of two balls that meet reaches the other's center within twice its radius.
+    lists = cKDTree(centers).query_ball_point(centers, 2.0 * reaches)
+    i = np.repeat(np.arange(count), [len(near) for near in lists])
+    j = np.concatenate([np.asarray(near, dtype=np.int64) for near in lists])
+    return np.minimum(i, j), np.maximum(i, j)
 
 
 def far_from_box(balls: Balls, lower: Vector, upper: Vector) -> npt.NDArray[np.bool_]:

@@ -13,10 +13,10 @@ from radmpc.console.output import note, show, show_json, width
 from radmpc.console.picture import check_picture
 from radmpc.console.reports.comparison_table import comparison_table
 from radmpc.console.reports.progress import progress_line
-from radmpc.console.reports.report import scenario_line
 from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.console.running.workers import workers
+from radmpc.console.words import scenario_line
 from radmpc.errors import ScenarioError
 from radmpc.experiments.comparing import Comparison, compare
 from radmpc.model.scenario import Scenario

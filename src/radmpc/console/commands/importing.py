@@ -10,8 +10,9 @@ from radmpc import importing
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.options import named_options
 from radmpc.console.output import show
-from radmpc.console.reports.report import facts, scenario_line
+from radmpc.console.reports.report import facts
 from radmpc.console.running.guard import Code
+from radmpc.console.words import scenario_line
 from radmpc.io.native.scenario_file import save_scenario
 
 __all__ = ["run_import"]

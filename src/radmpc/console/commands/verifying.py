@@ -11,9 +11,10 @@ from rich.text import Text
 from radmpc.console.loading import read_plan
 from radmpc.console.output import show, show_json
 from radmpc.console.reports.progress import progress_line
-from radmpc.console.reports.report import facts, scenario_line, verdict
+from radmpc.console.reports.report import facts, verdict
 from radmpc.console.reports.saturating import saturation_line, saturation_warning
 from radmpc.console.running.guard import Code
+from radmpc.console.words import scenario_line
 from radmpc.errors import ScenarioError
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.text import Text
 
-from radmpc.solvers.solution import relative_gap
-
 __all__ = ["ProgressCallback", "ProgressLine", "progress_line", "progress_text"]
 
 ProgressCallback = Callable[[str, int, int | None], None]
@@ -40,6 +38,8 @@ class ProgressLine:
 
     def found(self, cost: float, bound: float | None) -> None:
         """Take the cost of the best plan so far, and its lower bound or None."""
+        from radmpc.solvers.solution import relative_gap  # noqa: PLC0415 - verifying needs none
+
         gap = "" if bound is None else f", gap {100.0 * relative_gap(cost, bound):.2g} %"
         self._best = f"best cost {cost:.6g}{gap}"
 

@@ -17,27 +17,15 @@ from radmpc.console.reports.reasons import (
     reasons_text,
 )
 from radmpc.console.reports.saturating import saturation_line
+from radmpc.console.words import count_text, scenario_line
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
-from radmpc.model.scenario import Scenario
 
-__all__ = ["facts", "ledger_table", "plan_report", "scenario_line", "vehicle_table", "verdict"]
+__all__ = ["facts", "ledger_table", "plan_report", "vehicle_table", "verdict"]
 
 _TOP_ROWS = 8
 _MAX_SETS = 12
 _LEAST_SHARE = 1e-9  # of the bound; lines below it are summed up
-
-
-def scenario_line(scenario: Scenario) -> str:
-    """Return what a scenario asks, in one line."""
-    parts = [
-        _count(scenario.num_vehicles, "vehicle"),
-        _count(len(scenario.obstacles), "obstacle"),
-        f"{_count(scenario.horizon, 'step')} of {scenario.dt:g} s",
-        f"risk bound {scenario.risk_bound:g}",
-        "avoidance " + ("at steps" if scenario.avoidance == "steps" else "along intervals"),
-    ]
-    return f"{scenario.name}: {', '.join(parts)}"
 
 
 def plan_report(
@@ -73,7 +61,7 @@ def plan_report(
     if noise:
         rows["noise"] = Text(noise, style="yellow")
     if num_events:
-        rows["events"] = f"{_count(num_events, 'subproblem')} of RADMPC had no solution"
+        rows["events"] = f"{count_text(num_events, 'subproblem')} of RADMPC had no solution"
     rows["seconds"] = _seconds(plan.seconds)
     parts: list[Table | Text] = [Text(scenario_line(plan.scenario), style="bold"), facts(rows)]
     if plan.risk.ledger:
@@ -199,7 +187,7 @@ def _sets(sets: tuple[tuple[str, ...], ...]) -> str:
     ordered = sorted(sets, key=len, reverse=True)
     shown = ", ".join("{" + ", ".join(group) + "}" for group in ordered[:_MAX_SETS])
     hidden = len(ordered) - _MAX_SETS
-    return shown if hidden <= 0 else f"{shown} and {_count(hidden, 'more set')}"
+    return shown if hidden <= 0 else f"{shown} and {count_text(hidden, 'more set')}"
 
 
 def _seconds(seconds: Mapping[str, float]) -> str:
@@ -221,8 +209,3 @@ def _share(risk: float, bound: float) -> str:
         return "< 0.1 %"
     decimals = 2 - math.floor(math.log10(percent)) if percent else 0
     return f"{percent:.{max(decimals, 0)}f} %"
-
-
-def _count(number: int, noun: str) -> str:
-    """Return a number and its noun, which ends in s unless there is one."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -32,7 +32,9 @@ _MOST_STEPS = 1000
 class FileModel(BaseModel):
     """A mapping in a file: no conversions between types, no unknown keys."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    # Validators take as long to build as small files to read: one for each kind of file that is
+    # read, when it is, rather than one for each class.
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
 
 
 class WorkspaceSpec(FileModel):
@@ -100,7 +102,7 @@ class VehicleSpec(FileModel):
     speed_limit: ScalarOrVector | None = None
     initial_covariance: Square = 0.0
     disturbance_covariance: Square = 0.0
-    dynamics: DynamicsSpec = DynamicsSpec(model="double_integrator")
+    dynamics: DynamicsSpec = DynamicsSpec.model_construct(model="double_integrator")
     feedback: FeedbackSpec | None = None
     control_sigmas: Number = 3.0
     cost_weight: Number = 1.0
@@ -118,6 +120,6 @@ class ScenarioSpec(FileModel):
     pair_faces: Annotated[int, Field(le=360)] | None = None
     workspace: WorkspaceSpec | None = None
     obstacles: Annotated[list[ObstacleSpec], Field(max_length=MOST_OBSTACLES)] = []
-    defaults: VehicleSpec = VehicleSpec()
+    defaults: VehicleSpec = VehicleSpec.model_construct()
     vehicles: Annotated[list[VehicleSpec], Field(max_length=MOST_VEHICLES)]
     source: dict[str, Any] | None = None

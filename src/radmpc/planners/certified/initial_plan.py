@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.merging import Members, owners_of
+from radmpc.planners.components import components
 from radmpc.solvers.priced.neighborhood import Neighborhood, Seek
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.rating import Rater
@@ -79,16 +78,11 @@ def _merged(
     sets: tuple[Members, ...], set_risks: Mapping[tuple[int, int], float], least: float
 ) -> tuple[Members, ...]:
     """Merge all sets that are in each other's way, directly or through others."""
-    pairs = np.array([pair for pair, risk in set_risks.items() if risk > least], dtype=np.int64)
-    if pairs.size == 0:
+    pairs = [pair for pair, risk in set_risks.items() if risk > least]
+    if not pairs:
         return sets
-    shape = (len(sets), len(sets))
-    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=shape)
-    count, labels = connected_components(graph, directed=False)
-    groups: list[list[int]] = [[] for _ in range(count)]
-    for members, label in zip(sets, labels.tolist(), strict=True):
-        groups[label] += members
-    return tuple(tuple(sorted(group)) for group in groups)
+    groups = components(len(sets), pairs)
+    return tuple(tuple(sorted(i for part in group for i in sets[part])) for group in groups)
 
 
 def _weights(fleet: Fleet, members: Members, alone: Mapping[int, np.ndarray]) -> dict[int, float]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from radmpc.arrays import Indices, Tensor
 from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
+from radmpc.nearby import near_pairs
 
 __all__ = ["by_sets", "inter_set_risks", "pair_risks_across_sets"]
 
@@ -158,12 +158,13 @@ def _neighbors(
     """Return the pairs of vehicles that come near each other at any step."""
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
     path = float(steps) + 2.0 * sagitta if scenario.avoidance == "intervals" else 0.0
-    found: set[tuple[int, int]] = set()
+    found = []
     largest = np.linalg.eigvalsh(covariances)[..., -1].max(axis=0)
     for k in range(means.shape[1]):
         spread = float(np.sqrt(max(float(largest[k]), 0.0)))
         near = 2.0 * radii.max() + _FAR * np.sqrt(2.0) * spread + path
         near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
-        found |= cKDTree(means[:, k]).query_pairs(near)
-    pairs = np.array(sorted(found), dtype=np.int64).reshape(-1, 2)
-    return pairs[:, 0], pairs[:, 1]
+        found.append(near_pairs(means[:, k], float(near)))
+    pairs, count = np.concatenate(found), len(means)
+    one, two = np.divmod(np.unique(pairs[:, 0] * count + pairs[:, 1]), count)
+    return one, two

@@ -6,13 +6,12 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.gaussian import tail_probability
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
+from radmpc.planners.components import components
 
 __all__ = ["connected_sets", "couplings_of", "face_risk", "share_couplings"]
 
@@ -59,17 +58,17 @@ def face_risk(
     if far is None:
         return float(tail_probability(_held(before, 0.0).max()))
     after = [_margins(faces, radius, far)]
-    sagitta = np.zeros(len(faces[1]))
+    height = np.zeros(len(faces[1]))
     if sagitta is not None:
-        sagitta = np.maximum(faces[0] @ sagitta, 0.0)
-    low, high = np.zeros(sagitta.size), np.ones(sagitta.size)
-    best = np.full(sagitta.size, -np.inf)
+        height = np.maximum(faces[0] @ sagitta, 0.0)
+    low, high = np.zeros(height.size), np.ones(height.size)
+    best = np.full(height.size, -np.inf)
     # The near end has less left the more of the reserve it keeps, the far end more.
     for _ in range(_ROUNDS):
         share = 0.5 * (low + high)
         ends = (
-            _held(before, 4.0 * sagitta * share**2),
-            _held(after, 4.0 * sagitta * (1.0 - share) ** 2),
+            _held(before, 4.0 * height * share**2),
+            _held(after, 4.0 * height * (1.0 - share) ** 2),
         )
         best = np.maximum(best, np.minimum(*ends))
         has_spare = ends[0] > ends[1]
@@ -115,11 +114,7 @@ def connected_sets(
         Sets of vehicles, each ascending, ordered by their first vehicle.
     """
     edges = np.maximum(pair_risk, pair_risk.T) > threshold
-    for i, j in forced:
-        edges[i, j] = True
-    count, labels = connected_components(coo_array(edges), directed=False)
-    sets = [tuple(int(i) for i in np.flatnonzero(labels == c)) for c in range(count)]
-    return tuple(sorted(sets))
+    return components(len(edges), [*((int(i), int(j)) for i, j in np.argwhere(edges)), *forced])
 
 
 def couplings_of(

@@ -1,31 +1,17 @@
-"""Convex polytopes as half-spaces and vertices, in any dimension; non-convex polygons split.
-
-No time, no probability.
-"""
+"""Convex polytopes as half-spaces and vertices, in any dimension. No time, no probability."""
 
 from __future__ import annotations
 
-import heapq
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-import shapely
 
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
 from radmpc.facets import facets, frame
 
-__all__ = [
-    "Polytope",
-    "box",
-    "convex_pieces",
-    "halfspaces",
-    "hull",
-    "planar",
-    "sphere_directions",
-]
+__all__ = ["Polytope", "box", "halfspaces", "hull", "sphere_directions"]
 
 _UNBOUNDED = "normals and offsets must describe a bounded set"
 # Radius of the largest ball up to which a set of half-spaces has no inner points [m]; below what
@@ -115,12 +101,7 @@ def hull(points: npt.ArrayLike) -> Polytope:
     cloud = as_matrix(points)
     if not cloud.size:
         raise ScenarioError("needs at least one point, got none")
-    from scipy.spatial import QhullError  # noqa: PLC0415 - boxes do without scipy
-
-    try:
-        found = facets(cloud)
-    except (QhullError, ValueError) as error:
-        raise ScenarioError("has points too far apart to tell what they enclose") from error
+    found = facets(cloud)
     return Polytope(frozen(found.normals), frozen(found.offsets), frozen(cloud[found.corners]))
 
 
@@ -215,84 +196,6 @@ def _chebyshev_ball(normals: Matrix, offsets: Vector) -> tuple[Vector, float]:
     if answer.x is None:
         raise ScenarioError("normals and offsets describe an empty set")
     return np.asarray(answer.x[:-1]), float(answer.x[-1])
-
-
-def planar(piece: Polytope) -> shapely.Geometry:
-    """Return a set in the plane as shapely has it: a polygon, a line or a point."""
-    corners = piece.vertices
-    if len(corners) == 1:
-        return shapely.Point(corners[0])
-    return shapely.LineString(corners) if len(corners) == 2 else shapely.Polygon(corners)
-
-
-def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
-    """Split a simple polygon into convex pieces that cover it exactly.
-
-    Parameters
-    ----------
-    vertices : (v, 2) array_like
-        Corners in order, either way round; all on one line make a segment [m].
-
-    Returns
-    -------
-    tuple of Polytope
-        One piece where the polygon is convex.
-
-    Raises
-    ------
-    ScenarioError
-        If there is no corner, or the outline crosses itself.
-    """
-    outline = as_matrix(vertices, (None, 2))
-    around = hull(outline)
-    if len(around.vertices) < 3:
-        return (around,)
-    polygon = shapely.Polygon(outline)
-    if not polygon.is_valid or polygon.area <= 0.0:
-        why = shapely.is_valid_reason(polygon)
-        raise ScenarioError(f"must be a simple polygon with an area, got one with: {why}")
-    if _is_convex(polygon):
-        return (around,)
-    pieces = list(shapely.constrained_delaunay_triangles(polygon).geoms)
-    return tuple(hull(np.array(piece.exterior.coords)[:-1]) for piece in _merge_convex(pieces))
-
-
-def _merge_convex(pieces: list[shapely.Geometry]) -> list[shapely.Geometry]:
-    """Join triangles as long as the union stays convex: fewer pieces, fewer avoidances."""
-    left, neighbors = dict(enumerate(pieces)), _neighbors(pieces)
-    # The first pair that can be joined is, until none can; a pair that changed is asked again.
-    pairs = [(i, j) for i, others in neighbors.items() for j in others if i < j]
-    heapq.heapify(pairs)
-    while pairs:
-        i, j = heapq.heappop(pairs)
-        union = shapely.union(left[i], left[j]) if i in left and j in left else None
-        if union is None or union.geom_type != "Polygon" or not _is_convex(union):
-            continue
-        left[i], taken = union, left.pop(j)
-        neighbors[i] = (neighbors[i] | neighbors.pop(j)) - {i, j}
-        for k in neighbors[i]:
-            neighbors[k] = (neighbors[k] - {j}) | {i}
-            if shapely.intersects(taken, left[k]):  # elsewhere all corners are as they were
-                heapq.heappush(pairs, (min(i, k), max(i, k)))
-    return list(left.values())
-
-
-def _neighbors(triangles: list[shapely.Geometry]) -> dict[int, set[int]]:
-    """Return which triangles share an edge with each."""
-    owners: dict[frozenset[tuple[float, ...]], int] = {}
-    neighbors: dict[int, set[int]] = {i: set() for i in range(len(triangles))}
-    for i, triangle in enumerate(triangles):
-        for edge in pairwise(triangle.exterior.coords):
-            j = owners.setdefault(frozenset(edge), i)
-            if j != i:
-                neighbors[i].add(j)
-                neighbors[j].add(i)
-    return neighbors
-
-
-def _is_convex(polygon: shapely.Geometry) -> bool:
-    """Whether a polygon fills its hull, up to rounding."""
-    return bool(polygon.convex_hull.area - polygon.area <= 1e-12 * polygon.convex_hull.area)
 
 
 def sphere_directions(count: int, dimension: int) -> Matrix:

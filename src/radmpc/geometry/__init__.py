@@ -1,0 +1,14 @@
+"""Convex polytopes, and polygons split into them."""
+
+from radmpc.geometry.polygon import convex_pieces, planar
+from radmpc.geometry.polytope import Polytope, box, halfspaces, hull, sphere_directions
+
+__all__ = [
+    "Polytope",
+    "box",
+    "convex_pieces",
+    "halfspaces",
+    "hull",
+    "planar",
+    "sphere_directions",
+]
