@@ -22,13 +22,13 @@ from radmpc.program.restrict import avoidance_blocks
 from radmpc.solvers.selection import least_violated, violations_of_outputs
 from radmpc.solvers.solution import Limits
 
-__all__ = ["propose_sides"]
+__all__ = ["propose_alternatives"]
 
 _MAX_ROUNDS = 5
 """Orders of the vehicles that are tried, at most [-]: whoever found no path goes first."""
 
 
-def propose_sides(
+def propose_alternatives(
     program: DisjunctiveProgram, models: Sequence[CondensedModel], margins: Vector, limits: Limits
 ) -> Indices | None:
     """Propose one alternative per avoidance.

@@ -1,7 +1,7 @@
 """Vehicles that come close are planned together, whatever their risk (Keviczky et al.).
 
 The paper reviews it as the heuristic that its own couplings improve on: a graph with an edge
-between any two vehicles within some distance. Here the distance is that of the ways they would
+between any two vehicles within some distance. Here the distance is that of the paths they would
 take alone, at the same time, so that the graph follows them over the whole horizon.
 """
 
@@ -33,7 +33,7 @@ Sets = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True, slots=True)
 class Distance(Decomposition):
-    """Sets of vehicles whose ways alone come close (Keviczky et al.).
+    """Sets of vehicles whose separate paths come close (Keviczky et al.).
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ def _sets(
 
 
 def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:
-    """Return who comes within a distance of whom on straight ways from step to step.
+    """Return who comes within a distance of whom on straight paths from step to step.
 
     Parameters
     ----------

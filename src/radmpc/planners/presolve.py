@@ -210,18 +210,18 @@ def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
     list of Reason
         Empty where they risk no more than Δ.
     """
-    granted = scenario.risk_bound * (1.0 + _ROUNDING)
-    if found.total <= granted:
+    threshold = scenario.risk_bound * (1.0 + _ROUNDING)
+    if found.total <= threshold:
         return []
     hazards = (*found.starts, *found.goals)
-    alone = [hazard for hazard in hazards if hazard.risk > granted]
+    alone = [hazard for hazard in hazards if hazard.risk > threshold]
     reasons = [Reason(*told) for told in endpoint_sentences(scenario, alone)]
     if reasons:
         return reasons
     for i in range(scenario.num_vehicles):
         for at_goal in (False, True):
             risk = float(found.vehicles[i, int(at_goal)])
-            if risk > granted:
+            if risk > threshold:
                 own = _own(hazards, i, at_goal=at_goal)
                 reasons.append(Reason((i,), endpoints_text(scenario, own, risk)))
     if reasons:

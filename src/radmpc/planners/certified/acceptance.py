@@ -67,7 +67,7 @@ def accept_round(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judg
     for _ in range(_MAX_RESCALINGS):
         if not rescaling.step():
             break
-    return rescaling.settle()
+    return rescaling.finish()
 
 
 @dataclass(slots=True, eq=False)
@@ -142,7 +142,7 @@ class _Rescaling:
         self.budget = budget
         return True
 
-    def settle(self) -> bool:
+    def finish(self) -> bool:
         """Set the fleet's budget by what was found; tell whether sets were merged instead."""
         fleet, incumbent = self.fleet, self.incumbent
         if self.has_merged:

@@ -11,7 +11,7 @@ from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.turning import plan_by_turning
-from radmpc.planners.certified.within_budget import replan_on_sides
+from radmpc.planners.certified.within_budget import replan_with_alternatives
 
 __all__ = ["last_resort"]
 
@@ -71,7 +71,7 @@ def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
 def _take(search: PriceSearch, answer: WhyNot) -> None:
     """Look for a certified plan from the safest that was met."""
     fleet, incumbent, judge = search.fleet, search.incumbent, search.judge
-    replan_on_sides(fleet, incumbent, judge, answer.sets, answer.controls)
+    replan_with_alternatives(fleet, incumbent, judge, answer.sets, answer.controls)
     if not incumbent.controls:
         plan_by_turning(fleet, incumbent, judge, answer.sets, answer.controls)
 

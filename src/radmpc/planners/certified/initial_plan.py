@@ -103,7 +103,7 @@ def _planned_in_turn(
     alone: Mapping[int, np.ndarray],
     weights: Mapping[int, float],
 ) -> Incumbent | None:
-    """Plan the vehicles of a set one after the other, those most in the way first."""
+    """Plan the vehicles of a set one after the other, those with most risk first."""
     problem = fleet.programs.problem(members)
     if problem.rater.is_infeasible:
         return None

@@ -14,7 +14,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.turning import plan_by_turning
-from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import controls_of
 from radmpc.solvers.branch.branch import Branch
@@ -78,7 +78,7 @@ def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | N
             margins,
             gap=fleet.gap,
             limits=limits,
-            guide=lambda: propose_sides(program, problem.models, margins, limits),
+            guide=lambda: propose_alternatives(program, problem.models, margins, limits),
         )
         .z
     )

@@ -87,7 +87,7 @@ def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
 def next_price(tried: list[tuple[float, float]], budget: float) -> float:
     """Return the price at which the budget is expected to be just used.
 
-    Risk falls with its price about in proportion; between two prices on both sides of the budget,
+    Risk falls roughly in proportion to its price; between two prices on both sides of the budget,
     along a straight line in logarithms. Risk that no price moves would drive it without end: from
     some multiple of the first price on, it stays.
 

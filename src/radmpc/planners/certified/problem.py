@@ -11,7 +11,7 @@ from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
-from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.policies import Ira, SolveRequest
 from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
@@ -251,7 +251,9 @@ def _rescue(
         limits,
         "rescue",
         tuple(v.name for v in scenario.vehicles),
-        propose=lambda margins: propose_sides(problem.program, problem.models, margins, limits),
+        propose=lambda margins: propose_alternatives(
+            problem.program, problem.models, margins, limits
+        ),
     )
     solved = Ira().solve(request)
     if solved.solution.z is not None:

@@ -115,9 +115,11 @@ def repriced(
     """
     program = problem.program
     clearances = program.clearances(incumbent.z)
-    sides = incumbent.selection.tolist()
+    alternatives = incumbent.selection.tolist()
     far = float(clearance_for(_NEAR * unit))
-    near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < far)
+    near = tuple(
+        a for a in alternatives if clearances[program.rows_of(a)].min(initial=np.inf) < far
+    )
     tree = RiskTree(
         program, unit, unit_price, gap=1e-3, scale=unit_price, limits=limits, rater=problem.rater
     )

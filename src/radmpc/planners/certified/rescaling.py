@@ -82,14 +82,14 @@ def _kept_apart(
     """Give sets that were moved into another's way their plans of the round back."""
     chosen = list(points)
     for _ in range(_TAKE_BACKS):
-        crossing = fleet.programs.inter_set_risks(candidate.sets, chosen)
+        set_risks = fleet.programs.inter_set_risks(candidate.sets, chosen)
         if (
-            sum(crossing.values())
+            sum(set_risks.values())
             <= 2.0 * candidate.inter_set_risk + _INTER_SET_SHARE * fleet.gap * fleet.unit
         ):
             break
-        for pair, risk in crossing.items():
-            if risk > 0.5 * candidate.inter_set_risk / len(crossing):
+        for pair, risk in set_risks.items():
+            if risk > 0.5 * candidate.inter_set_risk / len(set_risks):
                 for number in pair:
                     chosen[number] = raw[number]
     return tuple(chosen)

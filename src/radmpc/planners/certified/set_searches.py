@@ -15,7 +15,7 @@ from radmpc.solvers.solution import Limits
 __all__ = ["SetSearch", "search_sets"]
 
 _CHUNKS = 16
-"""Parts that a round's sets are handed out in [-]: few enough to pay their way, enough to share."""
+"""Parts that a round's sets are handed out in [-]: each worth sending, enough to share."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -245,9 +245,9 @@ def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumben
         program, unit, price * unit, gap=1e-5, scale=price * unit, limits=fleet.limits, rater=rater
     )
     near = tuple(
-        side
-        for side in rating.selection.tolist()
-        if rating.clearances[program.rows_of(side)].min(initial=np.inf) < _NEAR
+        a
+        for a in rating.selection.tolist()
+        if rating.clearances[program.rows_of(a)].min(initial=np.inf) < _NEAR
     )
     tree.resume(((-np.inf, near),), price * unit, None)
     tree.run(_NODES)

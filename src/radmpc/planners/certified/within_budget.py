@@ -20,7 +20,7 @@ from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
 
-__all__ = ["WithinBudget", "replan_on_sides"]
+__all__ = ["WithinBudget", "replan_with_alternatives"]
 
 _INF = float("inf")
 """No limit, or, negated, no bound."""
@@ -42,7 +42,7 @@ _CHEAPEST, _DEAREST = 1e-3, 1e5
 """Multiples of the first price between which given alternatives are priced [-]."""
 
 
-def replan_on_sides(
+def replan_with_alternatives(
     fleet: Fleet,
     incumbent: FleetIncumbent,
     judge: Judge,

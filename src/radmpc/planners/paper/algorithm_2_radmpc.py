@@ -236,7 +236,7 @@ class _Radmpc:
     ) -> DisjunctiveProgram:
         """Build the subproblem: one vehicle, the others as temporal obstacles."""
         last = self.scenario.horizon
-        # The piece at k covers the way to k+1.
+        # The piece at k covers the motion to k+1.
         windows = range(k, last) if self.intervals else range(k + 1, last + 1)
         temporal = [o.keepout(windows) for o in others]
         return build_program(

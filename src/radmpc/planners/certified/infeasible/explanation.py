@@ -42,7 +42,7 @@ class WhyNot:
     is_proven : bool
         Whether no plan is within the bound; otherwise none was found.
     controls : tuple of (T, m) array
-        The safest plan met on the way, for the referee to judge; empty without one.
+        The safest plan found meanwhile, for the referee to judge; empty without one.
     sets : tuple of tuple of int
         Who was planned together in it.
     blocked : tuple of int

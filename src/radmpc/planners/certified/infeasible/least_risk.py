@@ -24,7 +24,7 @@ _TOLERANCE = 0.02
 """Share of the risk bound to which the least risk is sought [-]."""
 
 _HazardKey = tuple[str, str, str | None]
-"""Cause, vehicle, and what it may meet."""
+"""Cause, vehicle, and what it may hit."""
 
 _EFFORTS = (1, 4, 16)
 """Multiples of the nodes of a round that are tried one after the other [-]."""

@@ -67,11 +67,11 @@ def half_planes_of(
     found: list[list[AvoidanceHalfPlanes]] = [[] for _ in range(horizon)]
     for index, label in enumerate(program.avoidances):
         k = label.step - (0 if is_interval else 1)
-        sides = program.alternatives_of(index)
-        here, ahead = (np.tile([0.0, 0.0, np.inf], (len(sides), 1)) for _ in range(2))
+        alternatives = program.alternatives_of(index)
+        here, ahead = (np.tile([0.0, 0.0, np.inf], (len(alternatives), 1)) for _ in range(2))
         deviation = 1e-9
-        for number, side in enumerate(sides):
-            for row in program.rows_of(side):
+        for number, alternative in enumerate(alternatives):
+            for row in program.rows_of(alternative):
                 plane = here if steps[row] == k else ahead
                 plane[number] = [*normals[row], offsets[row]]
                 deviation = max(deviation, float(rows.deviations[row]))
