@@ -1,4 +1,4 @@
-"""Why there is no plan, in the words of whoever drew the scenario."""
+"""Why there is no plan, in terms of the scenario: vehicles, obstacles, steps and limits."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _MAX_NODES = 2_000
 
 
 def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> str:
-    """Find the plainest reason why vehicles cannot be planned.
+    """Find the simplest reason why vehicles cannot be planned.
 
     Tried in this order: feedback that needs more control than there is, goals out of reach,
     risk at the start, things that cannot be avoided wherever the vehicles may be, single
@@ -203,7 +203,7 @@ def _without_hazards(scenario: Scenario, model: CondensedModel) -> Scenario:
 
 
 def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
-    """Name what is too close at k = 0."""
+    """Return the sentence about starts whose risk alone exceeds the bound."""
     ranked = sorted(program.initial, key=lambda item: -item[1])
     worst, risk = ranked[0]
     if risk >= 0.5:
@@ -217,7 +217,7 @@ def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
 
 
 def _start_in_conflict(risk_item: RiskItem) -> str:
-    """Name a start that is no place to be."""
+    """Return the sentence about a start in contact."""
     if risk_item.cause == "pair":
         return (
             f"The starts of vehicles {risk_item.vehicle!r} and {risk_item.other!r} are too close: "

@@ -232,5 +232,5 @@ def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
 
 
 def _own(hazards: Sequence[EndpointHazard], i: int, *, at_goal: bool) -> tuple[EndpointHazard, ...]:
-    """Return what one vehicle runs in one place, others aside."""
+    """Return the hazards of one vehicle at one endpoint, others aside."""
     return tuple(d for d in hazards if d.members == (i,) and d.at_goal == at_goal)

@@ -17,14 +17,14 @@ _SHARED = 3
 def endpoint_sentences(
     scenario: Scenario, hazards: Sequence[EndpointHazard]
 ) -> list[tuple[tuple[int, ...], str]]:
-    """Return what is wrong with places, each of which is above Δ by itself.
+    """Return what is wrong with starts and goals, each of which is above Δ by itself.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
     hazards : sequence of EndpointHazard
-        The places.
+        Those starts and goals.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def _is_akin(scenario: Scenario, group: Sequence[EndpointHazard], hazard: Endpoi
 
 
 def _pairs_text(scenario: Scenario, members: Sequence[int], group: Sequence[EndpointHazard]) -> str:
-    """Return the sentence about places too close to each other."""
+    """Return the sentence about starts or goals too close to each other."""
     place = "goals" if group[0].at_goal else "starts"
     nearest = min(group, key=lambda hazard: hazard.distance)
     names = [repr(scenario.vehicles[i].name) for i in nearest.members]
@@ -86,7 +86,7 @@ def _pairs_text(scenario: Scenario, members: Sequence[int], group: Sequence[Endp
 def _shared_text(
     scenario: Scenario, members: Sequence[int], group: Sequence[EndpointHazard]
 ) -> str:
-    """Return the sentence about places too close to obstacles or to the border."""
+    """Return the sentence about starts or goals too close to obstacles or to the border."""
     first, *_ = group = sorted(group, key=lambda hazard: hazard.members)
     place = "goals" if first.at_goal else "starts"
     head = f"The {place} of vehicles {_names(scenario, members)}"
@@ -113,7 +113,7 @@ def _names(scenario: Scenario, members: Sequence[int]) -> str:
 
 
 def _risks(scenario: Scenario, group: Sequence[EndpointHazard]) -> str:
-    """Return what the places of a group risk, each by itself."""
+    """Return what the starts or goals of a group risk, each by itself."""
     bound = scenario.risk_bound
     least, most = (rounded(f(d.risk for d in group), bound) for f in (min, max))
     span = f"a risk of {most} each" if least == most else f"risks of {least} to {most}"

@@ -88,7 +88,7 @@ def is_contact(scenario: Scenario, hazard: EndpointHazard) -> bool:
 
 
 def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: float) -> str:
-    """Return what places risk at least, which is above Δ.
+    """Return what starts and goals risk at least, which is above Δ.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: 
 
 
 def _what(scenario: Scenario, hazard: EndpointHazard) -> str:
-    """Name a hazard and its place."""
+    """Name a hazard and the endpoint."""
     names = [repr(scenario.vehicles[i].name) for i in hazard.members]
     place = "goal" if hazard.at_goal else "start"
     if hazard.cause == "pair":

@@ -149,7 +149,7 @@ def _draft(result: _SearchResult, gap: float, seconds: float) -> Draft:
 
 
 def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
-    """Return that there is no plan, and why."""
+    """Return a draft without a plan that says why there is none."""
     status = Status.INFEASIBLE if answer.is_proven else Status.LIMIT
     sets = (tuple(range(scenario.num_vehicles)),) if answer.is_proven else ()
     seconds = {"sets": time.perf_counter() - begun}

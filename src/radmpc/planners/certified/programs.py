@@ -28,6 +28,17 @@ class SetPrograms:
         The risk that 1 stands for in programs [-], see `radmpc.planners.certified.fleet`.
     is_costless : bool
         Whether effort counts for nothing.
+
+    Attributes
+    ----------
+    models : sequence of CondensedModel
+        Those of all vehicles.
+    covariances : (N, T+1, d, d) array
+        Their position covariances [m²].
+    problems : dict
+        The sets' programs.
+    alone : dict
+        The sets' scenarios: their vehicles with the obstacles that these may hit.
     """
 
     def __init__(self, scenario: Scenario, unit: float, *, is_costless: bool) -> None:

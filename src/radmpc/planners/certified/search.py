@@ -142,7 +142,7 @@ class PriceSearch:
 
         Parameters
         ----------
-        found : Round or None
+        candidate : Round or None
             A plan of one set at a price that risks too much, where there is no other.
         """
         fleet, incumbent, within = self.fleet, self.incumbent, self.within

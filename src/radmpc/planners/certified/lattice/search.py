@@ -56,7 +56,7 @@ class PathSearch:
         Its first output: 0 unless others are placed.
     level : int
         The coarsest lattice to be tried; where it has no path, the search goes on to finer ones.
-    is_quick : bool
+    is_coarse_only : bool
         Whether it ends there instead.
     """
 
