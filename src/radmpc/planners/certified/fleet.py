@@ -2,7 +2,7 @@
 
 Three quantities of risk are used throughout this package. Δ is the scenario's risk bound, which the
 referee's certificate must not exceed. The *budget* is what the union (Boole) bounds of the chosen
-rows of the fleet may sum to beyond the risk of the starts; it may exceed Δ, because union bounds sum
+rows of the fleet may sum to beyond the risk of the starts; it may exceed Δ, because they sum
 to more than the referee finds.
 
 The *unit* is the risk that 1 stands for in the programs: a fixed multiple of Δ, chosen once per
