@@ -14,7 +14,7 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import LedgerRow, Status
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified import fallbacks, fleet
+from radmpc.planners.certified import fallbacks, programs
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import inter_set_risks
 from radmpc.planners.certified.search import PriceSearch
@@ -103,20 +103,20 @@ def test_risk_between_sets_is_estimated_with_the_sagitta():
 def test_what_is_estimated_between_sets_counts_the_sagitta():
     scenario = scene("bow-merge-dear")
     made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
-    made.solve(made.singles, made.first_price(), 1)
+    made.solve(made.singles, made.first_unit_price(), 1)
     points = [made.best(m).z for m in made.singles]
     means = np.array(
-        [made.problems[m].means(z)[0] for m, z in zip(made.singles, points, strict=True)]
+        [made.programs.problems[m].means(z)[0] for m, z in zip(made.singles, points, strict=True)]
     )
-    straight = inter_set_risks(scenario, means, made.covariances, np.arange(3))
-    estimate = made.meetings(made.singles, points)
+    straight = inter_set_risks(scenario, means, made.programs.covariances, np.arange(3))
+    estimate = made.programs.pair_risks(made.singles, points)
     assert straight[0, 1] < 1e-3
     assert estimate[0, 1] > 0.05
 
 
 @pytest.mark.slow
 def test_sets_that_the_referee_blames_are_merged_whatever_is_estimated(monkeypatch):
-    monkeypatch.setattr(fleet, "meeting_risks", lambda *everything: {})
+    monkeypatch.setattr(programs, "pair_risks_across_sets", lambda *everything: {})
     result = plan(scene("bow-merge-limit"), "certified", time_limit=20.0)
     assert result.is_certified
     assert result.cost <= 8.3783 * (1.0 + 1e-3)
@@ -153,11 +153,11 @@ def test_a_row_may_take_one_half_and_the_fleet_more():
     scenario = replace(scene("bow-merge-dear"), risk_bound=0.1)
     made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
     assert made.unit == pytest.approx(1.2)
-    program = made.problem((0, 1, 2)).program
+    program = made.programs.problem((0, 1, 2)).program
     lp = RiskLp(program, made.unit, 1.0)
     assert lp.row_cap == 0.5
     assert lp.floor == 0.0
-    rater = made.problem((0, 1, 2)).rater
+    rater = made.programs.problem((0, 1, 2)).rater
     assert np.all(rater.floor == 0.0)
 
 
@@ -165,14 +165,14 @@ def test_where_the_fleet_may_risk_less_than_one_half_so_may_each_row():
     scenario = replace(scene("bow-merge-dear"), risk_bound=0.01)
     made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
     assert made.unit == pytest.approx(0.12)
-    assert RiskLp(made.problem((0,)).program, made.unit, 1.0).row_cap == made.unit
+    assert RiskLp(made.programs.problem((0,)).program, made.unit, 1.0).row_cap == made.unit
 
 
 def test_a_hard_budget_finds_what_no_price_leads_to():
     # Between two plans of other sides, which all prices choose, lies a third within the budget.
     scenario = scene("hopeless-price")
     made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
-    problem = made.problem((0, 1))
+    problem = made.programs.problem((0, 1))
     budget = 0.021
     tree = BudgetTree(
         problem.program,

@@ -14,9 +14,9 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified.lattice.half_planes import dangers_of, gap_middles
+from radmpc.planners.certified.lattice.half_planes import gap_middles, half_planes_of
 from radmpc.planners.certified.lattice.passage import Passage
-from radmpc.planners.certified.lattice.search import Walk
+from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.program.build import condensed_models, controls_of
 from radmpc.solvers.priced.around import search_around
@@ -32,17 +32,17 @@ def problem_of(scenario, number=0):
     return SetProblem.of(scenario, (0,), condensed_models(scenario), UNIT)
 
 
-def rows_at(problem, way):
+def rows_at(problem, path):
     """Return every row's clearance along a way without sagitta."""
     program = problem.program
     outputs = np.zeros(program.constant.size)
-    outputs[: way.size] = way.ravel()
+    outputs[: path.size] = path.ravel()
     return (program.rows.offsets - program.rows.normals @ outputs) / program.rows.deviations
 
 
-def risks_along(problem, way):
+def risks_along(problem, path):
     """Return the risk of each avoidance's best side, its rows' worst."""
-    clearances = rows_at(problem, way)
+    clearances = rows_at(problem, path)
     program = problem.program
     return np.array(
         [
@@ -60,20 +60,22 @@ def risks_along(problem, way):
 @pytest.mark.parametrize("seed", range(5))
 def test_a_way_leads_from_start_to_goal_past_everything(seed):
     problem = problem_of(clutter(1, 80, seed))
-    way = problem.passage.walk.way(5.0)
+    path = problem.passage.path_search.path(5.0)
     model = problem.models[0]
-    assert way.shape == (31, 2)
-    assert way[0] == pytest.approx(model.drift_position[0])
-    assert np.all(np.abs(way[-1] - model.vehicle.goal.center) <= 0.5)
-    assert np.abs(np.diff(way, axis=0)).max() <= model.reach_upper[-1].max()
+    assert path.shape == (31, 2)
+    assert path[0] == pytest.approx(model.drift_position[0])
+    assert np.all(np.abs(path[-1] - model.vehicle.goal.center) <= 0.5)
+    assert np.abs(np.diff(path, axis=0)).max() <= model.reach_upper[-1].max()
     # The lattice rounds to a sixty-fourth of a deviation, and rates rows at their own.
-    assert risks_along(problem, way).max() <= UNIT + 0.01
+    assert risks_along(problem, path).max() <= UNIT + 0.01
 
 
 @pytest.mark.slow
 def test_dearer_risk_buys_safer_ways():
     problem = problem_of(clutter(10, 100, 0), 6)
-    risks = [risks_along(problem, problem.passage.walk.way(p)).sum() for p in (0.1, 3.0, 100.0)]
+    risks = [
+        risks_along(problem, problem.passage.path_search.path(p)).sum() for p in (0.1, 3.0, 100.0)
+    ]
     assert risks[0] > risks[1] > risks[2]
 
 
@@ -89,8 +91,8 @@ def test_where_a_wall_shuts_the_way_there_is_none():
         Obstacle.box("above", (middle[0] - 0.6, middle[1] + 2.0), (middle[0] + 0.6, 90.0)),
     )
     assert abs(start[0] - goal[0]) > 4.0
-    assert problem_of(replace(scenario, obstacles=(shut,))).passage.walk.way(5.0) is None
-    through = problem_of(replace(scenario, obstacles=ajar)).passage.walk.way(5.0)
+    assert problem_of(replace(scenario, obstacles=(shut,))).passage.path_search.path(5.0) is None
+    through = problem_of(replace(scenario, obstacles=ajar)).passage.path_search.path(5.0)
     inside = through[np.abs(through[:, 0] - middle[0]) < 0.6]
     assert np.all(np.abs(inside[:, 1] - middle[1]) < 2.0)
 
@@ -105,7 +107,7 @@ def test_passages_are_found_where_branching_takes_long(seed, number):
         problem.program, UNIT, price, gap=5e-3, scale=price, limits=Limits(), rater=problem.rater
     )
     tree.run(150)
-    found = problem.passage.found(price, price, Limits(), tree.best)
+    found = problem.passage.plan(price, price, Limits(), tree.best)
     assert found.cost + price * found.risk / UNIT < 0.95 * tree.value
     rated = problem.rater.rate(found.z)
     assert rated.risk == pytest.approx(found.risk)
@@ -135,7 +137,7 @@ def test_a_search_around_a_plan_never_makes_it_worse():
 
 def test_a_way_past_steps_is_found_too():
     problem = problem_of(paper(4, 1))
-    assert problem.passage.walk.way(1.0).shape == (11, 2)
+    assert problem.passage.path_search.path(1.0).shape == (11, 2)
 
 
 def lane(*, gap=(-1.2, 1.2), horizon=24):
@@ -161,18 +163,18 @@ def lane(*, gap=(-1.2, 1.2), horizon=24):
 @pytest.mark.parametrize("middle", [0.31, 0.62, 1.27])
 def test_a_way_is_found_through_a_gap_between_the_lattices_lines(middle):
     problem = problem_of(lane(gap=(middle - 0.75, middle + 0.75)))
-    way = problem.passage.walk.way(10.0)
-    assert way is not None
-    inside = (way[:, 0] > 8.0) & (way[:, 0] < 22.0)
-    assert np.abs(way[inside, 1] - middle).max() <= 0.25
+    path = problem.passage.path_search.path(10.0)
+    assert path is not None
+    inside = (path[:, 0] > 8.0) & (path[:, 0] < 22.0)
+    assert np.abs(path[inside, 1] - middle).max() <= 0.25
 
 
 def test_a_vehicle_in_haste_leaves_the_lane_early_and_one_at_its_own_pace_does_not():
     problem = problem_of(lane())
     limits = Limits(float("inf"), lambda: False)
-    hurried = problem.means(problem.passage.hurried(limits).z)[0]
-    own = problem.means(problem.passage.found(1.0, 1.0, limits, None).z)[0]
-    last_in_lane = [np.flatnonzero(way[:, 0] < 22.5).max() for way in (hurried, own)]
+    earliest_plan = problem.means(problem.passage.earliest_plan(limits).z)[0]
+    own = problem.means(problem.passage.plan(1.0, 1.0, limits, None).z)[0]
+    last_in_lane = [np.flatnonzero(path[:, 0] < 22.5).max() for path in (earliest_plan, own)]
     assert last_in_lane[0] <= 10  # at full speed it is 7
     assert last_in_lane[1] >= last_in_lane[0] + 5
 
@@ -184,16 +186,16 @@ def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
     problem = SetProblem.of(scenario, (0, 1), models, UNIT)
     limits = Limits(float("inf"), lambda: False)
 
-    def seek(rater, block, is_hurried):
-        assert is_hurried
+    def seek(rater, block, is_earliest):
+        assert is_earliest
         first = block * models[block].drift_position.size
-        walk = Walk(rater.program, models[block], UNIT, first, is_quick=True)
-        return Passage(walk, rater).hurried(limits)
+        path_search = PathSearch(rater.program, models[block], UNIT, first, is_coarse_only=True)
+        return Passage(path_search, rater).earliest_plan(limits)
 
     around = Neighborhood(problem.program, UNIT, 1.0, 1.0, limits, 3.0, [0.0, 0.0], seek)
     z = around.place_in_haste(np.zeros(problem.program.num_columns), [0, 1])
     east, west = problem.means(z)
-    in_lane = [np.flatnonzero((way[:, 0] > 7.5) & (way[:, 0] < 22.5)) for way in (east, west)]
+    in_lane = [np.flatnonzero((path[:, 0] > 7.5) & (path[:, 0] < 22.5)) for path in (east, west)]
     assert max(in_lane[0]) < min(in_lane[1]) or max(in_lane[1]) < min(in_lane[0])
     assert problem.rater.rate(z).risk < 0.05
 
@@ -202,8 +204,10 @@ def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
 def test_gaps_are_seen_at_steps_and_along_intervals(avoidance):
     scenario = replace(lane(gap=(-0.7, 0.8)), avoidance=avoidance)
     problem = problem_of(scenario)
-    dangers = dangers_of(problem.program, scenario.horizon, problem.passage.walk.places)
-    assert gap_middles(dangers, 1, 3.0) == [pytest.approx(0.05)]
+    avoidances = half_planes_of(
+        problem.program, scenario.horizon, problem.passage.path_search.places
+    )
+    assert gap_middles(avoidances, 1, 3.0) == [pytest.approx(0.05)]
 
 
 @pytest.mark.slow
@@ -213,9 +217,9 @@ def test_where_effort_is_free_a_passage_seeks_the_least_risk():
     problem = problem_of(scenario)
     limits = Limits(float("inf"), lambda: False)
     free = problem.without_cost()
-    found = free.passage.found(1.0, 1.0, limits, None)
+    found = free.passage.plan(1.0, 1.0, limits, None)
     assert found.cost == 0.0
-    assert found.risk <= problem.passage.found(1.0, 1.0, limits, None).risk
+    assert found.risk <= problem.passage.plan(1.0, 1.0, limits, None).risk
     # Two thirds of it is what two events per interval leave, the rest what feedback does between.
     [controls] = controls_of(problem.models, found.z)
     by_hand = [least_of_way(scenario, controls, is_bent=bent) for bent in (False, True)]

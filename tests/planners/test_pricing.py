@@ -8,7 +8,7 @@ import pytest
 from radmpc.experiments.families import paper
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import next_price
-from radmpc.planners.certified.repair import polish
+from radmpc.planners.certified.repair import repair
 from radmpc.solvers.solution import Limits
 
 BUDGET = 0.05
@@ -56,8 +56,8 @@ def test_risk_that_barely_moves_is_followed_in_longer_steps():
 def singles():
     """Return three vehicles, each planned alone at the first price."""
     fleet = Fleet(paper(3, 2), 1e-3, Limits(), lambda done, total: None)
-    fleet.solve(fleet.singles, fleet.first_price(), 1)
-    problems = [fleet.problems[m] for m in fleet.singles]
+    fleet.solve(fleet.singles, fleet.first_unit_price(), 1)
+    problems = [fleet.programs.problems[m] for m in fleet.singles]
     return problems, [fleet.best(m) for m in fleet.singles]
 
 
@@ -72,19 +72,19 @@ def risk_and_cost(singles, points):
 def test_fitted_risks_use_the_budget_and_do_not_exceed_it(singles):
     risk, _ = risk_and_cost(singles, [plan.z for plan in singles[1]])
     for share, least in ((0.3, 0.27), (1.5, 1.2)):
-        fitted = polish(*singles, share * risk)
-        assert fitted is not None
-        assert least * risk <= risk_and_cost(singles, fitted)[0] <= share * risk
+        rescaled = repair(*singles, share * risk)
+        assert rescaled is not None
+        assert least * risk <= risk_and_cost(singles, rescaled)[0] <= share * risk
 
 
 def test_a_larger_budget_never_costs_more(singles):
     risk, _ = risk_and_cost(singles, [plan.z for plan in singles[1]])
     budgets = risk * np.array([0.2, 0.5, 1.0, 2.0])
-    costs = [risk_and_cost(singles, polish(*singles, budget))[1] for budget in budgets]
+    costs = [risk_and_cost(singles, repair(*singles, budget))[1] for budget in budgets]
     assert costs == sorted(costs, reverse=True)
     assert costs[-1] < costs[0]
 
 
 @pytest.mark.parametrize("budget", [0.0, -0.01])
 def test_where_nothing_may_be_risked_nothing_fits(singles, budget):
-    assert polish(*singles, budget) is None
+    assert repair(*singles, budget) is None

@@ -9,7 +9,7 @@ import pytest
 
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
-from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.program.allocation import margins_of, uniform_allocation
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
@@ -120,7 +120,7 @@ def test_a_proposal_of_sides_ends_with_the_limits():
     scenario = paper(8, 0)
     models = condensed_models(scenario)
     program, margins = _paper(8, 0)
-    assert propose_sides(program, models, margins, Limits()) is not None
+    assert propose_alternatives(program, models, margins, Limits()) is not None
     asked = []
 
     def stop_at_the_third():
@@ -128,7 +128,7 @@ def test_a_proposal_of_sides_ends_with_the_limits():
         return len(asked) >= 3
 
     limits = Limits(is_stopped=stop_at_the_third)
-    assert propose_sides(program, models, margins, limits) is None
+    assert propose_alternatives(program, models, margins, limits) is None
     # Once more in `place`, and no step further.
     assert len(asked) <= 5
 

@@ -17,7 +17,15 @@ __all__ = ["Box", "Shapes"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
-    """Where a mean may be, and how it scatters."""
+    """Where a mean may be, and how it scatters.
+
+    Attributes
+    ----------
+    lower, upper : (d,) array
+        Corners of the box that holds the mean [m].
+    covariance : (d, d) array
+        Covariance of the position around it [m²].
+    """
 
     lower: Vector
     upper: Vector
@@ -36,7 +44,17 @@ class Box:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shapes:
-    """The convex pieces of all obstacles at a step, with the boxes around them."""
+    """The convex pieces of all obstacles at a step, with the boxes around them.
+
+    Attributes
+    ----------
+    owners : tuple of str
+        The obstacle of each piece.
+    pieces : tuple of Polytope
+        The pieces.
+    lower, upper : (p, d) array
+        Corners of the box around each piece [m].
+    """
 
     owners: tuple[str, ...]
     pieces: tuple[Polytope, ...]
@@ -45,7 +63,15 @@ class Shapes:
 
     @classmethod
     def of(cls, scenario: Scenario, step: int) -> Shapes:
-        """Collect them."""
+        """Collect the pieces of a scenario's obstacles.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            The scenario.
+        step : int
+            The step, 0 to T.
+        """
         found = [(o.name, piece) for o in scenario.obstacles for piece in o.at(step)]
         d = scenario.dimension
         lower = np.array([piece.vertices.min(axis=0) for _, piece in found]).reshape(-1, d)
@@ -53,12 +79,27 @@ class Shapes:
         return cls(tuple(n for n, _ in found), tuple(p for _, p in found), lower, upper)
 
     def near(self, box: Box, radius: float, far: float) -> dict[str, list[Polytope]]:
-        """Return the pieces from which anything is to be feared in a box, by obstacle."""
+        """Return the pieces that a vehicle in a box may hit.
+
+        Parameters
+        ----------
+        box : Box
+            Where its mean may be.
+        radius : float
+            Of the vehicle [m].
+        far : float
+            Standard deviations beyond which nothing is to be feared [-].
+
+        Returns
+        -------
+        dict of str to list of Polytope
+            By obstacle.
+        """
         reach = radius + far * box.spread + 1e-6
         gaps = np.maximum(np.maximum(self.lower - box.upper, box.lower - self.upper), 0.0)
         close = np.linalg.norm(gaps, axis=1) < reach
         if np.count_nonzero(close) == 1:
-            # What can be kept away from by itself is nothing; several may leave no place for it.
+            # One piece alone can be kept away from if some corner is far; several may not be.
             corners = box.corners(1)[:, None]
             gaps = np.maximum(np.maximum(self.lower - corners, corners - self.upper), 0.0)
             close &= np.linalg.norm(gaps, axis=2).max(axis=0) < reach

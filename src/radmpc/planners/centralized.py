@@ -24,7 +24,13 @@ class Centralized(Decomposition):
         return "centralized"
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
-        """Plan all vehicles together, as one set; see `Decomposition.plan`."""
+        """Plan all vehicles together, as one set.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
+        """
         begun = time.perf_counter()
         run.progress("solving", 0, 1)
         task = SetTask(scenario, planner, "centralized", run.rng)

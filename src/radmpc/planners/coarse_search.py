@@ -1,9 +1,9 @@
-"""Sides for every avoidance from a coarse search over places and times.
+"""An alternative for every avoidance from a coarse search over positions and times.
 
-One vehicle after the other walks over a grid, step by step, at the least effort, around obstacles
-and around those that walked before. Only the sides it passes things on are kept: the linear
-program of these sides then finds the trajectories, dynamics and all. A heuristic for tangled
-scenes, where branching alone takes long to find any plan; it proves nothing.
+A path over a grid is sought for one vehicle after the other, step by step, at the least effort,
+around obstacles and around the vehicles placed before. Only the alternatives that it satisfies are
+kept: the linear program with these then finds the trajectories, dynamics and all. A heuristic for
+tangled scenes, where branching alone takes long to find any plan; it proves nothing.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from itertools import product
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.planners.coarse_grid import CoarseGrid, coarse_grid
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import avoidance_blocks
 from radmpc.solvers.selection import least_violated, violations_of_outputs
 from radmpc.solvers.solution import Limits
 
-__all__ = ["propose_sides"]
+__all__ = ["propose_alternatives"]
 
-_CELLS_PER_STEP = 5
-_MAX_CELLS = 6_000
 _MAX_ROUNDS = 5
+"""Orders of the vehicles that are tried, at most [-]: whoever found no path goes first."""
 
 
-def propose_sides(
+def propose_alternatives(
     program: DisjunctiveProgram, models: Sequence[CondensedModel], margins: Vector, limits: Limits
 ) -> Indices | None:
     """Propose one alternative per avoidance.
@@ -36,8 +36,8 @@ def propose_sides(
     Parameters
     ----------
     program : DisjunctiveProgram
-        The program of the subjects.
-    models : sequence of Subject
+        The program of the vehicles.
+    models : sequence of CondensedModel
         Its vehicles, in the order of its blocks.
     margins : (r,) array
         Back-off of each row [m].
@@ -47,7 +47,7 @@ def propose_sides(
     Returns
     -------
     (v,) int array or None
-        A selection; None if no way was found in time, and in space, where grids are too large.
+        A selection; None if no path was found in time, and in space, where grids are too large.
     """
     if program.layout.dimension != 2:
         return None
@@ -62,26 +62,6 @@ def propose_sides(
             break
         order = [failed, *(i for i in order if i != failed)]
     return None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Grid:
-    """Places a vehicle may be at.
-
-    Attributes
-    ----------
-    points : (c, 2) array
-        Cell centers [m], row by row.
-    shape : (int, int)
-        Cells per axis.
-    reach : tuple of int
-        Cells per axis that one step can cross.
-    """
-
-    points: Matrix
-    shape: tuple[int, int]
-    reach: tuple[int, int]
-    stride: Vector
 
 
 class _Search:
@@ -106,21 +86,21 @@ class _Search:
         self.outputs = program.constant.copy()
 
     def place(self, order: list[int]) -> int | None:
-        """Walk all vehicles in an order; return the one that found no way."""
+        """Seek a path for all vehicles in an order; return the one that has none."""
         self.outputs = self.program.constant.copy()
         placed: set[int] = set()
         for i in order:
             placed.add(i)
-            path = self._walk(i, placed)
+            path = self._path(i, placed)
             if path is None:
                 return i
             self.outputs[self.program.layout.positions[i]] = path.ravel()
         return None
 
-    def _walk(self, i: int, placed: set[int]) -> Matrix | None:
+    def _path(self, i: int, placed: set[int]) -> Matrix | None:
         """Return positions at every step, (T+1, 2), at the least sum of squared moves."""
         model = self.models[i]
-        grid, last = _grid(model), model.horizon
+        grid, last = coarse_grid(model), model.horizon
         tests = self._tests(i, placed)
         here = model.drift_position[:1]
         goal = model.vehicle.goal.center[None, :]
@@ -140,7 +120,7 @@ class _Search:
         return _traced(parents, grid.points, here[0], goal[0])
 
     def _within_reach(
-        self, model: CondensedModel, points: Matrix, k: int, grid: _Grid
+        self, model: CondensedModel, points: Matrix, k: int, grid: CoarseGrid
     ) -> np.ndarray:
         """Whether points lie in the vehicle's reach at a step, up to half a cell."""
         half = 0.5 * grid.stride
@@ -210,15 +190,15 @@ class _Halfplane:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Step:
-    """One step of the walk: from which places to which, and what forbids it."""
+    """One step of the path search: from which positions to which, and what forbids it."""
 
     here: Matrix
     ahead: Matrix
-    grid: _Grid
+    grid: CoarseGrid
     tests: list[list[tuple[np.ndarray, np.ndarray]]]
 
     def relax(self, costs: Vector) -> tuple[Vector, Indices]:
-        """Return the least cost of each place ahead and where it came from."""
+        """Return the least cost of each position ahead and where it came from."""
         if len(self.here) == len(self.ahead) == len(self.grid.points):
             return self._between_cells(costs)
         moves = self.ahead[None, :, :] - self.here[:, None, :]
@@ -266,24 +246,6 @@ def _overlap(count: int, shift: int) -> tuple[slice, slice]:
     if shift >= 0:
         return slice(0, max(count - shift, 0)), slice(shift, count)
     return slice(-shift, count), slice(0, max(count + shift, 0))
-
-
-def _grid(model: CondensedModel) -> _Grid:
-    """Return a grid over the vehicle's reach, some cells to the longest step."""
-    low, high = model.reach_lower.min(axis=0), model.reach_upper.max(axis=0)
-    steps = np.maximum(
-        np.diff(model.reach_upper, axis=0).max(axis=0),
-        -np.diff(model.reach_lower, axis=0).min(axis=0),
-    )
-    stride = np.maximum(steps, 1e-6) / _CELLS_PER_STEP
-    while np.prod(np.floor((high - low) / stride) + 1) > _MAX_CELLS:
-        stride = stride * 1.25
-    axes = [np.arange(a, b + s, s) for a, b, s in zip(low, high, stride, strict=True)]
-    x, y = np.meshgrid(*axes, indexing="ij")
-    # One cell more than a step covers: rounding to centers takes up to half a cell at each end.
-    reach = np.floor(steps / stride + 1e-9).astype(int) + 1
-    points = np.column_stack([x.ravel(), y.ravel()])
-    return _Grid(points, (len(axes[0]), len(axes[1])), (int(reach[0]), int(reach[1])), stride)
 
 
 def _traced(parents: list[Indices], cells: Matrix, start: Vector, goal: Vector) -> Matrix:

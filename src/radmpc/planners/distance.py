@@ -1,7 +1,7 @@
 """Vehicles that come close are planned together, whatever their risk (Keviczky et al.).
 
 The paper reviews it as the heuristic that its own couplings improve on: a graph with an edge
-between any two vehicles within some distance. Here the distance is that of the ways they would
+between any two vehicles within some distance. Here the distance is that of the paths they would
 take alone, at the same time, so that the graph follows them over the whole horizon.
 """
 
@@ -33,7 +33,7 @@ Sets = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True, slots=True)
 class Distance(Decomposition):
-    """Sets of vehicles whose ways alone come close (Keviczky et al.).
+    """Sets of vehicles whose separate paths come close (Keviczky et al.).
 
     Attributes
     ----------
@@ -57,7 +57,12 @@ class Distance(Decomposition):
         """Plan every vehicle alone, then together those whose paths come close.
 
         The sets are the connected components of the graph. Nothing keeps them apart but the
-        distance: the certificate says whether that was enough. See `Decomposition.plan`.
+        distance: the certificate says whether that was enough.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
         """
         begun = time.perf_counter()
         singles: Sets = tuple((i,) for i in range(scenario.num_vehicles))
@@ -70,11 +75,11 @@ class Distance(Decomposition):
             return Draft(status, (), singles, steps, (), seconds, why)
         sets, couplings = _sets(scenario, alone, self.meters)
         together = tuple(members for members in sets if len(members) > 1)
-        known = dict(zip(singles, alone, strict=True))
+        plan_of = dict(zip(singles, alone, strict=True))
         found = plan_sets(scenario, together, planner, run, "sets")
-        known |= dict(zip(together, found, strict=True))
-        plans = [known[members] for members in sets]
-        steps += tuple(step for members in together for step in known[members].steps)
+        plan_of |= dict(zip(together, found, strict=True))
+        plans = [plan_of[members] for members in sets]
+        steps += tuple(step for members in together for step in plan_of[members].steps)
         seconds["sets"] = time.perf_counter() - begun - seconds["alone"]
         status, why = verdict_of_sets(scenario, sets, plans)
         is_whole = all(p.outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE} for p in plans)
@@ -105,7 +110,7 @@ def _sets(
 
 
 def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:
-    """Return who comes within a distance of whom on straight ways from step to step.
+    """Return who comes within a distance of whom on straight paths from step to step.
 
     Parameters
     ----------

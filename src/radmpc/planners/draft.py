@@ -13,7 +13,7 @@ __all__ = ["Draft", "Event", "Step"]
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One solve on the way to a plan.
+    """The record of one solve.
 
     Attributes
     ----------
@@ -26,13 +26,13 @@ class Step:
     cost : float
         Cost of the solve.
     num_active, num_chosen : int
-        Exposures that used all their risk, and risk items with a chosen row.
+        Risk items that used all their risk, and risk items with a chosen row.
     allocated : float
-        Risk that the chosen rows were allocated.
+        Risk that the chosen rows were allocated [-].
     used : float
-        Risk that they run.
+        Risk that they run [-].
     gap : float
-        Relative gap of the solve.
+        Relative gap of the solve [-].
     nodes : int
         Nodes of its search tree.
     seconds : float
@@ -54,7 +54,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that went another way than the paper's pseudo-code.
+    """A departure from the paper's pseudo-code: a subproblem without a solution.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class Draft:
     steps : tuple of Step
         The solves.
     events : tuple of Event
-        What went another way.
+        Departures from the paper's pseudo-code.
     seconds : mapping
         Seconds per stage.
     explanation : str or None
@@ -94,7 +94,7 @@ class Draft:
     lower_bound : float or None
         Proven least cost, where there is a proof.
     price : float or None
-        What a little more Δ would save, per unit of probability.
+        Shadow price of Δ: what a little more of it would save, per unit of probability.
     couplings : tuple of Coupling
         Why the vehicles of a set were planned together.
     stopped_by : str or None

@@ -3,7 +3,7 @@
 At a start the mean is fixed, in a goal it lies in a box. The probability that a Gaussian around a
 mean hits a convex set grown by a radius is a log-concave function of the mean, and so is the risk
 of its best half-space's clearance quasi-concave: over a box either is least at a corner. The least
-over the corners of small boxes, summed over dangers, is therefore a bound that no plan is below.
+over the corners of small boxes, summed over hazards, is therefore a bound that no plan is below.
 """
 
 from __future__ import annotations
@@ -26,25 +26,26 @@ from radmpc.referee.bound.bounds import instant_risks
 from radmpc.referee.contact import solid_distances, solid_of
 from radmpc.referee.encounters import Encounters
 
-__all__ = ["Danger", "Floors", "floors", "start_dangers"]
+__all__ = ["EndpointHazard", "Floors", "floors", "start_hazards"]
 
 _FAR = 8.5
-"""Standard deviations beyond which a danger counts as nothing (1e-17)."""
+"""Clearance beyond which a hazard counts as nothing (1e-17) [standard deviations]."""
 
 _LEAST = 1e-4
-"""Share of Δ below which a danger counts as nothing: most of a large fleet's need no look."""
+"""Share of Δ below which a hazard counts as nothing [-]: most of a large fleet's need no look."""
 
 _TOL = 1e-6
 """What a plan may miss its goal by [m]."""
 
 _CELLS = {2: 6, 3: 2}
-"""Cells per axis into which a goal is cut, by dimension: dangers on opposite sides of it are least
-at different corners, and the fewer cells, the further is the sum of those from the least sum."""
+"""Cells per axis into which a goal is cut, by dimension [-]: hazards on opposite sides of it are
+least at different corners, and the fewer cells, the further is the sum of those from the least
+sum."""
 
 
 @dataclass(frozen=True, slots=True)
-class Danger:
-    """What a place risks of one kind.
+class EndpointHazard:
+    """What a start or a goal risks of one kind.
 
     Attributes
     ----------
@@ -77,16 +78,16 @@ class Floors:
 
     Attributes
     ----------
-    starts, goals : tuple of Danger
+    starts, goals : tuple of EndpointHazard
         Whatever is not nothing, the greatest first.
     vehicles : (N, 2) array
-        What each vehicle risks at least at its start and in its goal, other vehicles aside.
+        What each vehicle risks at least at its start and in its goal, other vehicles aside [-].
     total : float
-        What the fleet risks at least.
+        What the fleet risks at least [-].
     """
 
-    starts: tuple[Danger, ...]
-    goals: tuple[Danger, ...]
+    starts: tuple[EndpointHazard, ...]
+    goals: tuple[EndpointHazard, ...]
     vehicles: Matrix
     total: float
 
@@ -98,7 +99,7 @@ def floors(scenario: Scenario, models: Sequence[CondensedModel]) -> Floors:
     ----------
     scenario : Scenario
         The fleet.
-    models : sequence of Subject
+    models : sequence of CondensedModel
         Its vehicles over the whole horizon.
 
     Returns
@@ -107,35 +108,50 @@ def floors(scenario: Scenario, models: Sequence[CondensedModel]) -> Floors:
         Valid for every plan that the referee may certify: it sums over vehicles, pairs and
         obstacles, and of each charges no less than the probability at any one step.
     """
-    starts, at_start = _dangers(scenario, models, at_goal=False)
-    goals, in_goal = _dangers(scenario, models, at_goal=True)
+    starts, at_start = _hazards(scenario, models, at_goal=False)
+    goals, in_goal = _hazards(scenario, models, at_goal=True)
     vehicles = np.stack([at_start, in_goal], axis=1)
     pairs: dict[tuple[int, ...], float] = defaultdict(float)
-    for danger in (*starts, *goals):
-        if danger.cause == "pair":
-            pairs[danger.members] = max(pairs[danger.members], danger.risk)
+    for hazard in (*starts, *goals):
+        if hazard.cause == "pair":
+            pairs[hazard.members] = max(pairs[hazard.members], hazard.risk)
     total = float(vehicles.max(axis=1).sum()) + sum(pairs.values())
     return Floors(starts, goals, vehicles, total)
 
 
-def start_dangers(scenario: Scenario, models: Sequence[CondensedModel]) -> tuple[Danger, ...]:
-    """Return what the starts risk, the greatest first: no less than any plan runs there."""
-    return _dangers(scenario, models, at_goal=False)[0]
+def start_hazards(
+    scenario: Scenario, models: Sequence[CondensedModel]
+) -> tuple[EndpointHazard, ...]:
+    """Return what the starts risk: no less than any plan runs there.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    models : sequence of CondensedModel
+        Its vehicles over the whole horizon.
+
+    Returns
+    -------
+    tuple of EndpointHazard
+        The greatest first.
+    """
+    return _hazards(scenario, models, at_goal=False)[0]
 
 
-def _dangers(
+def _hazards(
     scenario: Scenario, models: Sequence[CondensedModel], *, at_goal: bool
-) -> tuple[tuple[Danger, ...], Vector]:
+) -> tuple[tuple[EndpointHazard, ...], Vector]:
     """Return what starts or goals risk, and the sum for each vehicle, others aside."""
     boxes = [_box(model, at_goal=at_goal) for model in models]
     shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
-    found: list[Danger] = []
+    found: list[EndpointHazard] = []
     least = np.zeros(len(boxes))
     for i, box in enumerate(boxes):
-        dangers, least[i] = _of_vehicle(scenario, i, box, shapes, at_goal=at_goal)
-        found += dangers
+        hazards, least[i] = _of_vehicle(scenario, i, box, shapes, at_goal=at_goal)
+        found += hazards
     found += _of_pairs(scenario, boxes, at_goal=at_goal)
-    return tuple(sorted(found, key=lambda danger: -danger.risk)), least
+    return tuple(sorted(found, key=lambda hazard: -hazard.risk)), least
 
 
 def _box(model: CondensedModel, *, at_goal: bool) -> Box:
@@ -152,33 +168,37 @@ def _box(model: CondensedModel, *, at_goal: bool) -> Box:
 
 def _of_vehicle(
     scenario: Scenario, i: int, box: Box, shapes: Shapes, *, at_goal: bool
-) -> tuple[list[Danger], float]:
-    """Return what one vehicle risks in a place, danger by danger and in all."""
+) -> tuple[list[EndpointHazard], float]:
+    """Return what one vehicle risks at an endpoint, hazard by hazard and in all."""
     cells = _CELLS[scenario.dimension] if at_goal else 1
     points = box.corners(cells)
     radius = scenario.vehicles[i].radius
-    dangers: list[Danger] = []
+    hazards: list[EndpointHazard] = []
     fields: list[Vector] = []
     for name, near in shapes.near(box, radius, _far(scenario)).items():
-        # Pieces of one obstacle are one danger: the worst of them is a bound on their union.
+        # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
         by_piece = [_cells(_risks(points, box.covariance, radius, piece), cells) for piece in near]
         field = np.maximum.reduce(by_piece)
         distance = min(float(_distances(points, piece).max()) for piece in near)
         fields.append(field)
-        dangers.append(Danger("obstacle", (i,), name, at_goal, float(field.min()), distance))
+        hazards.append(
+            EndpointHazard("obstacle", (i,), name, at_goal, float(field.min()), distance)
+        )
     borders = list(_borders(scenario, box, points))
     if borders:
         # Opposite faces exclude each other, and the referee adds up all of them.
         field = _cells(np.sum([risks for risks, _ in borders], axis=0), cells)
         fields.append(field)
         distance = min(most for _, most in borders)
-        dangers.append(Danger("workspace", (i,), None, at_goal, float(field.min()), distance))
+        hazards.append(
+            EndpointHazard("workspace", (i,), None, at_goal, float(field.min()), distance)
+        )
     least = float(np.sum(fields, axis=0).min()) if fields else 0.0
-    return [danger for danger in dangers if danger.risk > 0.0], least
+    return [hazard for hazard in hazards if hazard.risk > 0.0], least
 
 
-def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[Danger]:
-    """Return what pairs risk in their places."""
+def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[EndpointHazard]:
+    """Return what pairs risk at their endpoints."""
     if len(boxes) < 2:
         return []
     radii = np.array([v.radius for v in scenario.vehicles])
@@ -197,7 +217,7 @@ def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> lis
             continue
         risks = _risks(points, box.covariance, float(radii[i] + radii[j]), None)
         if risks.min() > 0.0:
-            found.append(Danger("pair", (i, j), None, at_goal, float(risks.min()), most))
+            found.append(EndpointHazard("pair", (i, j), None, at_goal, float(risks.min()), most))
     return found
 
 

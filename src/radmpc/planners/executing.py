@@ -17,7 +17,7 @@ _POLL_SECONDS = 0.1
 """How often progress is told and a stop passed on [s]."""
 
 _GRACE = 5.0
-"""Seconds that workers may be late [s]."""
+"""Time that workers may be late [s]."""
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")

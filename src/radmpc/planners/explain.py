@@ -1,4 +1,4 @@
-"""Why there is no plan, in the words of whoever drew the scenario."""
+"""Why there is no plan, in terms of the scenario: vehicles, obstacles, steps and limits."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from radmpc.planners.planner import Planner
 from radmpc.planners.policies.policy import SolveRequest
 from radmpc.planners.presolve import (
     Reason,
+    endpoint_reasons,
     grouped,
     overdrawn_texts,
-    place_reasons,
     too_far_texts,
 )
-from radmpc.planners.wording import is_contact, limit_clause, places_text
+from radmpc.planners.wording import endpoints_text, is_contact, limit_clause
 from radmpc.program.build import build_program, condensed_models
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram, RiskItem
@@ -28,13 +28,20 @@ from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from radmpc.solvers.solution import Limits, Outcome
 
-__all__ = ["danger", "explain_infeasible", "explain_stuck", "impossible_places", "unable_alone"]
+__all__ = [
+    "explain_infeasible",
+    "explain_stuck",
+    "hazard_name",
+    "trivially_infeasible",
+    "unable_alone",
+]
 
 _MAX_NODES = 2_000
+"""Nodes to find out whether a vehicle or a pair alone has a plan [-]."""
 
 
 def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> str:
-    """Find the plainest reason why vehicles cannot be planned.
+    """Find the simplest reason why vehicles cannot be planned.
 
     Tried in this order: feedback that needs more control than there is, goals out of reach,
     risk at the start, things that cannot be avoided wherever the vehicles may be, single
@@ -62,7 +69,7 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
     ]
     if unable:
         return " ".join([*(text for _, text in grouped(scenario, unable)), _SLOW])
-    reason = impossible_places(scenario, deterministic=planner.policy.family == "deterministic")
+    reason = trivially_infeasible(scenario, deterministic=planner.policy.family == "deterministic")
     if reason:
         return reason
     is_open = False
@@ -87,14 +94,31 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
 def explain_stuck(
     scenario: Scenario, stuck: Sequence[int], planner: Planner, limits: Limits
 ) -> str | None:
-    """Say why some vehicles have no plan on their share of the risk; None where all have one."""
+    """Say why some vehicles have no plan on their share of the risk.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    stuck : sequence of int
+        Those without a plan.
+    planner : Planner
+        Risk policy and gap that they were planned with.
+    limits : Limits
+        When to stop looking.
+
+    Returns
+    -------
+    str or None
+        None where all have a plan.
+    """
     if not stuck:
         return None
     share = scenario.risk_bound * len(stuck) / scenario.num_vehicles
     return explain_infeasible(scenario.subset(stuck, share), planner, limits)
 
 
-def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str | None:
+def trivially_infeasible(scenario: Scenario, *, deterministic: bool = False) -> str | None:
     """Say if starts are too risky, or things cannot be avoided wherever the vehicles may be.
 
     Parameters
@@ -113,33 +137,43 @@ def impossible_places(scenario: Scenario, *, deterministic: bool = False) -> str
     program = build_program(scenario, models, risk_bound=scenario.risk_bound)
     found = floors(scenario, models)
     if not deterministic:
-        sure = place_reasons(scenario, found)
+        sure = endpoint_reasons(scenario, found)
         if sure:
             return " ".join(text for _, text in grouped(scenario, sure))
     at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
     if program.initial and at_start >= (0.5 if deterministic else program.risk_bound):
         return _start_too_risky(program, at_start)
-    hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
-    if hopeless.size:
+    infeasible = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
+    if infeasible.size:
         taken = [place for place in found.goals if is_contact(scenario, place)]
         if taken:
-            return places_text(scenario, taken[:1], taken[0].risk)
-        return _cannot_avoid(scenario, program.avoidances[int(hopeless[0])])
+            return endpoints_text(scenario, taken[:1], taken[0].risk)
+        return _cannot_avoid(scenario, program.avoidances[int(infeasible[0])])
     return None
 
 
 _OPEN = "No plan was found, and a limit ended the search for the reason"
+"""Said where nothing was ruled out; which limit follows."""
 
 _SLOW = "Lengthen the horizon, raise the limits, or soften the feedback."
+"""Said of goals out of reach."""
 
 _GENERAL = (
     "Each vehicle and each pair can be planned, but not all together within the risk bound: "
     "raise risk_bound, lengthen the horizon, or reduce the noise."
 )
+"""Said where no smaller group explains it."""
 
 
 def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | None:
-    """Say if a vehicle cannot even fly through empty space.
+    """Say if a vehicle cannot even reach its goal through empty space.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    model : CondensedModel
+        The vehicle over the whole horizon.
 
     Returns
     -------
@@ -150,13 +184,13 @@ def unable_alone(scenario: Scenario, model: CondensedModel) -> tuple[str, str] |
     if overdrawn is not None:
         return overdrawn
     empty = build_program(
-        _without_dangers(scenario, model), [model], risk_bound=scenario.risk_bound
+        _without_hazards(scenario, model), [model], risk_bound=scenario.risk_bound
     )
     outcome, _ = WarmLp(empty, np.zeros(empty.rows.count)).solve()
     return too_far_texts(scenario, model) if outcome is LpOutcome.INFEASIBLE else None
 
 
-def _without_dangers(scenario: Scenario, model: CondensedModel) -> Scenario:
+def _without_hazards(scenario: Scenario, model: CondensedModel) -> Scenario:
     """Return the scenario of one vehicle in empty space."""
     return Scenario(
         name=scenario.name,
@@ -169,21 +203,21 @@ def _without_dangers(scenario: Scenario, model: CondensedModel) -> Scenario:
 
 
 def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
-    """Name what is too close at k = 0."""
+    """Return the sentence about starts whose risk alone exceeds the bound."""
     ranked = sorted(program.initial, key=lambda item: -item[1])
     worst, risk = ranked[0]
     if risk >= 0.5:
         return _start_in_conflict(worst)
-    parts = [f"{danger(risk_item)} (risk {risk:.3g})" for risk_item, risk in ranked[:3]]
+    parts = [f"{hazard_name(risk_item)} (risk {risk:.3g})" for risk_item, risk in ranked[:3]]
     return (
-        f"The starts alone carry a collision risk of {at_start:.3g} by simple bounds, above the "
-        f"{program.risk_bound:.3g} granted: {'; '.join(parts)}. Move the starts apart or reduce "
+        f"The starts alone carry a collision risk of {at_start:.3g} by union bounds, above the "
+        f"{program.risk_bound:.3g} allocated: {'; '.join(parts)}. Move the starts apart or reduce "
         "initial_covariance."
     )
 
 
 def _start_in_conflict(risk_item: RiskItem) -> str:
-    """Name a start that is no place to be."""
+    """Return the sentence about a start in contact."""
     if risk_item.cause == "pair":
         return (
             f"The starts of vehicles {risk_item.vehicle!r} and {risk_item.other!r} are too close: "
@@ -198,14 +232,14 @@ def _start_in_conflict(risk_item: RiskItem) -> str:
 
 
 def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
-    """Name a danger that exists wherever the vehicles may be at that time."""
+    """Name a hazard that exists wherever the vehicles may be at that time."""
     when = f"at step {risk_item.step}"
     if scenario.avoidance == "intervals":
         when = f"between steps {risk_item.step} and {risk_item.step + 1}"
     return (
-        f"{_capitalized(danger(risk_item))} cannot be kept apart {when}: none of the faces between "
-        "them leaves room for any motion that limits and goals allow. Lengthen the horizon, "
-        "shorten dt, or raise pair_faces."
+        f"{_capitalized(hazard_name(risk_item))} cannot be kept apart {when}: none of the faces "
+        "between them leaves room for any motion that limits and goals allow. Lengthen the "
+        "horizon, shorten dt, or raise pair_faces."
     )
 
 
@@ -214,8 +248,8 @@ def _capitalized(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def danger(risk_item: RiskItem) -> str:
-    """Name a danger."""
+def hazard_name(risk_item: RiskItem) -> str:
+    """Return the parties of a hazard in words."""
     cause: Cause = risk_item.cause
     if cause == "pair":
         return f"vehicles {risk_item.vehicle!r} and {risk_item.other!r}"
@@ -250,12 +284,12 @@ def _no_way_alone(scenario: Scenario, i: int) -> Reason:
     """Return why one vehicle has no plan even with the whole Δ to itself."""
     alone = scenario.subset((i,), scenario.risk_bound)
     program = build_program(alone, condensed_models(alone), risk_bound=scenario.risk_bound)
-    dangers = dict.fromkeys(
+    hazards = dict.fromkeys(
         repr(e.other) if e.other else "the workspace border" for e in program.risk_items
     )
     text = (
         f"within the risk bound {scenario.risk_bound:g} that this planner sees; near are "
-        f"{', '.join(dangers)}. Raise risk_bound, lengthen the horizon, reduce the noise, or "
+        f"{', '.join(hazards)}. Raise risk_bound, lengthen the horizon, reduce the noise, or "
     )
     return Reason(
         (i,), f"alone finds no way {text}widen its way.", f"each find no way {text}widen their way."

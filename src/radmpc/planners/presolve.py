@@ -1,6 +1,6 @@
 """What rules out any plan before a search: control reserve, time, and risk at starts and goals.
 
-Every reason here is a proof: no plan exists, by whatever half-spaces or sides.
+Every reason here is a proof: no plan exists, whatever the half-spaces or alternatives.
 """
 
 from __future__ import annotations
@@ -11,32 +11,32 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoint_risk import Danger, Floors, floors
-from radmpc.planners.shared_reasons import place_sentences
-from radmpc.planners.wording import listed, places_text
+from radmpc.planners.endpoint_risk import EndpointHazard, Floors, floors
+from radmpc.planners.shared_reasons import endpoint_sentences
+from radmpc.planners.wording import endpoints_text, listed
 from radmpc.program.condensed import CondensedModel
 
 __all__ = [
     "Reason",
+    "endpoint_reasons",
     "grouped",
     "overdrawn_texts",
-    "place_reasons",
     "reserve_reason",
     "sure_reasons",
     "too_far_texts",
 ]
 
 _ROUNDING = 1e-6
-"""Share of Δ by which a risk must exceed it to be called above: what integrals are off by."""
+"""Share of Δ by which a risk must exceed it to count as above [-]: the error of the integrals."""
 
 _GROUPED = 3
-"""Vehicles with the same reason from which on one sentence speaks of all."""
+"""Vehicles with the same reason from which on one sentence names them all [-]."""
 
 _TOLD = 8
-"""Sentences at most; one more says how many are left out."""
+"""Sentences at most [-]; one more says how many are left out."""
 
 _NOTICED = 0.5
-"""Share of the control limit from which on what feedback keeps back is worth telling."""
+"""Share of the control limit from which on what feedback reserves is worth telling [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
     ----------
     scenario : Scenario
         The fleet.
-    models : sequence of Subject
+    models : sequence of CondensedModel
         Its vehicles over the whole horizon.
 
     Returns
@@ -79,13 +79,20 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
         reason = overdrawn_texts(model) or _too_far(scenario, model)
         if reason is not None:
             reasons.append(Reason((i,), *reason))
-    return reasons + place_reasons(scenario, floors(scenario, models))
+    return reasons + endpoint_reasons(scenario, floors(scenario, models))
 
 
 def grouped(
     scenario: Scenario, reasons: Sequence[Reason]
 ) -> list[tuple[tuple[int, ...] | None, str]]:
     """Return reasons in words, one sentence for vehicles that share one.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    reasons : sequence of Reason
+        What was found.
 
     Returns
     -------
@@ -161,7 +168,20 @@ def _too_far(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | Non
 
 
 def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
-    """Return the sentence that a goal is out of reach, of one vehicle and of several."""
+    """Return the sentence that a goal is out of reach.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    model : CondensedModel
+        The vehicle over the whole horizon.
+
+    Returns
+    -------
+    pair of str
+        What follows "Vehicle 'name'", and the same of several vehicles.
+    """
     seconds = scenario.horizon * scenario.dt
     kept = reserve_reason(model)
     because = f" (the feedback {kept})" if kept else ""
@@ -175,29 +195,42 @@ def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:
     )
 
 
-def place_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
-    """Say what starts and goals risk, where that alone is above Δ."""
-    granted = scenario.risk_bound * (1.0 + _ROUNDING)
-    if found.total <= granted:
+def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
+    """Say what starts and goals risk, where that alone is above Δ.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    found : Floors
+        What they risk.
+
+    Returns
+    -------
+    list of Reason
+        Empty where they risk no more than Δ.
+    """
+    threshold = scenario.risk_bound * (1.0 + _ROUNDING)
+    if found.total <= threshold:
         return []
-    dangers = (*found.starts, *found.goals)
-    alone = [danger for danger in dangers if danger.risk > granted]
-    reasons = [Reason(*told) for told in place_sentences(scenario, alone)]
+    hazards = (*found.starts, *found.goals)
+    alone = [hazard for hazard in hazards if hazard.risk > threshold]
+    reasons = [Reason(*told) for told in endpoint_sentences(scenario, alone)]
     if reasons:
         return reasons
     for i in range(scenario.num_vehicles):
         for at_goal in (False, True):
             risk = float(found.vehicles[i, int(at_goal)])
-            if risk > granted:
-                own = _own(dangers, i, at_goal=at_goal)
-                reasons.append(Reason((i,), places_text(scenario, own, risk)))
+            if risk > threshold:
+                own = _own(hazards, i, at_goal=at_goal)
+                reasons.append(Reason((i,), endpoints_text(scenario, own, risk)))
     if reasons:
         return reasons
-    ranked = tuple(sorted(dangers, key=lambda danger: -danger.risk))
-    everyone = tuple(sorted({i for danger in ranked for i in danger.members}))
-    return [Reason(everyone, places_text(scenario, ranked, found.total))]
+    ranked = tuple(sorted(hazards, key=lambda hazard: -hazard.risk))
+    everyone = tuple(sorted({i for hazard in ranked for i in hazard.members}))
+    return [Reason(everyone, endpoints_text(scenario, ranked, found.total))]
 
 
-def _own(dangers: Sequence[Danger], i: int, *, at_goal: bool) -> tuple[Danger, ...]:
-    """Return what one vehicle runs in one place, others aside."""
-    return tuple(d for d in dangers if d.members == (i,) and d.at_goal == at_goal)
+def _own(hazards: Sequence[EndpointHazard], i: int, *, at_goal: bool) -> tuple[EndpointHazard, ...]:
+    """Return the hazards of one vehicle at one endpoint, others aside."""
+    return tuple(d for d in hazards if d.members == (i,) and d.at_goal == at_goal)

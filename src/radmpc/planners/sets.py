@@ -12,7 +12,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.draft import Step
 from radmpc.planners.executing import run_elsewhere
 from radmpc.planners.explain import explain_infeasible
@@ -94,7 +94,7 @@ def plan_set(task: SetTask, limits: Limits) -> SetPlan:
         limits,
         task.stage,
         tuple(v.name for v in scenario.vehicles),
-        propose=lambda margins: propose_sides(program, models, margins, limits),
+        propose=lambda margins: propose_alternatives(program, models, margins, limits),
         rng=task.rng,
     )
     solved = task.planner.policy.solve(request)
@@ -183,7 +183,20 @@ def run_sets(
 
 
 def in_order(sets: Sequence[tuple[int, ...]], plans: Sequence[SetPlan]) -> tuple[Matrix, ...]:
-    """Return the controls of all vehicles that have any, in the scenario's order."""
+    """Return the controls of all vehicles that have any, in the scenario's order.
+
+    Parameters
+    ----------
+    sets : sequence of tuple of int
+        A partition of the fleet.
+    plans : sequence of SetPlan
+        The plan of each.
+
+    Returns
+    -------
+    tuple of (T, m) array
+        One per vehicle with a plan.
+    """
     controls = {
         i: control
         for members, plan in zip(sets, plans, strict=True)

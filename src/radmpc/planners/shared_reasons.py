@@ -1,30 +1,30 @@
-"""Places that several vehicles have in common trouble: one sentence names them all."""
+"""Starts or goals of several vehicles at fault for the same reason: one sentence names them all."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoint_risk import Danger
-from radmpc.planners.wording import is_contact, listed, places_text, rounded
+from radmpc.planners.endpoint_risk import EndpointHazard
+from radmpc.planners.wording import endpoints_text, is_contact, listed, rounded
 
-__all__ = ["place_sentences"]
+__all__ = ["endpoint_sentences"]
 
 _SHARED = 3
-"""Vehicles with the same trouble from which on one sentence speaks of all."""
+"""Vehicles with the same reason from which on one sentence names them all [-]."""
 
 
-def place_sentences(
-    scenario: Scenario, dangers: Sequence[Danger]
+def endpoint_sentences(
+    scenario: Scenario, hazards: Sequence[EndpointHazard]
 ) -> list[tuple[tuple[int, ...], str]]:
-    """Return what is wrong with places, each of which is above Δ by itself.
+    """Return what is wrong with starts and goals, each of which is above Δ by itself.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
-    dangers : sequence of Danger
-        The places.
+    hazards : sequence of EndpointHazard
+        Those starts and goals.
 
     Returns
     -------
@@ -32,10 +32,10 @@ def place_sentences(
         Vehicles, and the sentence about them: one where three or more share the reason.
     """
     told = []
-    for group in _groups(scenario, dangers):
-        members = tuple(sorted({i for danger in group for i in danger.members}))
+    for group in _groups(scenario, hazards):
+        members = tuple(sorted({i for hazard in group for i in hazard.members}))
         if len(members) < _SHARED:
-            told += [(d.members, places_text(scenario, (d,), d.risk)) for d in group]
+            told += [(d.members, endpoints_text(scenario, (d,), d.risk)) for d in group]
         elif group[0].cause == "pair":
             told.append((members, _pairs_text(scenario, members, group)))
         else:
@@ -43,33 +43,33 @@ def place_sentences(
     return told
 
 
-def _groups(scenario: Scenario, dangers: Sequence[Danger]) -> list[list[Danger]]:
-    """Return dangers of one reason; of pairs, those that hang together."""
-    groups: list[list[Danger]] = []
-    for danger in dangers:
-        akin = [g for g in groups if _is_akin(scenario, g, danger)]
+def _groups(scenario: Scenario, hazards: Sequence[EndpointHazard]) -> list[list[EndpointHazard]]:
+    """Return hazards of one reason; of pairs, those that hang together."""
+    groups: list[list[EndpointHazard]] = []
+    for hazard in hazards:
+        akin = [g for g in groups if _is_akin(scenario, g, hazard)]
         for group in akin:
             groups.remove(group)
-        groups.append([*(one for group in akin for one in group), danger])
+        groups.append([*(one for group in akin for one in group), hazard])
     return groups
 
 
-def _is_akin(scenario: Scenario, group: Sequence[Danger], danger: Danger) -> bool:
-    """Whether a danger has the reason of a group."""
+def _is_akin(scenario: Scenario, group: Sequence[EndpointHazard], hazard: EndpointHazard) -> bool:
+    """Whether a hazard has the reason of a group."""
     first = group[0]
-    if (first.cause, first.at_goal) != (danger.cause, danger.at_goal):
+    if (first.cause, first.at_goal) != (hazard.cause, hazard.at_goal):
         return False
-    if is_contact(scenario, first) != is_contact(scenario, danger):
+    if is_contact(scenario, first) != is_contact(scenario, hazard):
         return False
-    if danger.cause != "pair":
+    if hazard.cause != "pair":
         return True
-    return any(set(one.members) & set(danger.members) for one in group)
+    return any(set(one.members) & set(hazard.members) for one in group)
 
 
-def _pairs_text(scenario: Scenario, members: Sequence[int], group: Sequence[Danger]) -> str:
-    """Return the sentence about places too close to each other."""
+def _pairs_text(scenario: Scenario, members: Sequence[int], group: Sequence[EndpointHazard]) -> str:
+    """Return the sentence about starts or goals too close to each other."""
     place = "goals" if group[0].at_goal else "starts"
-    nearest = min(group, key=lambda danger: danger.distance)
+    nearest = min(group, key=lambda hazard: hazard.distance)
     names = [repr(scenario.vehicles[i].name) for i in nearest.members]
     contact = sum(scenario.vehicles[i].radius for i in nearest.members)
     cure = "the noise" if nearest.at_goal else "initial_covariance"
@@ -83,9 +83,11 @@ def _pairs_text(scenario: Scenario, members: Sequence[int], group: Sequence[Dang
     )
 
 
-def _shared_text(scenario: Scenario, members: Sequence[int], group: Sequence[Danger]) -> str:
-    """Return the sentence about places too close to obstacles or to the border."""
-    first, *_ = group = sorted(group, key=lambda danger: danger.members)
+def _shared_text(
+    scenario: Scenario, members: Sequence[int], group: Sequence[EndpointHazard]
+) -> str:
+    """Return the sentence about starts or goals too close to obstacles or to the border."""
+    first, *_ = group = sorted(group, key=lambda hazard: hazard.members)
     place = "goals" if first.at_goal else "starts"
     head = f"The {place} of vehicles {_names(scenario, members)}"
     obstacles = list(dict.fromkeys(repr(d.other) for d in group if d.other is not None))
@@ -95,7 +97,7 @@ def _shared_text(scenario: Scenario, members: Sequence[int], group: Sequence[Dan
         if first.cause == "workspace":
             return f"{head} lie outside the workspace. Move the {place}."
         return f"{head} lie within {what} grown by the vehicles' radii ({risks}). Move the {place}."
-    nearest = min(danger.distance for danger in group)
+    nearest = min(hazard.distance for hazard in group)
     cure = ", or reduce the noise" if first.at_goal else " or reduce initial_covariance"
     where = "even their best points are" if first.at_goal else "they are"
     aside = ", radii not counted," if what else ""
@@ -110,8 +112,8 @@ def _names(scenario: Scenario, members: Sequence[int]) -> str:
     return listed([repr(scenario.vehicles[i].name) for i in members])
 
 
-def _risks(scenario: Scenario, group: Sequence[Danger]) -> str:
-    """Return what the places of a group risk, each by itself."""
+def _risks(scenario: Scenario, group: Sequence[EndpointHazard]) -> str:
+    """Return what the starts or goals of a group risk, each by itself."""
     bound = scenario.risk_bound
     least, most = (rounded(f(d.risk for d in group), bound) for f in (min, max))
     span = f"a risk of {most} each" if least == most else f"risks of {least} to {most}"

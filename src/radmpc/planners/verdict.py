@@ -11,7 +11,7 @@ from radmpc.model.plan import LedgerRow
 __all__ = ["Judge", "Verdict"]
 
 _BESIDES = 0.1
-"""Share of Δ that pairs across sets may keep, together, when the worst of them are merged."""
+"""Share of Δ that pairs across sets may keep together when the worst of them are merged [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,16 +50,16 @@ class Verdict:
         return found
 
     def to_blame(
-        self, owners: Indices, numbers: Mapping[str, int], granted: float
+        self, owners: Indices, numbers: Mapping[str, int], risk_bound: float
     ) -> dict[tuple[int, int], float]:
         """Return the worst pairs across sets, where without them the plan might be within Δ.
 
         Parameters
         ----------
         owners, numbers : Indices and mapping
-            As of `across`.
-        granted : float
-            Δ.
+            As in `across`.
+        risk_bound : float
+            Δ [-].
 
         Returns
         -------
@@ -67,15 +67,15 @@ class Verdict:
             Their risks; empty where the plan is within Δ, or is not without such pairs either.
         """
         pairs = self.across(owners, numbers)
-        rest = sum(pairs.values())
-        if self.certified <= granted or rest < min(granted, self.certified - granted):
+        left = sum(pairs.values())
+        if self.certified <= risk_bound or left < min(risk_bound, self.certified - risk_bound):
             return {}
         blamed: dict[tuple[int, int], float] = {}
         for pair, risk in sorted(pairs.items(), key=lambda item: (-item[1], item[0])):
-            if rest <= _BESIDES * granted and blamed:
+            if left <= _BESIDES * risk_bound and blamed:
                 break
             blamed[pair] = risk
-            rest -= risk
+            left -= risk
         return blamed
 
 

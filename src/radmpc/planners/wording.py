@@ -1,4 +1,4 @@
-"""Sentences about dangers, and numbers rounded to the safe side."""
+"""Sentences about hazards, and numbers rounded to the safe side."""
 
 from __future__ import annotations
 
@@ -6,24 +6,33 @@ from collections.abc import Sequence
 from math import ceil, floor, log10
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoint_risk import Danger
+from radmpc.planners.endpoint_risk import EndpointHazard
 from radmpc.solvers.solution import Limits
 
 __all__ = [
+    "endpoints_text",
     "is_contact",
     "limit_clause",
     "listed",
-    "places_text",
     "rounded",
     "rounded_down",
     "rounded_up",
 ]
 
 _NAMED = 3
+"""Names or hazards that a sentence lists at most [-]; it says how many others there are."""
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
-    """Return names in a row, three at most and how many others there are."""
+    """Return names as a list in words, three at most and how many others there are.
+
+    Parameters
+    ----------
+    names : sequence of str
+        One or more.
+    last : str
+        The word before the last.
+    """
     if len(names) > _NAMED + 1:
         names = [*names[:_NAMED], f"{len(names) - _NAMED} more"]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
@@ -38,7 +47,13 @@ def limit_clause(limits: Limits) -> str:
 
 
 def rounded(risk: float, bound: float) -> str:
-    """Return a risk in as many digits, two at least, as tell it from a bound."""
+    """Return a risk in as many digits, two at least, as tell it from a bound.
+
+    Parameters
+    ----------
+    risk, bound : float
+        Probabilities [-].
+    """
     for digits in range(2, 17):
         text = f"{risk:.{digits}g}"
         if (float(text) > bound) == (risk > bound) and float(text) != bound:
@@ -58,20 +73,28 @@ def rounded_down(risk: float) -> str:
     return f"{floor(risk / unit * (1.0 + 1e-9)) * unit:.2g}"
 
 
-def is_contact(scenario: Scenario, danger: Danger) -> bool:
-    """Whether means touch, or leave the workspace, wherever they are in a place."""
-    reach = sum(scenario.vehicles[i].radius for i in danger.members)
-    return danger.distance < (0.0 if danger.cause == "workspace" else reach)
-
-
-def places_text(scenario: Scenario, dangers: Sequence[Danger], risk: float) -> str:
-    """Return what places risk at least, which is above Δ.
+def is_contact(scenario: Scenario, hazard: EndpointHazard) -> bool:
+    """Whether the means touch, or leave the workspace, wherever they are at an endpoint.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
-    dangers : sequence of Danger
+    hazard : EndpointHazard
+        What may happen there.
+    """
+    reach = sum(scenario.vehicles[i].radius for i in hazard.members)
+    return hazard.distance < (0.0 if hazard.cause == "workspace" else reach)
+
+
+def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: float) -> str:
+    """Return what starts and goals risk at least, which is above Δ.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    hazards : sequence of EndpointHazard
         One, or the greatest first.
     risk : float
         What they risk together.
@@ -82,11 +105,11 @@ def places_text(scenario: Scenario, dangers: Sequence[Danger], risk: float) -> s
         Where and what, the numbers, and what would help.
     """
     bound = f"risk_bound {scenario.risk_bound:g}"
-    if len(dangers) == 1:
-        return _one(scenario, dangers[0], rounded(risk, scenario.risk_bound), bound)
+    if len(hazards) == 1:
+        return _one(scenario, hazards[0], rounded(risk, scenario.risk_bound), bound)
     number = rounded(risk, scenario.risk_bound)
-    parts = [f"{_what(scenario, d)} ({d.risk:.2g})" for d in dangers[:_NAMED]]
-    hidden = len(dangers) - len(parts)
+    parts = [f"{_what(scenario, d)} ({d.risk:.2g})" for d in hazards[:_NAMED]]
+    hidden = len(hazards) - len(parts)
     more = f"; and {hidden} more" if hidden > 0 else ""
     return (
         f"Starts and goals alone run a risk of {number}, above {bound}: "
@@ -94,61 +117,61 @@ def places_text(scenario: Scenario, dangers: Sequence[Danger], risk: float) -> s
     )
 
 
-def _what(scenario: Scenario, danger: Danger) -> str:
-    """Name a danger and its place."""
-    names = [repr(scenario.vehicles[i].name) for i in danger.members]
-    place = "goal" if danger.at_goal else "start"
-    if danger.cause == "pair":
+def _what(scenario: Scenario, hazard: EndpointHazard) -> str:
+    """Name a hazard and the endpoint."""
+    names = [repr(scenario.vehicles[i].name) for i in hazard.members]
+    place = "goal" if hazard.at_goal else "start"
+    if hazard.cause == "pair":
         return f"the {place}s of {names[0]} and {names[1]}"
-    what = "the workspace border" if danger.other is None else f"obstacle {danger.other!r}"
+    what = "the workspace border" if hazard.other is None else f"obstacle {hazard.other!r}"
     return f"the {place} of {names[0]} at {what}"
 
 
-def _one(scenario: Scenario, danger: Danger, number: str, bound: str) -> str:
-    """Return the sentence about one danger."""
-    names = [repr(scenario.vehicles[i].name) for i in danger.members]
-    radii = [scenario.vehicles[i].radius for i in danger.members]
+def _one(scenario: Scenario, hazard: EndpointHazard, number: str, bound: str) -> str:
+    """Return the sentence about one hazard."""
+    names = [repr(scenario.vehicles[i].name) for i in hazard.members]
+    radii = [scenario.vehicles[i].radius for i in hazard.members]
     risk = f"a risk of {number}"
-    if danger.risk > scenario.risk_bound:
+    if hazard.risk > scenario.risk_bound:
         risk += f", above {bound}"
-    cure = "" if danger.at_goal else " or reduce initial_covariance"
-    place = "goal" if danger.at_goal else "start"
-    if danger.cause == "pair":
-        return _pair(scenario, danger, names, risk)
-    best = "even its best point is" if danger.at_goal else "it is"
-    if danger.cause == "workspace":
-        if danger.distance < 0.0:
+    cure = "" if hazard.at_goal else " or reduce initial_covariance"
+    place = "goal" if hazard.at_goal else "start"
+    if hazard.cause == "pair":
+        return _pair(scenario, hazard, names, risk)
+    best = "even its best point is" if hazard.at_goal else "it is"
+    if hazard.cause == "workspace":
+        if hazard.distance < 0.0:
             return (
                 f"The {place} of vehicle {names[0]} lies outside the workspace. Move the {place}."
             )
-        where = f"{best} {danger.distance:.3g} m from the border"
+        where = f"{best} {hazard.distance:.3g} m from the border"
         head = f"The {place} of vehicle {names[0]} is too close to the workspace border"
     else:
-        if is_contact(scenario, danger):
+        if is_contact(scenario, hazard):
             return (
-                f"The {place} of vehicle {names[0]} lies within obstacle {danger.other!r} grown by "
+                f"The {place} of vehicle {names[0]} lies within obstacle {hazard.other!r} grown by "
                 f"the vehicle's radius of {radii[0]:g} m ({risk}). Move the {place}."
             )
-        where = f"{best} {danger.distance:.3g} m from it, at a radius of {radii[0]:g} m,"
-        head = f"The {place} of vehicle {names[0]} is too close to obstacle {danger.other!r}"
-    if danger.at_goal:
+        where = f"{best} {hazard.distance:.3g} m from it, at a radius of {radii[0]:g} m,"
+        head = f"The {place} of vehicle {names[0]} is too close to obstacle {hazard.other!r}"
+    if hazard.at_goal:
         cure = ", or reduce the noise"
     return f"{head}: {where} and runs {risk}. Move the {place} away{cure}."
 
 
-def _pair(scenario: Scenario, danger: Danger, names: Sequence[str], risk: str) -> str:
+def _pair(scenario: Scenario, hazard: EndpointHazard, names: Sequence[str], risk: str) -> str:
     """Return the sentence about two places."""
-    place = "goals" if danger.at_goal else "starts"
-    radii = [scenario.vehicles[i].radius for i in danger.members]
+    place = "goals" if hazard.at_goal else "starts"
+    radii = [scenario.vehicles[i].radius for i in hazard.members]
     need = f"{radii[0] + radii[1]:.3g} m (radii {radii[0]:g} and {radii[1]:g} m)"
-    most = "at most " if danger.at_goal else ""
-    apart = f"{most}{danger.distance:.3g} m apart"
+    most = "at most " if hazard.at_goal else ""
+    apart = f"{most}{hazard.distance:.3g} m apart"
     head = f"The {place} of vehicles {names[0]} and {names[1]} are too close to each other"
-    if is_contact(scenario, danger):
+    if is_contact(scenario, hazard):
         return (
             f"{head}: they overlap, {apart} where {need} are needed ({risk}). Move a {place[:-1]}."
         )
-    cure = "the noise" if danger.at_goal else "initial_covariance"
+    cure = "the noise" if hazard.at_goal else "initial_covariance"
     return (
         f"{head}: they are {apart}, contact is at {need}, and that alone runs {risk}. "
         f"Move a {place[:-1]} or reduce {cure}."

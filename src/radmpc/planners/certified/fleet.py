@@ -1,173 +1,216 @@
-"""The fleet: problems and searches of all sets met so far."""
+"""The fleet: programs and searches of all sets met so far.
+
+Three quantities of risk are used throughout this package. Δ is the scenario's risk bound, which the
+referee's certificate must not exceed. The *budget* is what the union (Boole) bounds of the chosen
+rows of the fleet may sum to beyond the risk of the starts; it may exceed Δ, because they sum
+to more than the referee finds.
+
+The *unit* is the risk that 1 stands for in the programs: a fixed multiple of Δ, chosen once per
+fleet. The rows of one set may sum to one unit at most, and no row may take more than the smaller of
+the unit and `CONVEX_RISK`: its row risk cap. The budget never exceeds the unit.
+
+The Lagrange multiplier (shadow price) of the risk bound comes in two scales. A ``unit_price`` is
+the cost of one unit of risk; a ``price`` is the cost per unit of probability:
+``price = unit_price / unit``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Vector
 from radmpc.errors import NoPlanError
-from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.inter_set_risk import by_sets, meeting_risks
-from radmpc.planners.certified.nearby import Surroundings
-from radmpc.planners.certified.problem import Order, SetProblem, SetState
-from radmpc.planners.certified.set_searches import Job, search_sets
-from radmpc.planners.endpoint_risk import start_dangers
-from radmpc.planners.verdict import Verdict
-from radmpc.program.build import condensed_models, controls_of
+from radmpc.planners.certified.merging import Members, Merging
+from radmpc.planners.certified.problem import Order, SetState
+from radmpc.planners.certified.programs import SetPrograms
+from radmpc.planners.certified.set_searches import SetSearch, search_sets
+from radmpc.planners.endpoint_risk import start_hazards
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Fleet", "Members"]
-
-Members = tuple[int, ...]
+__all__ = ["Fleet"]
 
 _SET_SHARE = 0.5
-"""Share of the gap that the sets' own searches may use."""
+"""Share of the gap that the sets' own searches may use [-]; the rest is for the price."""
 
-_ROOM = {"steps": (4.0, 1.5), "intervals": (12.0, 4.0)}
-"""What simple bounds may sum to, in multiples of the risk bound: at most, and to begin with."""
+_SLACK = {"steps": (4.0, 1.5), "intervals": (12.0, 4.0)}
+"""The unit, and the budget to begin with, in multiples of Δ [-]. Union bounds sum to 1.3 to 2.5
+times the certificate on `paper(8)` at steps, often to 10 times along intervals."""
 
 _FILL = 0.9
-"""Share of the unit up to which the budget may grow."""
+"""Share of the unit up to which the budget may grow [-]."""
 
 _LITTLE = 1e-2
-"""Share of Δ that the budget is at least: by the referee the starts may risk less."""
+"""Least budget as a share of Δ [-]: starts may risk less by the referee than by union bounds."""
 
 _RISK_TO_COST = 0.006
-"""Typical value of the whole risk budget, as a share of the cost of plans."""
-
-_TELLING = 1e-3
-"""Share of the worst risk between two sets below which a meeting does not explain it."""
+"""Value of the whole risk budget as a share of what plans cost without hazards [-]: the first guess
+of the price."""
 
 _NODES = 400
-"""Nodes that a set gets per vehicle and round."""
+"""Nodes of the search tree that a set gets per vehicle and round [-], multiplied by the effort."""
 
 _TRIAL = 60
+"""Nodes per vehicle of a set of several until an initial plan was tried [-]: beyond it a set counts
+as hard."""
+
 _TRIAL_ALONE = 150
-"""Nodes per vehicle of a set, and of a vehicle alone, until the fleet has a plan."""
+"""Nodes of a vehicle alone until an initial plan was tried [-]."""
 
 
 @dataclass(eq=False)
 class Fleet:
-    """The running state: problems and searches of all sets met so far."""
+    """The running state: programs and searches of all sets met so far.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The fleet.
+    gap : float
+        The relative gap asked for [-].
+    limits : Limits
+        When to stop early.
+    progress : callable
+        Told how many sets are searched, of how many.
+    executor : Executor or None
+        Where sets are searched; None searches here.
+    programs : SetPrograms
+        The program of every set met so far.
+    states : dict
+        How far the search of each set has come.
+    incumbent_parts : dict of int to (n,) array
+        What every vehicle does in some plan of the whole fleet; empty until there is one.
+    merging : Merging
+        Which vehicles must be planned together.
+    has_tried_initial_plan : bool
+        Whether sets get their full number of nodes; until then the first set that proves hard calls
+        for an initial plan of the whole fleet.
+    is_costless : bool
+        Whether effort counts for nothing, so that at a unit price of 1 only risk is minimized.
+    unit : float
+        The risk that 1 stands for in programs [-], see above.
+    budget : float
+        What union bounds may sum to beyond the starts [-].
+    initial : float
+        What the starts risk, whatever the plan [-].
+    """
 
     scenario: Scenario
     gap: float
     limits: Limits
     progress: Callable[[int, int], None]
     executor: Executor | None = None
-    problems: dict[Members, SetProblem] = field(default_factory=dict)
     states: dict[Members, SetState] = field(default_factory=dict)
-    alone: dict[Members, Scenario] = field(default_factory=dict)
-    known: dict[int, Vector] = field(default_factory=dict)
-    """What every vehicle does in some plan of the whole fleet; empty until there is one."""
-    met: dict[tuple[int, int], float] = field(default_factory=dict)
-    """Why vehicles were planned together: the risk between plans of them made apart."""
-    blamed: dict[tuple[int, int], float] = field(default_factory=dict)
-    """Pairs for whom the referee rejected plans made apart: planned together at every price."""
-    is_sketched: bool = False
+    incumbent_parts: dict[int, Vector] = field(default_factory=dict)
+    has_tried_initial_plan: bool = False
     is_costless: bool = False
-    """Whether effort counts for nothing, so that at a price of 1 only risk is minimized."""
 
     def __post_init__(self) -> None:
         """Build every vehicle's own program."""
-        self.numbers = {v.name: i for i, v in enumerate(self.scenario.vehicles)}
-        self.models = condensed_models(self.scenario)
-        self.covariances = np.array([s.position_covariances for s in self.models])
-        self.surroundings = Surroundings(self.scenario, self.models)
-        # Simple bounds may sum to more than the referee finds, by a factor that is not known yet.
-        granted = self.scenario.risk_bound
+        self.merging = Merging(self.scenario)
+        # Union bounds may sum to more than the referee finds, by a factor that is not known yet.
+        risk_bound = self.scenario.risk_bound
         # Where only risk is minimized, Δ itself is the scale.
-        room, begin = (1.0, 1.0) if self.is_costless else _ROOM[self.scenario.avoidance]
-        self.unit = room * granted
+        most, begin = (1.0, 1.0) if self.is_costless else _SLACK[self.scenario.avoidance]
+        self.unit = most * risk_bound
+        self.programs = SetPrograms(self.scenario, self.unit, is_costless=self.is_costless)
         self.singles = tuple((i,) for i in range(self.scenario.num_vehicles))
-        for members in self.singles:
-            self.problem(members)
         # Under intervals the start is part of what plans choose, and is charged there.
         at_start = self.scenario.avoidance == "steps"
-        self.start_dangers = start_dangers(self.scenario, self.models) if at_start else ()
-        # Settled avoidances are not charged here: what they run at most is no part of a bound,
+        self.start_hazards = start_hazards(self.scenario, self.programs.models) if at_start else ()
+        # Presolved avoidances are not charged here: what they run at most is no part of a bound,
         # and what they run in a plan is for the referee to say.
-        self.initial = sum(danger.risk for danger in self.start_dangers)
-        self.budget = max(granted, min(begin * granted, _FILL * self.unit)) - self.initial
-        self.base = [_cost_without_dangers(self.problems[m].program) for m in self.singles]
-
-    def problem(self, members: Members) -> SetProblem:
-        """Return a set's program, built when first asked for."""
-        if members not in self.problems:
-            self.alone[members] = self.surroundings.of(members)
-            made = SetProblem.of(self.alone[members], members, self.models, self.unit)
-            self.problems[members] = made.without_cost() if self.is_costless else made
-        return self.problems[members]
+        self.initial = sum(hazard.risk for hazard in self.start_hazards)
+        self.budget = max(risk_bound, min(begin * risk_bound, _FILL * self.unit)) - self.initial
+        self.base = [_cost_without_hazards(self.programs.problem(m).program) for m in self.singles]
 
     def set_budget(self, budget: float) -> None:
-        """Set what simple bounds may sum to beyond the starts: Δ at least, the unit at most."""
+        """Set what union bounds may sum to beyond the starts: Δ at least, the unit at most."""
         self.budget = max(self.least_budget, min(budget, self.most_budget))
 
     @property
     def least_budget(self) -> float:
-        """What is left of Δ by simple bounds; a little where the starts alone exceed it by them."""
-        granted = self.scenario.risk_bound
-        return max(granted - self.initial, _LITTLE * granted)
+        """What the union bounds of the starts leave of Δ; a little where they exceed it."""
+        risk_bound = self.scenario.risk_bound
+        return max(risk_bound - self.initial, _LITTLE * risk_bound)
 
     @property
     def most_budget(self) -> float:
-        """The most that simple bounds may sum to beyond the starts."""
+        """The most that union bounds may sum to beyond the starts."""
         return _FILL * self.unit - self.initial
 
-    def first_price(self) -> float:
-        """Guess the price of the whole bound from what plans cost without dangers."""
+    def first_unit_price(self) -> float:
+        """Guess the price of one unit of risk from what plans cost without hazards."""
         total = float(sum(self.base))
         guess = max(_RISK_TO_COST * total, 1e-6 * max(1.0, total))
         return guess * self.unit / (self.budget + self.initial)
 
     def best(self, members: Members) -> Incumbent:
-        """Return the plan of a set that has one."""
+        """Return the incumbent of a set that has one."""
         best = self.states[members].best
         if best is None:
             raise NoPlanError("a set without a plan cannot be part of a round")
         return best
 
     def solve(
-        self, sets: Sequence[Members], price: float, effort: int, *, is_rough: bool = False
+        self, sets: Sequence[Members], unit_price: float, effort: int, *, is_rough: bool = False
     ) -> bool:
-        """Bring every set's search to a price; tell whether all have a plan."""
-        jobs = []
+        """Bring every set's search to a price.
+
+        Parameters
+        ----------
+        sets : sequence of tuple of int
+            Sets that have no vehicle in common.
+        unit_price : float
+            Cost of one unit of risk.
+        effort : int
+            Multiplies the nodes that every set gets [-].
+        is_rough : bool
+            Whether plans are only to tell the price, so that the lattice is not searched.
+
+        Returns
+        -------
+        bool
+            Whether all have a plan.
+        """
+        searches = []
         for members in sets:
             state = self.states.get(members)
             nodes = _NODES
-            if not self.is_sketched:
+            if not self.has_tried_initial_plan:
                 nodes = _TRIAL_ALONE if len(members) == 1 else _TRIAL
-            wanted = nodes * effort * len(members)
-            spent = state.nodes if state is not None and state.price == price else 0
+            target = nodes * effort * len(members)
+            spent = state.nodes if state is not None and state.unit_price == unit_price else 0
             if state is not None and (
-                state.bound == float("inf") or (spent and not (state.is_limited and spent < wanted))
+                state.bound == float("inf") or (spent and not (state.is_limited and spent < target))
             ):
                 continue
             base = sum(self.base[i] for i in members)
             order = Order(
                 self.unit,
-                price,
+                unit_price,
                 _SET_SHARE * self.gap,
-                price,
-                wanted - spent,
+                unit_price,
+                target - spent,
                 base,
-                self._bounds(members, price),
+                self._bounds(members, unit_price),
                 self.hint(members),
                 is_rough,
             )
-            self.problem(members)
-            jobs.append(Job(members, self.alone[members], state, order))
-        found = search_sets(jobs, self.problem, self.limits, self.executor, self.progress)
-        self.states |= {job.members: state for job, state in zip(jobs, found, strict=True)}
+            self.programs.problem(members)
+            searches.append(SetSearch(members, self.programs.alone[members], state, order))
+        states = search_sets(
+            searches, self.programs.problem, self.limits, self.executor, self.progress
+        )
+        self.states |= {
+            search.members: state for search, state in zip(searches, states, strict=True)
+        }
         return all(self.states[members].best is not None for members in sets)
 
     def is_hard(self, sets: Sequence[Members]) -> bool:
@@ -175,111 +218,23 @@ class Fleet:
         return not self.limits.reached and any(self.states[m].is_limited for m in sets)
 
     def hint(self, members: Members) -> Vector | None:
-        """Return what some vehicles do in the known plan of the fleet, if there is one."""
-        if not self.known or len(members) == 1:
+        """Return a set's point in the incumbent of the whole fleet, if there is one."""
+        if not self.incumbent_parts or len(members) == 1:
             return None
-        return self.joined(members, self.known)
+        return self.programs.assembled(members, self.incumbent_parts)
 
-    def joined(self, members: Members, parts: Mapping[int, Vector]) -> Vector:
-        """Return the point of a set that puts points of its vehicles together."""
-        program = self.problem(members).program
-        z = np.empty(program.num_columns)
-        for block, i in enumerate(members):
-            z[program.blocks == block] = parts[i]
-        return z
-
-    def parted(self, sets: Sequence[Members], points: Sequence[Vector]) -> dict[int, Vector]:
-        """Return every vehicle's part of points of sets."""
-        return {
-            i: z[self.problems[members].program.blocks == block]
-            for members, z in zip(sets, points, strict=True)
-            for block, i in enumerate(members)
-        }
-
-    def _bounds(self, members: Members, price: float) -> tuple[SetBound, ...]:
-        """Return what is proven of parts of a set at this price."""
+    def _bounds(self, members: Members, unit_price: float) -> tuple[SetBound, ...]:
+        """Return the lower bounds proven for subsets of a set at this price."""
         if len(members) == 1:
             return ()
         whole = set(members)
         return tuple(
             SetBound(frozenset(members.index(i) for i in part), state.bound)
             for part, state in self.states.items()
-            if len(part) < len(members) and state.price == price and whole.issuperset(part)
+            if len(part) < len(members)
+            and state.unit_price == unit_price
+            and whole.issuperset(part)
         )
-
-    def crossing(
-        self, sets: Sequence[Members], points: Sequence[Vector]
-    ) -> dict[tuple[int, int], float]:
-        """Estimate the risk between every two sets, numbered as given."""
-        return by_sets(self.meetings(sets, points), self.owners(sets))
-
-    def owners(self, sets: Sequence[Members]) -> Indices:
-        """Return the number of every vehicle's set."""
-        owners = np.empty(self.scenario.num_vehicles, dtype=np.int64)
-        for number, members in enumerate(sets):
-            owners[list(members)] = number
-        return owners
-
-    def meetings(
-        self, sets: Sequence[Members], points: Sequence[Vector]
-    ) -> dict[tuple[int, int], float]:
-        """Estimate the risk between every two vehicles of different sets."""
-        means = np.empty((self.scenario.num_vehicles, *self.models[0].drift_position.shape))
-        sagittas = np.zeros((means.shape[0], means.shape[1] - 1, means.shape[2]))
-        for members, z in zip(sets, points, strict=True):
-            means[list(members)] = self.problems[members].means(z)
-            for i, controls in zip(
-                members, controls_of(self.problems[members].models, z), strict=True
-            ):
-                if self.scenario.vehicles[i].system.is_double_integrator:
-                    sagittas[i] = self.scenario.dt**2 / 8.0 * controls
-        return meeting_risks(self.scenario, means, self.covariances, self.owners(sets), sagittas)
-
-    def part_of_one(self, sets: Sequence[Members], verdict: Verdict) -> bool:
-        """Plan pairs across sets together whom a rejected plan is to be blamed on; tell if any."""
-        granted = self.scenario.risk_bound
-        blamed = verdict.to_blame(self.owners(sets), self.numbers, granted)
-        self.blamed |= blamed
-        return bool(blamed)
-
-    def to_merge(self, sets: Sequence[Members]) -> dict[tuple[int, int], float]:
-        """Return the pairs of vehicles of different sets that must be planned together."""
-        owners = self.owners(sets)
-        return {pair: r for pair, r in self.blamed.items() if owners[pair[0]] != owners[pair[1]]}
-
-    def remember(
-        self,
-        apart: Sequence[Members],
-        joined: Sequence[Members],
-        meetings: Mapping[tuple[int, int], float],
-    ) -> None:
-        """Note whose meetings made sets planned apart into one."""
-        old, new = self.owners(apart).tolist(), self.owners(joined).tolist()
-        inside = {pair: risk for pair, risk in meetings.items() if new[pair[0]] == new[pair[1]]}
-        worst: dict[tuple[int, int], float] = {}
-        for (i, j), risk in inside.items():
-            key = (min(old[i], old[j]), max(old[i], old[j]))
-            worst[key] = max(worst.get(key, 0.0), risk)
-        for (i, j), risk in inside.items():
-            if risk >= _TELLING * worst[min(old[i], old[j]), max(old[i], old[j])]:
-                self.met[i, j] = max(self.met.get((i, j), 0.0), risk)
-
-    def couplings(self, sets: Sequence[Members]) -> tuple[Coupling, ...]:
-        """Return why the vehicles of these sets were planned together."""
-        owner = self.owners(sets)
-        names = [vehicle.name for vehicle in self.scenario.vehicles]
-        return tuple(
-            Coupling(names[i], names[j], "collision", risk)
-            for (i, j), risk in sorted(self.met.items())
-            if owner[i] == owner[j]
-        )
-
-    def controls(self, sets: Sequence[Members], points: Sequence[Vector]) -> tuple[Matrix, ...]:
-        """Return every vehicle's controls, in the scenario's order."""
-        found: dict[int, Matrix] = {}
-        for members, z in zip(sets, points, strict=True):
-            found |= dict(zip(members, controls_of(self.problem(members).models, z), strict=True))
-        return tuple(found[i] for i in range(self.scenario.num_vehicles))
 
     def without_plan(self) -> Members | None:
         """Return a set that was proven to have no plan."""
@@ -289,8 +244,8 @@ class Fleet:
         return None
 
 
-def _cost_without_dangers(program: DisjunctiveProgram) -> float:
-    """Return what a vehicle's way to its goal costs through empty space; 0 where it has none."""
+def _cost_without_hazards(program: DisjunctiveProgram) -> float:
+    """Return the least cost of a vehicle in empty space; 0 where it cannot reach its goal."""
     lp = HighsLp(program.cost, program.lower, program.upper)
     lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
     outcome, cost = lp.solve()

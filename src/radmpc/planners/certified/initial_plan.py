@@ -1,4 +1,4 @@
-"""A plan of the whole fleet in a hurry: tangled vehicles one after the other."""
+"""An initial plan of the whole fleet by a construction heuristic: one vehicle after the other."""
 
 from __future__ import annotations
 
@@ -6,26 +6,30 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.lattice.passage import Passage
-from radmpc.planners.certified.lattice.search import Walk
+from radmpc.planners.certified.lattice.search import PathSearch
+from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.components import components
 from radmpc.solvers.priced.neighborhood import Neighborhood, Seek
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.rating import Rater
 
-__all__ = ["sketch"]
+__all__ = ["initial_plan"]
 
 _ROUNDS = 8
+"""Rounds of merging sets and planning them anew, at most [-]: what is then left between sets is
+charged to the budget."""
+
 _NEGLIGIBLE = 1e-3
-"""Share of the unit that risk between two vehicles may take before they are replanned."""
+"""Share of the unit that the risk between two sets may take before they are merged [-]."""
 
 
-def sketch(
-    fleet: Fleet, sets: tuple[Members, ...], price: float
+def initial_plan(
+    fleet: Fleet, sets: tuple[Members, ...], unit_price: float
 ) -> tuple[tuple[Members, ...], tuple[Incumbent, ...]] | None:
-    """Plan vehicles in each other's way one after the other.
+    """Plan vehicles that are in each other's way greedily, one after the other.
 
     Parameters
     ----------
@@ -33,13 +37,13 @@ def sketch(
         With a plan of every vehicle alone.
     sets : tuple of tuple of int
         A partition; what was searched to the end stays as it is, unless others get in its way.
-    price : float
-        Of one unit of risk.
+    unit_price : float
+        Cost of one unit of risk.
 
     Returns
     -------
     tuple of sets and plans, or None
-        No set collides with another. None where some vehicle found no way, or time ran out.
+        Sets between which the risk is negligible. None where no path was found for some vehicle.
     """
     if any(fleet.states[m].best is None for m in fleet.singles):
         return None
@@ -51,30 +55,30 @@ def sketch(
             plans[members] = state.best
     sets = tuple(part for m in sets for part in ((m,) if m in plans else tuple((i,) for i in m)))
     for _ in range(_ROUNDS):
-        meetings = fleet.meetings(sets, [plans[m].z for m in sets])
-        meetings |= {pair: 1.0 for pair in fleet.to_merge(sets)}
-        crossing = by_sets(meetings, fleet.owners(sets))
-        joined = _joined(sets, crossing, _NEGLIGIBLE * fleet.unit)
-        if joined == sets:
+        pair_risks = fleet.programs.pair_risks(sets, [plans[m].z for m in sets])
+        pair_risks |= {pair: 1.0 for pair in fleet.merging.to_merge(sets)}
+        set_risks = by_sets(pair_risks, owners_of(sets))
+        merged = _merged(sets, set_risks, _NEGLIGIBLE * fleet.unit)
+        if merged == sets:
             break
-        fleet.remember(sets, joined, meetings)
-        sets = joined
+        fleet.merging.remember(sets, merged, pair_risks)
+        sets = merged
         for members in sets:
             if members not in plans:
                 weights = _weights(fleet, members, alone)
-                plan = _place(fleet, members, price, alone, weights)
+                plan = _planned_in_turn(fleet, members, unit_price, alone, weights)
                 if plan is None:
                     return None
                 plans[members] = plan
-    fleet.known = fleet.parted(sets, [plans[m].z for m in sets])
+    fleet.incumbent_parts = fleet.programs.split(sets, [plans[m].z for m in sets])
     return sets, tuple(plans[m] for m in sets)
 
 
-def _joined(
-    sets: tuple[Members, ...], crossing: Mapping[tuple[int, int], float], least: float
+def _merged(
+    sets: tuple[Members, ...], set_risks: Mapping[tuple[int, int], float], least: float
 ) -> tuple[Members, ...]:
-    """Join all sets that are in each other's way, directly or through others."""
-    pairs = [pair for pair, risk in crossing.items() if risk > least]
+    """Merge all sets that are in each other's way, directly or through others."""
+    pairs = [pair for pair, risk in set_risks.items() if risk > least]
     if not pairs:
         return sets
     groups = components(len(sets), pairs)
@@ -82,35 +86,37 @@ def _joined(
 
 
 def _weights(fleet: Fleet, members: Members, alone: Mapping[int, np.ndarray]) -> dict[int, float]:
-    """Return how much each vehicle is in the others' way when all are planned alone."""
+    """Return the risk that each vehicle runs with others of its set if all are planned alone."""
     everyone = [alone[m[0]] for m in fleet.singles]
     weights = dict.fromkeys(members, 0.0)
-    for (i, j), risk in fleet.crossing(fleet.singles, everyone).items():
+    for (i, j), risk in fleet.programs.inter_set_risks(fleet.singles, everyone).items():
         if i in weights and j in weights:
             weights[i] += risk
             weights[j] += risk
     return weights
 
 
-def _place(
+def _planned_in_turn(
     fleet: Fleet,
     members: Members,
-    price: float,
+    unit_price: float,
     alone: Mapping[int, np.ndarray],
     weights: Mapping[int, float],
 ) -> Incumbent | None:
-    """Plan the vehicles of a set one after the other, those most in the way first."""
-    problem = fleet.problem(members)
+    """Plan the vehicles of a set one after the other, those with most risk first."""
+    problem = fleet.programs.problem(members)
     if problem.rater.is_infeasible:
         return None
-    values = [fleet.best((i,)).cost + price * fleet.best((i,)).risk / fleet.unit for i in members]
+    values = [
+        fleet.best((i,)).cost + unit_price * fleet.best((i,)).risk / fleet.unit for i in members
+    ]
     move = max(float(np.abs(np.diff(s.reach_upper, axis=0)).max()) for s in problem.models)
-    seek = _seek(fleet, members, price)
+    seek = _seek(fleet, members, unit_price)
     around = Neighborhood(
-        problem.program, fleet.unit, price, price, fleet.limits, move, values, seek
+        problem.program, fleet.unit, unit_price, unit_price, fleet.limits, move, values, seek
     )
     order = sorted(range(len(members)), key=lambda block: -weights[members[block]])
-    start = fleet.joined(members, alone)
+    start = fleet.programs.assembled(members, alone)
     found = [around.place(start, order)]
     if found[0] is None and not fleet.limits.reached:
         found.append(around.place_in_haste(start, order))
@@ -123,26 +129,28 @@ def _place(
             rating = problem.rater.rate(z)
             cost = float(problem.program.cost @ z)
             plans.append(Incumbent(z, rating.selection, cost, rating.risk))
-    return min(plans, key=lambda i: i.cost + price * i.risk / fleet.unit, default=None)
+    return min(plans, key=lambda i: i.cost + unit_price * i.risk / fleet.unit, default=None)
 
 
-def _seek(fleet: Fleet, members: Members, price: float) -> Seek:
-    """Return the search for a way among vehicles that are placed, on a lattice of its own."""
-    problem = fleet.problem(members)
+def _seek(fleet: Fleet, members: Members, unit_price: float) -> Seek:
+    """Return the search for a path among vehicles that are placed, on a lattice of its own."""
+    problem = fleet.programs.problem(members)
 
-    def seek(rater: Rater, block: int, is_hurried: bool) -> Incumbent | None:
+    def seek(rater: Rater, block: int, is_earliest: bool) -> Incumbent | None:
         if rater.is_infeasible:
             return None
         model = problem.models[block]
         first = block * model.drift_position.size
-        alone = fleet.problem((members[block],)).passage
-        level = 0 if alone is None else alone.walk.level
-        walk = Walk(rater.program, model, fleet.unit, first, level, is_quick=True)
-        if not walk.is_possible:
+        alone = fleet.programs.problem((members[block],)).passage
+        level = 0 if alone is None else alone.path_search.level
+        path_search = PathSearch(
+            rater.program, model, fleet.unit, first, level, is_coarse_only=True
+        )
+        if not path_search.is_possible:
             return None
-        passage = Passage(walk, rater)
-        if is_hurried:
-            return passage.hurried(fleet.limits)
-        return passage.found(price, price, fleet.limits, None)
+        passage = Passage(path_search, rater)
+        if is_earliest:
+            return passage.earliest_plan(fleet.limits)
+        return passage.plan(unit_price, unit_price, fleet.limits, None)
 
     return seek

@@ -1,4 +1,4 @@
-"""Which sets get into each other's way: a quick estimate that proposes, the referee decides."""
+"""Inter-set risk: a quick estimate of which sets collide. It proposes, the referee decides."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
 
-__all__ = ["by_sets", "inter_set_risks", "meeting_risks"]
+__all__ = ["by_sets", "inter_set_risks", "pair_risks_across_sets"]
 
 _FAR = 8.0
 """Standard deviations beyond which a pair's risk is nothing (6e-16)."""
@@ -32,30 +32,48 @@ def inter_set_risks(
     owners: Indices,
     sagittas: Tensor | None = None,
 ) -> dict[tuple[int, int], float]:
-    """Estimate the collision risk of every two sets; see `meeting_risks`.
+    """Estimate the collision risk of every two sets.
+
+    Parameters
+    ----------
+    scenario, means, covariances, owners, sagittas
+        As in `pair_risks_across_sets`.
 
     Returns
     -------
     dict
         Risk of the pairs of sets, lower number first, that run any.
     """
-    return by_sets(meeting_risks(scenario, means, covariances, owners, sagittas), owners)
+    return by_sets(pair_risks_across_sets(scenario, means, covariances, owners, sagittas), owners)
 
 
 def by_sets(
-    meetings: Mapping[tuple[int, int], float], owners: Indices
+    pair_risks: Mapping[tuple[int, int], float], owners: Indices
 ) -> dict[tuple[int, int], float]:
-    """Sum the risks of pairs of vehicles over the sets that own them."""
+    """Sum the risks of pairs of vehicles over the sets that own them.
+
+    Parameters
+    ----------
+    pair_risks : mapping of (int, int) to float
+        Risks of pairs of vehicles [-].
+    owners : (N,) int array
+        The set of each vehicle.
+
+    Returns
+    -------
+    dict of (int, int) to float
+        Risks of pairs of sets [-], lower number first.
+    """
     found: dict[tuple[int, int], float] = {}
     sets = owners.tolist()
-    for (one, two), risk in meetings.items():
+    for (one, two), risk in pair_risks.items():
         i, j = sets[one], sets[two]
         key = (min(i, j), max(i, j))
         found[key] = found.get(key, 0.0) + risk
     return found
 
 
-def meeting_risks(
+def pair_risks_across_sets(
     scenario: Scenario,
     means: Tensor,
     covariances: Tensor,

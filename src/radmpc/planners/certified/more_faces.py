@@ -1,4 +1,4 @@
-"""The same scenario with more faces, where the given ones leave no way."""
+"""The same scenario with more faces, where the given ones leave no plan."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from radmpc.model.scenario import Scenario
 __all__ = ["Finer", "finer_scenarios"]
 
 _FACES = {2: (8, 16, 32), 3: (14, 26)}
-"""Faces around pairs that are tried, by dimension."""
+"""Numbers of faces around pairs that are tried, by dimension [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +40,7 @@ def finer_scenarios(scenario: Scenario) -> Iterator[Finer]:
     Parameters
     ----------
     scenario : Scenario
-        With faces that leave no way.
+        With faces that leave no plan.
 
     Yields
     ------

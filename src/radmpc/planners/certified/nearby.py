@@ -23,8 +23,8 @@ class Surroundings:
     ----------
     scenario : Scenario
         The fleet.
-    models : sequence of Subject
-        All its vehicles.
+    models : sequence of CondensedModel
+        Those of all its vehicles.
     """
 
     def __init__(self, scenario: Scenario, models: Sequence[CondensedModel]) -> None:

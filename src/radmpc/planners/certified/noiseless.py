@@ -1,18 +1,20 @@
 """Plans without noise, as starts for turning half-spaces.
 
-Faces can see no way where there is one: two vehicles that pass each other closely, with hardly any
-noise, may be apart by no face at both ends of an interval and still never meet. A plan of each
-vehicle alone, or of all without noise, may be certified as it is, or become so.
+A program may be infeasible by the faces although there is a plan: two vehicles that pass each other
+closely, with hardly any noise, may be kept apart by no face at both ends of an interval and still
+never touch. A plan of each vehicle alone, or of all without noise, may be certified as it is, or
+become so.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.incumbent import Best
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.incumbent import FleetIncumbent
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.turning import plan_by_turning
-from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import controls_of
 from radmpc.solvers.branch.branch import Branch
@@ -21,24 +23,24 @@ from radmpc.solvers.solution import Limits
 __all__ = ["turn_from_noiseless"]
 
 _MOST_VEHICLES = 8
-"""Vehicles of a fleet beyond which it is not planned as one without regard for risk."""
+"""Vehicles of a fleet beyond which it is not planned as one without regard for risk [-]."""
 
 _SECONDS, _SHARE = 2.0, 0.3
-"""Time for a plan without regard for risk [s], and its most share of what is left."""
+"""Time for a plan without regard for risk [s], at most this share of what is left [-]."""
 
 _NODES = 150
-"""Nodes per vehicle for it; any plan will do."""
+"""Nodes per vehicle for it [-]; any plan will do."""
 
 
-def turn_from_noiseless(fleet: Fleet, best: Best, judge: Judge) -> None:
+def turn_from_noiseless(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
     """Turn half-spaces to plans of the vehicles each alone, and of all without noise.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet; nothing is done where it is large.
-    best : Best
-        Takes what is certified and cheaper than what there is.
+    incumbent : FleetIncumbent
+        Takes what is certified and cheaper than it.
     judge : callable
         The referee.
     """
@@ -51,22 +53,22 @@ def turn_from_noiseless(fleet: Fleet, best: Best, judge: Judge) -> None:
     starts = [_noiseless(fleet, whole, limits)]
     if alone and all(z is not None for z in alone):
         apart = np.concatenate([z for z in alone if z is not None])
-        plan_by_turning(fleet, best, judge, fleet.singles, _controls(fleet, whole, apart))
+        plan_by_turning(fleet, incumbent, judge, fleet.singles, _controls(fleet, whole, apart))
         if starts[0] is None or not np.array_equal(apart, starts[0]):
             starts.append(apart)
     for z in starts:
         if z is not None:
-            plan_by_turning(fleet, best, judge, (whole,), _controls(fleet, whole, z))
+            plan_by_turning(fleet, incumbent, judge, (whole,), _controls(fleet, whole, z))
 
 
 def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return the controls of vehicles from a point of theirs."""
-    return tuple(controls_of([fleet.models[i] for i in members], z))
+    return tuple(controls_of([fleet.programs.models[i] for i in members], z))
 
 
 def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | None:
     """Return a plan of some vehicles on which every row of the faces just holds."""
-    problem = fleet.problem(members)
+    problem = fleet.programs.problem(members)
     program = problem.program
     margins = np.zeros(program.rows.count)
     return (
@@ -76,7 +78,7 @@ def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | N
             margins,
             gap=fleet.gap,
             limits=limits,
-            guide=lambda: propose_sides(program, problem.models, margins, limits),
+            guide=lambda: propose_alternatives(program, problem.models, margins, limits),
         )
         .z
     )

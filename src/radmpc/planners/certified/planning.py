@@ -1,4 +1,4 @@
-"""Planning a whole fleet at the right price of risk, with a certificate and a lower bound."""
+"""Planning a whole fleet at one price of risk, with a certificate and a lower bound."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import Best
+from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
 from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.search import PriceSearch
@@ -26,14 +26,14 @@ from radmpc.solvers.solution import Solver, relative_gap
 __all__ = ["Certified"]
 
 _TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
-"""Time kept back for turning half-spaces to a plan: a share of the limit, or seconds up to a larger
-share of it. Turning takes 0.3 to 4 s on the families of the benchmarks."""
+"""Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up to a
+larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks."""
 
 _LEAST_TURNING = 2.0
-"""Time that turning is granted at least, if the limit leaves it [s]."""
+"""Time that turning gets at least, if the limit leaves it [s]."""
 
 _UNSPENT = 0.5
-"""Share of Δ below which the referee leaves so much that other sides are tried."""
+"""Share of Δ below which a certificate leaves so much that other alternatives are tried [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,31 +49,42 @@ class Certified(Decomposition):
         return "certified"
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
-        """Plan a fleet to a proven gap; every plan is certified. See `Decomposition.plan`."""
+        """Plan a fleet to a proven gap; every plan is certified.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
+
+        Returns
+        -------
+        Draft
+            With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
+        """
         begun = time.perf_counter()
         ruled_out = sure_why_not(scenario, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
-        found = _searched(scenario, planner, run)
-        fleet, best = found.search.fleet, found.search.best
-        if found.answer is not None and not best.controls:
-            return _empty(scenario, found.answer, begun)
-        found.search.close()
-        run.found(best.cost, _finite(best.reported(fleet, planner.gap)))
-        run.progress("polishing", 0, 1)
+        result = _searched(scenario, planner, run)
+        fleet, incumbent = result.search.fleet, result.search.incumbent
+        if result.answer is not None and not incumbent.controls:
+            return _empty(scenario, result.answer, begun)
+        result.search.close()
+        run.found(incumbent.cost, _finite(incumbent.reported_bound(fleet, planner.gap)))
+        run.progress("improving", 0, 1)
         # Large fleets gain little by the second: not longer than the search took.
         fleet.limits = run.limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
-        turn_half_spaces(fleet, best, run.judge)
-        if best.certified < _UNSPENT * scenario.risk_bound:
-            # Not risk but the faces, or their sides, made the plan what it is. (Tried for all
+        turn_half_spaces(fleet, incumbent, run.judge)
+        if incumbent.certified < _UNSPENT * scenario.risk_bound:
+            # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
-            turn_from_noiseless(fleet, best, run.judge)
-        return _draft(found, planner.gap, time.perf_counter() - begun)
+            turn_from_noiseless(fleet, incumbent, run.judge)
+        return _draft(result, planner.gap, time.perf_counter() - begun)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Found:
-    """What the search came to.
+class _SearchResult:
+    """How the search ended.
 
     Attributes
     ----------
@@ -90,55 +101,55 @@ class _Found:
     stopped_by: str | None
 
 
-def _searched(scenario: Scenario, planner: Planner, run: Run) -> _Found:
+def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     """Search for the best plan; where the search finds none, try what else leads to one."""
     limits = run.limits
-    granted = limits.seconds_left
-    kept = max(_TURNING_SHARE * granted, min(_TURNING_SECONDS, _MOST_SHARE * granted))
-    begin = limits if granted == float("inf") else limits.within(granted - kept)
-    best = Best()
+    seconds = limits.seconds_left
+    kept = max(_TURNING_SHARE * seconds, min(_TURNING_SECONDS, _MOST_SHARE * seconds))
+    begin = limits if seconds == float("inf") else limits.within(seconds - kept)
+    incumbent = FleetIncumbent()
 
     def tell(done: int, total: int) -> None:
         run.progress("sets", done, total)
-        if best.controls:
-            run.found(best.cost, _finite(best.reported(fleet, planner.gap)))
+        if incumbent.controls:
+            run.found(incumbent.cost, _finite(incumbent.reported_bound(fleet, planner.gap)))
 
     fleet = Fleet(scenario, planner.gap, begin, tell, run.executor)
-    search = PriceSearch(fleet, best, planner.gap, run.judge)
+    search = PriceSearch(fleet, incumbent, planner.gap, run.judge)
     if fleet.budget > 0.0:
         search.run()
-    # Turning has time of its own, kept back from the search.
+    # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
-    if search.best.controls:
-        return _Found(search, None, stopped_by)
+    if search.incumbent.controls:
+        return _SearchResult(search, None, stopped_by)
     fleet.limits = limits
     search, answer = last_resort(search)
-    return _Found(search, answer, stopped_by or begin.reason or None)
+    return _SearchResult(search, answer, stopped_by or begin.reason or None)
 
 
-def _draft(found: _Found, gap: float, seconds: float) -> Draft:
-    """Return the best plan and what is proven of it."""
-    fleet, best, answer = found.search.fleet, found.search.best, found.answer
+def _draft(result: _SearchResult, gap: float, seconds: float) -> Draft:
+    """Return the incumbent and what is proven of it."""
+    fleet, incumbent, answer = result.search.fleet, result.search.incumbent, result.answer
     closed = gap * (1.0 + 1e-6)
-    bound = best.reported(fleet, closed)
-    is_closed = relative_gap(best.cost, bound) <= closed
+    bound = incumbent.reported_bound(fleet, closed)
+    is_closed = relative_gap(incumbent.cost, bound) <= closed
     return Draft(
         Status.OPTIMAL if is_closed else Status.FEASIBLE,
-        best.controls,
-        best.sets,
-        tuple(best.steps),
+        incumbent.controls,
+        incumbent.sets,
+        tuple(incumbent.steps),
         (),
         {"sets": seconds},
         (answer.explanation if answer is not None else "") or None,
         lower_bound=_finite(bound),
-        price=best.price(fleet),
-        couplings=fleet.couplings(best.sets),
-        stopped_by=found.stopped_by,
+        price=incumbent.price(fleet),
+        couplings=fleet.merging.couplings(incumbent.sets),
+        stopped_by=result.stopped_by,
     )
 
 
 def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
-    """Return that there is no plan, and why."""
+    """Return a draft without a plan that says why there is none."""
     status = Status.INFEASIBLE if answer.is_proven else Status.LIMIT
     sets = (tuple(range(scenario.num_vehicles)),) if answer.is_proven else ()
     seconds = {"sets": time.perf_counter() - begun}
@@ -146,5 +157,5 @@ def _empty(scenario: Scenario, answer: WhyNot, begun: float) -> Draft:
 
 
 def _finite(bound: float) -> float | None:
-    """Return a bound that says something."""
+    """Return a lower bound on a cost, 0 at least; None where nothing is proven."""
     return max(bound, 0.0) if np.isfinite(bound) else None

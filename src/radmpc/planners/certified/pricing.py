@@ -1,4 +1,7 @@
-"""Which price of risk to try next."""
+"""Which price of risk to try next: the search for the multiplier of the risk budget.
+
+Prices are those of one unit of risk; `fleet` defines the unit.
+"""
 
 from __future__ import annotations
 
@@ -10,68 +13,100 @@ from radmpc.planners.certified.repair import repriced
 __all__ = ["MORE_EFFORT", "OVERDRAWN", "next_price", "price_alone"]
 
 MORE_EFFORT = 3
-"""Factor by which searches that left too much open get more nodes."""
+"""Factor by which searches that left too much open get more nodes [-]."""
 
 OVERDRAWN = 1.2
-"""Multiple of the budget from which on a price is too low to search at."""
+"""Multiple of the budget that plans may risk at a price worth a search [-]."""
 
 _MOST_EFFORT = 10_000
-"""Effort at which more no longer helps: what is left are programs that no solver solves."""
+"""Effort beyond which more does not help [-]: what is left are programs that no solver solves."""
 
 _MAX_PRICES = 6
+"""Prices that vehicles alone are tried at [-]: linear programs at chosen alternatives."""
+
 _MOST = 12.0
+"""Multiple of the first guess that a price from vehicles alone may reach [-]."""
+
 _LITTLE = 1e-3
-"""Share of the unit below which a vehicle's risk does not tell the price."""
+"""Share of the unit below which a vehicle's plan is not replanned at a new price [-]."""
 
 _DEAREST = 1e6
-"""Multiple of the first price beyond which effort no longer counts beside risk."""
+"""Multiple of the first price that no price exceeds [-]: effort counts for nothing beside risk."""
 
 _STEEPNESS = 1.15
+"""Power of the ratio of risk to budget that the price follows [-]: risk falls a little less than in
+proportion."""
+
 _CLOSE = 0.03
-"""Share of the budget that may stay unused when the price is right."""
+"""Share of the budget that may stay unused when the price is right [-]."""
 
 
 def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
-    """Return a price at which vehicles that ignore each other do not exceed the budget by far."""
-    price = fleet.first_price()
-    # Where known sides risk too much at any price, others are needed, not a higher price.
-    most = _MOST * price
-    fleet.solve(fleet.singles, price, 1, is_rough=True)
+    """Return a price at which vehicles that ignore each other do not exceed the budget by far.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet; every vehicle is searched alone.
+    tried : list of (float, float)
+        Unit prices and the risk at them [-]; empty before and after.
+
+    Returns
+    -------
+    float
+        The unit price to begin with.
+    """
+    unit_price = fleet.first_unit_price()
+    # Where the chosen alternatives risk too much at any price, others are needed, not a higher one.
+    most = _MOST * unit_price
+    fleet.solve(fleet.singles, unit_price, 1, is_rough=True)
     effort = 1
     while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
         if fleet.limits.reached or fleet.without_plan() is not None or effort > _MOST_EFFORT:
-            return price
+            return unit_price
         effort *= MORE_EFFORT
-        fleet.solve(missing, price, effort)
+        fleet.solve(missing, unit_price, effort)
     plans = [fleet.best(m) for m in fleet.singles]
     for _ in range(_MAX_PRICES):
         risk = sum(plan.risk for plan in plans)
         if risk <= OVERDRAWN * fleet.budget or fleet.limits.reached:
             break
-        tried.append((price, risk))
-        price = min(next_price(tried, fleet.budget), most)
-        # By the sides found so far: no need to search for others yet.
+        tried.append((unit_price, risk))
+        unit_price = min(next_price(tried, fleet.budget), most)
+        # With the alternatives chosen so far: no need to search for others yet.
         plans = [
-            repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)
+            repriced(fleet.programs.problems[m], plan, fleet.unit, unit_price, fleet.limits)
             if plan.risk > _LITTLE * fleet.unit
             else plan
             for m, plan in zip(fleet.singles, plans, strict=True)
         ]
     tried.clear()
-    return price
+    return unit_price
 
 
 def next_price(tried: list[tuple[float, float]], budget: float) -> float:
     """Return the price at which the budget is expected to be just used.
 
-    Risk falls with its price about in proportion; between two prices on both sides of the budget,
+    Risk falls roughly in proportion to its price; between two prices on both sides of the budget,
     along a straight line in logarithms. Risk that no price moves would drive it without end: from
     some multiple of the first price on, it stays.
+
+    Parameters
+    ----------
+    tried : list of (float, float)
+        Prices, all in the same scale, and the risk at them [-]; the last one last.
+    budget : float
+        What may be risked [-].
+
+    Returns
+    -------
+    float
+        A price in the scale of those tried; the last one where it is right.
     """
-    price, risk = tried[-1]
+    unit_price, risk = tried[-1]
     most = _DEAREST * tried[0][0]
     if 0.0 <= 1.0 - risk / budget <= _CLOSE:
-        return price
+        return unit_price
     budget *= 1.0 - 0.5 * _CLOSE
     above = [(p, r) for p, r in tried if r > budget]
     below = [(p, r) for p, r in tried if 0.0 < r <= budget]
@@ -83,7 +118,7 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
             return float(p1 * (p2 / p1) ** np.clip(share, 0.15, 0.85))
     step = _STEEPNESS * float(np.log(max(risk / budget, 1e-12)))
     step *= _stubbornness(tried, step)
-    return float(min(price * np.clip(np.exp(step), 0.2, 5.0), max(most, price)))
+    return float(min(unit_price * np.clip(np.exp(step), 0.2, 5.0), max(most, unit_price)))
 
 
 def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
@@ -94,11 +129,11 @@ def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
     """
     if len(tried) < 2 or step == 0.0:
         return 1.0
-    (before, risk_before), (price, risk) = tried[-2:]
-    last = float(np.log(price / before))
+    (before, risk_before), (unit_price, risk) = tried[-2:]
+    last = float(np.log(unit_price / before))
     if last * step <= 0.0:
         return 1.0
     fall = max(risk / risk_before, 1e-12) if risk_before > 0.0 else 1.0
     slope = -float(np.log(fall)) / last if risk_before > 0.0 else 1.0
-    wanted = 1.0 / max(slope * _STEEPNESS, 1e-3)
-    return float(np.clip(wanted, 1.0, max(1.0, 2.0 * abs(last / step))))
+    target = 1.0 / max(slope * _STEEPNESS, 1e-3)
+    return float(np.clip(target, 1.0, max(1.0, 2.0 * abs(last / step))))

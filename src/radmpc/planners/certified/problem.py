@@ -10,8 +10,8 @@ import numpy as np
 from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.lattice.passage import Passage
-from radmpc.planners.certified.lattice.search import Walk
-from radmpc.planners.coarse_search import propose_sides
+from radmpc.planners.certified.lattice.search import PathSearch
+from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.policies import Ira, SolveRequest
 from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
@@ -26,11 +26,11 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Order", "SetProblem", "SetState", "advance"]
 
 _PATIENCE = 60
-"""Nodes per vehicle without any plan before heuristics look for one."""
+"""Nodes per vehicle without any plan before heuristics look for one [-]."""
 
 _RESCUE_NODES = 80
-"""Nodes per vehicle that these get: a few more than after which `branch` turns to heuristics. Any
-plan will do, and half-spaces turned to it are better than the best by faces."""
+"""Nodes per vehicle that these get [-]: a few more than those after which `branch` turns to
+heuristics. Any plan will do, and half-spaces turned to it are better than the best by faces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,8 +41,8 @@ class SetProblem:
     ----------
     members : tuple of int
         The vehicles, by their number in the fleet, ascending; block i is member i.
-    models : tuple of Subject
-        The same vehicles as programs see them.
+    models : tuple of CondensedModel
+        Their condensed models.
     program : DisjunctiveProgram
         Their obstacles, workspace and pairs.
     rater : Rater
@@ -65,14 +65,31 @@ class SetProblem:
         models: Sequence[CondensedModel],
         unit: float,
     ) -> SetProblem:
-        """Build the program of some vehicles of a fleet, in a scenario of theirs alone."""
+        """Build the program of some vehicles of a fleet.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            These vehicles alone.
+        members : tuple of int
+            Their numbers in the fleet, ascending.
+        models : sequence of CondensedModel
+            Those of the whole fleet.
+        unit : float
+            The fleet's unit of risk [-], see `radmpc.planners.certified.fleet`.
+
+        Returns
+        -------
+        SetProblem
+            With a lattice search where it is one vehicle in the plane.
+        """
         chosen = tuple(models[i] for i in members)
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
         rater = Rater(program, unit)
         passage = None
         if len(chosen) == 1 and program.num_avoidances and not rater.is_infeasible:
-            walk = Walk(program, chosen[0], unit)
-            passage = Passage(walk, rater) if walk.is_possible else None
+            path_search = PathSearch(program, chosen[0], unit)
+            passage = Passage(path_search, rater) if path_search.is_possible else None
         return cls(members, chosen, program, rater, passage)
 
     def without_cost(self) -> SetProblem:
@@ -80,10 +97,10 @@ class SetProblem:
         program = replace(self.program, cost=np.zeros(self.program.num_columns))
         passage = self.passage
         if passage is not None:
-            unit = passage.walk.unit
-            walk = Walk(program, self.models[0], unit)
-            walk.motion = replace(walk.motion, weight=0.0)
-            passage = Passage(walk, Rater(program, unit))
+            unit = passage.path_search.unit
+            path_search = PathSearch(program, self.models[0], unit)
+            path_search.motion = replace(path_search.motion, weight=0.0)
+            passage = Passage(path_search, Rater(program, unit))
         return replace(self, program=program, passage=passage)
 
     def means(self, z: np.ndarray) -> Tensor:
@@ -100,12 +117,12 @@ class SetState:
 
     Attributes
     ----------
-    price : float
-        Price of a unit of risk that value and bound refer to.
+    unit_price : float
+        Cost of one unit of risk that value and bound refer to.
     best : Incumbent or None
         The best plan at that price.
     bound : float
-        Proven least ``cost + price · risk / unit``; inf where no plan exists at any price.
+        Proven least ``cost + unit_price · risk / unit``; inf where no plan exists at any price.
     frontier : Frontier
         What is left of the search.
     nodes, lps : int
@@ -114,7 +131,7 @@ class SetState:
         Whether a limit ended the search.
     """
 
-    price: float
+    unit_price: float
     best: Incumbent | None
     bound: float
     frontier: Frontier
@@ -130,25 +147,25 @@ class Order:
     Attributes
     ----------
     unit : float
-        The fleet's risk budget.
-    price : float
+        The fleet's unit of risk [-].
+    unit_price : float
         Cost of one unit of risk.
     gap, scale : float
-        Relative gap, and the value below which it is taken of this.
+        Relative gap [-], and the value below which it is taken of this instead.
     max_nodes : int
         Nodes to spend now.
     base : float
         What the set costs at least, whatever it risks.
     bounds : tuple of SetBound
-        What parts of the set were proven to cost at this price.
+        Lower bounds proven for subsets at this price.
     hint : (n,) array or None
         A point to begin with.
     is_rough : bool
-        Whether it is only to learn about prices.
+        Whether plans are only to tell the price, so that the lattice is not searched.
     """
 
     unit: float
-    price: float
+    unit_price: float
     gap: float
     scale: float
     max_nodes: int
@@ -170,7 +187,7 @@ def advance(
     scenario : Scenario
         These vehicles alone.
     state : SetState or None
-        Where the search stood, at whatever price.
+        Where the search stood, at any price.
     order : Order
         What is asked.
     limits : Limits
@@ -184,7 +201,7 @@ def advance(
     tree = RiskTree(
         problem.program,
         order.unit,
-        order.price,
+        order.unit_price,
         gap=order.gap,
         scale=order.scale,
         limits=limits,
@@ -192,7 +209,7 @@ def advance(
         rater=problem.rater,
     )
     if state is not None and state.bound < float("inf"):
-        tree.resume(state.frontier, state.price, state.best, order.base)
+        tree.resume(state.frontier, state.unit_price, state.best, order.base)
     if order.hint is not None:
         tree.consider(order.hint)
     tree.run(min(order.max_nodes, _PATIENCE * len(problem.members)))
@@ -200,7 +217,7 @@ def advance(
         _rescue(problem, scenario, tree, order, limits)
     has_time = tree.is_limited and not limits.reached
     if problem.passage is not None and has_time and not order.is_rough:
-        found = problem.passage.found(order.price, order.scale, limits, tree.best)
+        found = problem.passage.plan(order.unit_price, order.scale, limits, tree.best)
         if found is not None:
             tree.consider(found.z)
     if tree.is_limited and tree.nodes < order.max_nodes:
@@ -210,10 +227,10 @@ def advance(
     bound = max([tree.bound, sum(alone), *(b.value for b in order.bounds)])
     if tree.best is not None:
         bound = min(bound, tree.value)
-    is_same = state is not None and state.price == order.price
+    is_same = state is not None and state.unit_price == order.unit_price
     before = (state.nodes, state.lps) if state is not None and is_same else (0, 0)
     return SetState(
-        order.price,
+        order.unit_price,
         tree.best,
         bound,
         tree.frontier,
@@ -234,7 +251,9 @@ def _rescue(
         limits,
         "rescue",
         tuple(v.name for v in scenario.vehicles),
-        propose=lambda margins: propose_sides(problem.program, problem.models, margins, limits),
+        propose=lambda margins: propose_alternatives(
+            problem.program, problem.models, margins, limits
+        ),
     )
     solved = Ira().solve(request)
     if solved.solution.z is not None:

@@ -1,4 +1,4 @@
-"""From the best sides at a price of risk to a plan within the bound, exactly."""
+"""From the best alternatives at a price of risk to a plan within a budget, exactly."""
 
 from __future__ import annotations
 
@@ -15,29 +15,32 @@ from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-__all__ = ["polish", "repriced"]
+__all__ = ["repair", "repriced"]
 
 _ROUNDS = 4
+"""Times that risks are rescaled, at most [-]: a linear program per set each."""
+
 _LEAST = 1e-9
-"""Share of the budget that every row is granted at least."""
+"""Share of the budget that every row is allocated at least [-]."""
 
 _NEAR = 5e-9
-"""Share of the unit below which a side is not worth holding on to when the price rises."""
+"""Share of the unit below which an alternative is not worth holding on to when the price rises
+[-]."""
 
 _FAR = 12.0
-"""Clearance beyond which a row is not held while risks are fitted."""
+"""Clearance in standard deviations beyond which a row is left out while risks are rescaled [-]."""
 
 _SLACK = 1e-6
-"""Share of the budget kept back, so that the solver's tolerance cannot exceed it."""
+"""Share of the budget kept back, so that the solver's tolerance cannot exceed it [-]."""
 
 
-def polish(
+def repair(
     problems: Sequence[SetProblem], found: Sequence[Incumbent], budget: float
 ) -> tuple[Vector, ...] | None:
-    """Fit a fleet's risks to a budget, every side as it is.
+    """Rescale a fleet's risks to a budget, every alternative as it is.
 
-    The risks that the rows run are scaled to the budget and given back as fixed margins; at the
-    price where the budget is just used that is optimal, near it nearly so.
+    The risks that the rows run are scaled to the budget and allocated to them as fixed margins,
+    which is optimal at the price where the budget is just used, and nearly so near it.
 
     Parameters
     ----------
@@ -46,12 +49,12 @@ def polish(
     found : sequence of Incumbent
         The plan of each.
     budget : float
-        What the rows of all sets may risk together.
+        What the rows of all sets may risk together [-].
 
     Returns
     -------
     tuple of (n,) array or None
-        Points whose true risks stay within the budget; None where these sides do not allow it.
+        Points whose true risks stay within the budget; None where these alternatives allow none.
     """
     if budget <= 0.0:
         return None
@@ -79,8 +82,8 @@ def polish(
         for number, (problem, incumbent) in enumerate(zip(problems, found, strict=True)):
             if not is_free[number] or sums[number] <= _LEAST * budget:
                 continue
-            granted = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
-            z = _at(problem, incumbent, granted)
+            allocated = np.clip(risks[number] * scale, _LEAST * budget, CONVEX_RISK)
+            z = _at(problem, incumbent, allocated)
             # Some risks cannot shrink, such as those next to the start: leave the set as it is.
             is_free[number] = z is not None
             points[number] = points[number] if z is None else z
@@ -88,9 +91,9 @@ def polish(
 
 
 def repriced(
-    problem: SetProblem, incumbent: Incumbent, unit: float, price: float, limits: Limits
+    problem: SetProblem, incumbent: Incumbent, unit: float, unit_price: float, limits: Limits
 ) -> Incumbent:
-    """Return the best plan of the same sides at another price of risk, about.
+    """Return a good plan with the same alternatives at another price of risk, by a single node.
 
     Parameters
     ----------
@@ -99,9 +102,9 @@ def repriced(
     incumbent : Incumbent
         Its plan.
     unit : float
-        The fleet's risk bound.
-    price : float
-        Of one unit of risk.
+        The fleet's unit of risk [-].
+    unit_price : float
+        Cost of one unit of risk.
     limits : Limits
         When to stop early.
 
@@ -112,24 +115,28 @@ def repriced(
     """
     program = problem.program
     clearances = program.clearances(incumbent.z)
-    sides = incumbent.selection.tolist()
+    alternatives = incumbent.selection.tolist()
     far = float(clearance_for(_NEAR * unit))
-    near = tuple(a for a in sides if clearances[program.rows_of(a)].min(initial=np.inf) < far)
-    tree = RiskTree(program, unit, price, gap=1e-3, scale=price, limits=limits, rater=problem.rater)
-    tree.resume(((-np.inf, near),), price, incumbent)
+    near = tuple(
+        a for a in alternatives if clearances[program.rows_of(a)].min(initial=np.inf) < far
+    )
+    tree = RiskTree(
+        program, unit, unit_price, gap=1e-3, scale=unit_price, limits=limits, rater=problem.rater
+    )
+    tree.resume(((-np.inf, near),), unit_price, incumbent)
     tree.run(1)
     return incumbent if tree.best is None else tree.best
 
 
-def _at(problem: SetProblem, incumbent: Incumbent, granted: Vector) -> Vector | None:
-    """Return the least-cost point of a set whose events take at most what they are granted."""
+def _at(problem: SetProblem, incumbent: Incumbent, allocated: Vector) -> Vector | None:
+    """Return the least-cost point of a set whose events take at most what they are allocated."""
     rows = problem.program.rows
     chosen = problem.program.selected_rows(incumbent.selection)
     # Rows far away are left out: the true risk of the outcome tells if it comes near them.
     is_hard = problem.program.rows.deviations[chosen] == 0.0
     chosen = chosen[is_hard | (problem.program.clearances(incumbent.z)[chosen] < _FAR)]
     margins = np.zeros(rows.count)
-    margins[chosen] = rows.deviations[chosen] * clearance_for(granted[rows.events[chosen]])
+    margins[chosen] = rows.deviations[chosen] * clearance_for(allocated[rows.events[chosen]])
     lp = WarmLp(problem.program, margins)
     lp.activate(chosen.tolist())
     outcome, _ = lp.solve()

@@ -1,87 +1,95 @@
-"""A round's plan with its risks fitted to the bound."""
+"""A round's plan with the risks of its rows rescaled to a budget."""
 
 from __future__ import annotations
 
 from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.repair import polish, repriced
+from radmpc.planners.certified.repair import repair, repriced
 from radmpc.planners.certified.rounds import Round
 from radmpc.solvers.priced.budget import OVER
 
-__all__ = ["fitted"]
+__all__ = ["rescaled"]
 
 _TAKE_BACKS = 3
+"""Times that sets moved into each other's way get their plans of the round back, at most [-]."""
 
 _DEARER = (2.0, 6.0, 20.0, 100.0)
+"""Multiples of the round's price at which its alternatives are replanned if rescaling fails [-]."""
+
 _LITTLE = 1e-4
-"""Share of the unit below which a set's risk is left as it is."""
+"""Share of the unit below which a set's risk is left as it is [-]."""
 
-_CROSS_SHARE = 0.04
-"""Share of gap times unit by which fitting may raise the risk between sets."""
+_INTER_SET_SHARE = 0.04
+"""Share of gap times unit by which rescaling may raise the risk between sets [-]."""
 
 
-def fitted(fleet: Fleet, found: Round, budget: float, cross: float) -> tuple[Vector, ...] | None:
-    """Return a round's plan with its risks fitted to a budget.
+def rescaled(
+    fleet: Fleet, candidate: Round, budget: float, inter_set_risk: float
+) -> tuple[Vector, ...] | None:
+    """Return a round's plan with its risks rescaled to a budget.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    found : Round
+    candidate : Round
         The plan at its price.
     budget : float
-        What its simple bounds may sum to, beyond the risk of the starts.
-    cross : float
-        Risk between sets to leave room for.
+        What its union bounds may sum to beyond the risk of the starts [-].
+    inter_set_risk : float
+        How much of it is reserved for risk between sets [-].
 
     Returns
     -------
     tuple of (n,) array or None
-        A point per set; None where these sides do not fit.
+        A point per set; None where these alternatives exceed the budget.
     """
-    problems = [fleet.problems[m] for m in found.sets]
-    whole, budget = budget, budget - cross
-    plans = found.plans
-    if budget < found.risk <= (1.0 + 2.0 * OVER) * budget:
-        # At its budget up to rounding: nothing to fit.
-        whole, budget = whole + found.risk - budget, found.risk
-    points = polish(problems, plans, budget)
+    problems = [fleet.programs.problems[m] for m in candidate.sets]
+    whole, budget = budget, budget - inter_set_risk
+    plans = candidate.plans
+    if budget < candidate.risk <= (1.0 + 2.0 * OVER) * budget:
+        # At its budget up to rounding: nothing to rescale.
+        whole, budget = whole + candidate.risk - budget, candidate.risk
+    points = repair(problems, plans, budget)
     for factor in _DEARER:
         if points is not None:
             break
         # Scaled margins ask too much of some row; a higher price lets rows share as they can.
         plans = tuple(
-            repriced(p, plan, fleet.unit, factor * found.price, fleet.limits)
+            repriced(p, plan, fleet.unit, factor * candidate.unit_price, fleet.limits)
             if plan.risk > _LITTLE * fleet.unit
             else plan
             for p, plan in zip(problems, plans, strict=True)
         )
         if sum(plan.risk for plan in plans) <= budget:
-            points = polish(problems, plans, budget)
-    raw = tuple(plan.z for plan in found.plans)
-    fits = found.risk <= budget
+            points = repair(problems, plans, budget)
+    raw = tuple(plan.z for plan in candidate.plans)
+    fits = candidate.risk <= budget
     if points is None:
         return raw if fits else None
-    points = _kept_apart(fleet, found, raw, points)
+    points = _kept_apart(fleet, candidate, raw, points)
     risk = sum(
         float(p.program.event_risks(z, i.selection).sum())
         for p, z, i in zip(problems, points, plans, strict=True)
     )
-    risk += sum(fleet.crossing(found.sets, points).values())
+    risk += sum(fleet.programs.inter_set_risks(candidate.sets, points).values())
     return points if risk <= whole else raw if fits else None
 
 
 def _kept_apart(
-    fleet: Fleet, found: Round, raw: tuple[Vector, ...], points: tuple[Vector, ...]
+    fleet: Fleet, candidate: Round, raw: tuple[Vector, ...], points: tuple[Vector, ...]
 ) -> tuple[Vector, ...]:
-    """Take back what fitting moved into another set's way."""
+    """Give sets that were moved into another's way their plans of the round back."""
     chosen = list(points)
     for _ in range(_TAKE_BACKS):
-        crossing = fleet.crossing(found.sets, chosen)
-        if sum(crossing.values()) <= 2.0 * found.cross + _CROSS_SHARE * fleet.gap * fleet.unit:
+        set_risks = fleet.programs.inter_set_risks(candidate.sets, chosen)
+        if (
+            sum(set_risks.values())
+            <= 2.0 * candidate.inter_set_risk + _INTER_SET_SHARE * fleet.gap * fleet.unit
+        ):
             break
-        for pair, risk in crossing.items():
-            if risk > 0.5 * found.cross / len(crossing):
+        for pair, risk in set_risks.items():
+            if risk > 0.5 * candidate.inter_set_risk / len(set_risks):
                 for number in pair:
                     chosen[number] = raw[number]
     return tuple(chosen)

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.initial_plan import sketch
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.initial_plan import initial_plan
 from radmpc.planners.certified.inter_set_risk import by_sets
+from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.solvers.priced.nodes import Incumbent
 
 __all__ = ["Round", "run_round"]
 
-_CROSS_SHARE = 0.1
-"""Share of the gap that risk between sets may cost before they are merged."""
+_INTER_SET_SHARE = 0.1
+"""Share of the gap that risk between sets may cost before they are merged [-]."""
 
 _NO_PRICE = 1e-200
+"""Stands for a unit price of 0 where one divides by it."""
 
-_CROSS_BUDGET = 0.2
-"""Share of the budget that risk between sets may take before they are merged."""
+_INTER_SET_BUDGET = 0.2
+"""Share of the budget that risk between sets may take before they are merged [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,115 +31,123 @@ class Round:
     ----------
     sets : tuple of tuple of int
         A partition of the fleet.
-    price : float
-        Price of a unit of risk.
+    unit_price : float
+        Cost of one unit of risk.
     plans : tuple of Incumbent
         The plan of each set.
-    risk, cross : float
-        What the sets run within, and about what they run between them.
+    risk, inter_set_risk : float
+        What the union bounds within the sets sum to, and an estimate of those between them [-].
     least : float
-        Lower bound on cost and priced risk of any plan of the fleet.
+        Lower bound on cost plus priced risk of any plan of the fleet.
     open_gap : float
-        What the sets' own searches leave between plans and bounds.
+        What the sets' own searches leave between the values of plans and bounds.
     is_limited : bool
         Whether a limit ended any of them.
-    is_sketch : bool
-        Whether it was made in a hurry, before the sets were searched.
+    is_initial : bool
+        Whether it is the initial plan, made before the sets were searched to the end.
     """
 
     sets: tuple[Members, ...]
-    price: float
+    unit_price: float
     plans: tuple[Incumbent, ...]
     risk: float
-    cross: float
+    inter_set_risk: float
     least: float
     open_gap: float
     is_limited: bool
-    is_sketch: bool = False
+    is_initial: bool = False
 
 
-def run_round(fleet: Fleet, price: float, effort: int) -> Round | None:
+def run_round(fleet: Fleet, unit_price: float, effort: int) -> Round | None:
     """Plan all sets at a price, merging those that collide.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    price : float
-        Of one unit of risk.
+    unit_price : float
+        Cost of one unit of risk.
     effort : int
-        Multiplies the nodes that every set gets.
+        Multiplies the nodes that every set gets [-].
 
     Returns
     -------
     Round or None
         None where a set has no plan, or a limit was reached before all had one. The first time
-        that a set proves hard, a plan of the whole fleet made in a hurry.
+        that a set proves hard, the initial plan of the whole fleet.
     """
     sets: tuple[Members, ...] = fleet.singles
     while True:
-        has_plans = fleet.solve(sets, price, effort)
-        if not fleet.is_sketched and fleet.is_hard(sets):
-            fleet.is_sketched = True
-            sketched = _sketched(fleet, sets, price)
-            if sketched is not None:
-                return sketched
-            has_plans = fleet.solve(sets, price, effort)
+        has_plans = fleet.solve(sets, unit_price, effort)
+        if not fleet.has_tried_initial_plan and fleet.is_hard(sets):
+            fleet.has_tried_initial_plan = True
+            initial = _initial_round(fleet, sets, unit_price)
+            if initial is not None:
+                return initial
+            has_plans = fleet.solve(sets, unit_price, effort)
         if not has_plans:
             return None
         plans = [fleet.best(m) for m in sets]
-        meetings = fleet.meetings(sets, [plan.z for plan in plans])
-        crossing = by_sets(meetings, fleet.owners(sets))
-        cross = sum(crossing.values())
-        allowed = _allowed_cross(fleet, plans, price)
-        blamed = fleet.to_merge(sets)
-        if cross <= allowed and not blamed:
-            return _round(fleet, sets, price, cross)
-        ranked = _worst_first(by_sets(blamed, fleet.owners(sets)))
-        for pair, risk in _worst_first(crossing):
-            if cross <= allowed:
+        pair_risks = fleet.programs.pair_risks(sets, [plan.z for plan in plans])
+        set_risks = by_sets(pair_risks, owners_of(sets))
+        inter_set_risk = sum(set_risks.values())
+        allowed = _allowed_inter_set_risk(fleet, plans, unit_price)
+        rejected = fleet.merging.to_merge(sets)
+        if inter_set_risk <= allowed and not rejected:
+            return _round(fleet, sets, unit_price, inter_set_risk)
+        ranked = _worst_first(by_sets(rejected, owners_of(sets)))
+        for pair, risk in _worst_first(set_risks):
+            if inter_set_risk <= allowed:
                 break
-            cross -= risk
+            inter_set_risk -= risk
             ranked.append((pair, risk))
         merged = _merged(sets, [pair for pair, _ in ranked])
-        fleet.remember(sets, merged, meetings | blamed)
+        fleet.merging.remember(sets, merged, pair_risks | rejected)
         sets = merged
 
 
-def _round(fleet: Fleet, sets: tuple[Members, ...], price: float, cross: float) -> Round:
+def _round(
+    fleet: Fleet, sets: tuple[Members, ...], unit_price: float, inter_set_risk: float
+) -> Round:
     """Sum up the sets at a price."""
     plans = tuple(fleet.best(m) for m in sets)
     is_limited = any(fleet.states[m].is_limited for m in sets)
     least = sum(fleet.states[m].bound for m in sets)
-    return _summed(fleet, Round(sets, price, plans, 0.0, cross, least, 0.0, is_limited))
+    return _summed(
+        fleet, Round(sets, unit_price, plans, 0.0, inter_set_risk, least, 0.0, is_limited)
+    )
 
 
-def _sketched(fleet: Fleet, sets: tuple[Members, ...], price: float) -> Round | None:
-    """Return a plan of the whole fleet made in a hurry, if there is one."""
-    drawn = sketch(fleet, sets, price)
-    if drawn is None:
+def _initial_round(fleet: Fleet, sets: tuple[Members, ...], unit_price: float) -> Round | None:
+    """Return the initial plan of the whole fleet, if there is one."""
+    initial_plans = initial_plan(fleet, sets, unit_price)
+    if initial_plans is None:
         return None
-    drawn_sets, plans = drawn
-    cross = sum(fleet.crossing(drawn_sets, [plan.z for plan in plans]).values())
+    initial_sets, plans = initial_plans
+    inter_set_risk = sum(
+        fleet.programs.inter_set_risks(initial_sets, [plan.z for plan in plans]).values()
+    )
     least = sum(fleet.states[m].bound for m in sets)
-    return _summed(fleet, Round(drawn_sets, price, plans, 0.0, cross, least, 0.0, True, True))
+    return _summed(
+        fleet, Round(initial_sets, unit_price, plans, 0.0, inter_set_risk, least, 0.0, True, True)
+    )
 
 
-def _summed(fleet: Fleet, found: Round) -> Round:
-    """Fill in what follows from the plans."""
-    risk = sum(plan.risk for plan in found.plans)
-    value = sum(plan.cost for plan in found.plans) + found.price * risk / fleet.unit
-    return replace(found, risk=risk, open_gap=value - found.least)
+def _summed(fleet: Fleet, candidate: Round) -> Round:
+    """Fill in the risk and the open gap, which follow from the plans."""
+    risk = sum(plan.risk for plan in candidate.plans)
+    value = sum(plan.cost for plan in candidate.plans) + candidate.unit_price * risk / fleet.unit
+    return replace(candidate, risk=risk, open_gap=value - candidate.least)
 
 
-def _allowed_cross(fleet: Fleet, plans: Sequence[Incumbent], price: float) -> float:
-    """Return the risk between sets that costs a small share of the gap, and of the budget."""
-    cost = sum(plan.cost + price * plan.risk / fleet.unit for plan in plans)
+def _allowed_inter_set_risk(fleet: Fleet, plans: Sequence[Incumbent], unit_price: float) -> float:
+    """Return the risk between sets that takes a small share of the gap, and of the budget."""
+    cost = sum(plan.cost + unit_price * plan.risk / fleet.unit for plan in plans)
     return max(
         0.0,
         min(
-            _CROSS_SHARE * fleet.gap * cost / max(price, _NO_PRICE) * fleet.unit,
-            _CROSS_BUDGET * fleet.budget,
+            _INTER_SET_SHARE * fleet.gap * cost / max(unit_price, _NO_PRICE) * fleet.unit,
+            _INTER_SET_BUDGET * fleet.budget,
         ),
     )
 

@@ -12,14 +12,14 @@ from radmpc.planners.executing import run_elsewhere
 from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Job", "search_sets"]
+__all__ = ["SetSearch", "search_sets"]
 
 _CHUNKS = 16
-"""Parts that a round's sets are handed out in: few enough to pay their way, enough to share."""
+"""Parts that a round's sets are handed out in [-]: each worth sending, enough to share."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Job:
+class SetSearch:
     """One set to be searched; pickles.
 
     Attributes
@@ -41,7 +41,7 @@ class Job:
 
 
 def search_sets(
-    jobs: Sequence[Job],
+    searches: Sequence[SetSearch],
     problem: Callable[[tuple[int, ...]], SetProblem],
     limits: Limits,
     executor: Executor | None,
@@ -51,7 +51,7 @@ def search_sets(
 
     Parameters
     ----------
-    jobs : sequence of Job
+    searches : sequence of SetSearch
         The sets.
     problem : callable
         Returns a set's program, for those searched here.
@@ -65,16 +65,20 @@ def search_sets(
     Returns
     -------
     list of SetState
-        In the order of the jobs.
+        In the order of the searches.
     """
-    if executor is None or len(jobs) < 2:
+    if executor is None or len(searches) < 2:
         found = []
-        for job in jobs:
-            found.append(advance(problem(job.members), job.scenario, job.state, job.order, limits))
-            progress(len(found), len(jobs))
+        for search in searches:
+            found.append(
+                advance(
+                    problem(search.members), search.scenario, search.state, search.order, limits
+                )
+            )
+            progress(len(found), len(searches))
         return found
-    size = -(-len(jobs) // _CHUNKS)
-    chunks = [tuple(jobs[i : i + size]) for i in range(0, len(jobs), size)]
+    size = -(-len(searches) // _CHUNKS)
+    chunks = [tuple(searches[i : i + size]) for i in range(0, len(searches), size)]
     states: list[SetState] = []
     answers = run_elsewhere(_search_afresh, chunks, limits, executor, progress)
     for chunk, answer in zip(chunks, answers, strict=True):
@@ -82,12 +86,12 @@ def search_sets(
     return states
 
 
-def _search_afresh(jobs: Sequence[Job], limits: Limits) -> list[SetState]:
+def _search_afresh(searches: Sequence[SetSearch], limits: Limits) -> list[SetState]:
     """Search sets whose programs are not at hand."""
     found = []
-    for job in jobs:
-        models = condensed_models(job.scenario)
+    for search in searches:
+        models = condensed_models(search.scenario)
         everyone = tuple(range(len(models)))
-        problem = SetProblem.of(job.scenario, everyone, models, job.order.unit)
-        found.append(advance(problem, job.scenario, job.state, job.order, limits))
+        problem = SetProblem.of(search.scenario, everyone, models, search.order.unit)
+        found.append(advance(problem, search.scenario, search.state, search.order, limits))
     return found

@@ -1,4 +1,7 @@
-"""Cheaper plans by half-spaces turned to the plan at hand, again and again."""
+"""Cheaper plans by half-spaces turned to the plan at hand, again and again.
+
+The price is the shadow price of the risk, per unit of probability, unless called a unit price.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.incumbent import Best
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.incumbent import FleetIncumbent
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
@@ -23,76 +27,79 @@ __all__ = ["plan_by_turning", "turn_half_spaces"]
 _LOG = logging.getLogger(__name__)
 
 _ROUNDS = 12
-"""Rounds at most; the families of the benchmarks take 4 to 12."""
+"""Rounds at most [-]; the families of the benchmarks take 4 to 12."""
 
 _NODES = 400
-"""Nodes per set and round: every danger has one side, so that nodes only add what comes near."""
+"""Nodes per set and round [-]: avoidances have one alternative, nodes only add what comes near."""
 
 _NEAR = 12.0
-"""Standard deviations up to which a danger counts from the first."""
+"""Clearance up to which an avoidance is chosen from the first node on [standard deviations]."""
 
 _AIM = 0.97
-"""Share of Δ that the price aims at by the referee."""
+"""Share of Δ that the certificate is to come to at the next price [-]."""
 
 _MOST_MOVE = 30.0
-"""Factor by which a price changes at most between rounds."""
+"""Ratio of certificate to aim that a price follows at most, either way [-]."""
 
 _DAMPING = 0.8
-"""Power of the ratio that the price follows: risk answers to price a little more than inversely."""
+"""Power of that ratio that the price follows [-]: risk falls a little faster than in proportion."""
 
 _ENOUGH = 0.2
-"""Share of the gap below which a round gains too little to go on."""
+"""Share of the gap below which a round gains too little to go on [-]."""
 
 _MAX_STALLS = 2
-"""Rounds in a row that gain too little, after which none follows."""
+"""Rounds in a row that gain too little, after which none follows [-]."""
 
 _LESS = 0.9
-"""Share of the least certificate so far that a round must come below while it is far above Δ."""
+"""Share of the least certificate so far that a round must come below while far above Δ [-]."""
 
 _CLOSE = 2.0
-"""Multiple of Δ up to which a certificate above it is for the price to mend."""
+"""Multiple of Δ up to which a certificate above it is left for the price to repair [-]."""
 
 _DEAR = 10.0
-"""Multiple of the first price of risk from a plan that risks too much."""
+"""Multiple of the first price at which turning begins from a plan that risks too much [-]."""
 
-_ROOM = 1.1
-"""What the rows may sum to, in multiples of what they do at the plan that they are turned to."""
+_SLACK = 1.1
+"""What the rows may sum to, in multiples of what they do at the plan they are turned to [-]."""
 
 _ANY = 1e3
-"""Sum of risks that is no limit."""
+"""Sum of risks that is no limit [-]."""
 
 _NOTHING = 1e-300
+"""Stands for a certificate of 0 where one divides by it [-]."""
+
 _STILL = 0.1
-"""Share of the gap below which what a set's controls change by is nothing."""
+"""Share of the gap below which the change of a set's controls counts as nothing [-]."""
 
 _SAME_PRICE = 0.3
-"""Relative difference of prices up to which a set that stood still is left alone."""
+"""Relative difference of prices up to which a set that has converged is left alone [-]."""
 
 
-def turn_half_spaces(fleet: Fleet, best: Best, judge: Judge) -> None:
-    """Improve the best plan by half-spaces of any direction, until little is gained.
+def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
+    """Improve the incumbent by half-spaces of any direction, until little is gained.
 
-    Every danger keeps the side on which the plan passes it, by a half-space turned to where it
-    separates best along the plan. With one side for each danger the least effort at a price of risk
-    is a linear program with tangents; its plan turns the half-spaces anew.
+    Every hazard keeps the side on which the plan passes it, by a half-space turned to where it
+    separates best along the plan. With one alternative for each avoidance the least effort at a
+    price of risk is a linear program with tangents; its plan turns the half-spaces anew.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
-        With a plan; takes cheaper ones. What was proven stays as it is.
+    incumbent : FleetIncumbent
+        Has a plan, and takes cheaper ones. What was proven stays as it is.
     judge : callable
         The referee.
     """
-    price = best.rounds[-1][1] if best.rounds else fleet.first_price()
-    turning = _Turning(fleet, best, judge, best.sets, price / fleet.unit)
-    turning.run(_points(fleet, best.sets, best.controls), _ROUNDS)
+    rounds = incumbent.round_bounds
+    unit_price = rounds[-1][1] if rounds else fleet.first_unit_price()
+    turning = _Turning(fleet, incumbent, judge, incumbent.sets, unit_price / fleet.unit)
+    turning.run(_points(fleet, incumbent.sets, incumbent.controls), _ROUNDS)
 
 
 def plan_by_turning(
     fleet: Fleet,
-    best: Best,
+    incumbent: FleetIncumbent,
     judge: Judge,
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
@@ -103,7 +110,7 @@ def plan_by_turning(
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
+    incumbent : FleetIncumbent
         Takes the plan, if one is certified.
     judge : callable
         The referee.
@@ -113,8 +120,8 @@ def plan_by_turning(
         Of a plan without collisions, noise aside, in the scenario's order.
     """
     # Risk counts for much more than effort until the plan is certified.
-    price = _DEAR * fleet.first_price() / fleet.unit
-    turning = _Turning(fleet, best, judge, sets, price)
+    price = _DEAR * fleet.first_unit_price() / fleet.unit
+    turning = _Turning(fleet, incumbent, judge, sets, price)
     turning.run(_points(fleet, sets, controls), 2 * _ROUNDS)
 
 
@@ -125,15 +132,15 @@ class _Turning:
     Attributes
     ----------
     price : float
-        Of the risk, per unit of probability.
+        Shadow price of the risk, per unit of probability.
     prices : dict
-        Sets that no longer change, with the price at which that was.
+        Sets that have converged, with the price at which they did.
     risks : dict
-        What the rows of each set sum to.
+        What the rows of each set sum to [-].
     """
 
     fleet: Fleet
-    best: Best
+    incumbent: FleetIncumbent
     judge: Judge
     sets: tuple[Members, ...]
     price: float
@@ -143,9 +150,9 @@ class _Turning:
     def run(self, points: Sequence[Vector], rounds: int) -> None:
         """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
         fleet, sets = self.fleet, self.sets
-        granted = fleet.scenario.risk_bound
+        risk_bound = fleet.scenario.risk_bound
         num_stalls, least = 0, self._take(points)
-        cheapest = _cost(fleet, sets, points) if least <= granted else float("inf")
+        cheapest = _cost(fleet, sets, points) if least <= risk_bound else float("inf")
         for number in range(rounds):
             if fleet.limits.reached or num_stalls >= _MAX_STALLS:
                 break
@@ -155,42 +162,49 @@ class _Turning:
             _LOG.info(
                 "turn %d of half-spaces: 1 %% of the risk bound at a price of %.3g; cost %.6g, "
                 "certificate %.3g of risk bound %g",
-                number + 1, 0.01 * granted * self.price, cost, certified, granted,
+                number + 1, 0.01 * risk_bound * self.price, cost, certified, risk_bound,
             )  # fmt: skip
             is_little = cheapest - cost < _ENOUGH * fleet.gap * abs(cost)
-            if certified <= granted:
+            if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
             else:
-                # Little above Δ may be mended by a price too near the last to be asked for else.
+                # Little above Δ, a price so near the last may do that converged sets would skip it.
                 self.prices.clear()
-                is_little = certified > max(_LESS * least, _CLOSE * granted)
+                is_little = certified > max(_LESS * least, _CLOSE * risk_bound)
             num_stalls = num_stalls + 1 if is_little else 0
             least = min(least, certified)
-            ratio = float(np.clip(certified / (_AIM * granted), 1.0 / _MOST_MOVE, _MOST_MOVE))
+            ratio = float(np.clip(certified / (_AIM * risk_bound), 1.0 / _MOST_MOVE, _MOST_MOVE))
             self.price *= ratio**_DAMPING
 
     def _take(self, points: Sequence[Vector]) -> float:
-        """Keep a plan if it is certified and the best; return its certificate."""
-        fleet, best, sets = self.fleet, self.best, self.sets
-        controls = fleet.controls(sets, points)
+        """Keep a plan if it is certified and the cheapest; return its certificate."""
+        fleet, incumbent, sets = self.fleet, self.incumbent, self.sets
+        controls = fleet.programs.controls(sets, points)
         certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
-        if certified <= fleet.scenario.risk_bound and cost < best.cost:
-            best.controls, best.cost, best.certified, best.sets = controls, cost, certified, sets
+        if certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
+            incumbent.controls, incumbent.cost, incumbent.certified, incumbent.sets = (
+                controls,
+                cost,
+                certified,
+                sets,
+            )
             spent = sum(self.risks.get(m, 0.0) for m in sets)
-            best.turned_price = self.price * spent / max(certified, _NOTHING) if spent else None
+            incumbent.turned_price = (
+                self.price * spent / max(certified, _NOTHING) if spent else None
+            )
         return certified
 
     def _turned(self, members: Members, z: Vector) -> Vector:
-        """Return a set's plan with its half-spaces turned anew, unless it has settled."""
-        known = self.prices.get(members)
-        is_settled = known is not None and abs(self.price / known - 1.0) < _SAME_PRICE
-        if is_settled or self.fleet.limits.reached:
+        """Return a set's plan with its half-spaces turned anew, unless it has converged."""
+        price = self.prices.get(members)
+        has_converged = price is not None and abs(self.price / price - 1.0) < _SAME_PRICE
+        if has_converged or self.fleet.limits.reached:
             return z
         found = _turned(self.fleet, members, z, self.price)
         if found is None:
             return z
         new, self.risks[members] = found.z, found.risk
-        cost = self.fleet.problem(members).program.cost
+        cost = self.fleet.programs.problem(members).program.cost
         if float(cost @ np.abs(new - z)) <= _STILL * self.fleet.gap * float(cost @ new):
             self.prices[members] = self.price
         return new
@@ -207,31 +221,33 @@ def _points(fleet: Fleet, sets: Sequence[Members], controls: Sequence[Matrix]) -
 
 def _cost(fleet: Fleet, sets: Sequence[Members], points: Sequence[Vector]) -> float:
     """Return the effort of a plan."""
-    return sum(float(fleet.problem(m).program.cost @ z) for m, z in zip(sets, points, strict=True))
+    return sum(
+        float(fleet.programs.problem(m).program.cost @ z) for m, z in zip(sets, points, strict=True)
+    )
 
 
 def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumbent | None:
     """Return the best plan of a set whose half-spaces are turned to a given one."""
-    problem = fleet.problem(members)
+    problem = fleet.programs.problem(members)
     intervals = fleet.scenario.avoidance == "intervals"
     turned = Turned(problem.models, problem.means(z), controls_of(problem.models, z), intervals)
-    alone = fleet.alone[members]
+    alone = fleet.programs.alone[members]
     program = build_program(alone, problem.models, risk_bound=alone.risk_bound, turned=turned)
     rater = Rater(program, _ANY)
     if rater.is_infeasible:
         return None
     rating = rater.rate(z)
     # A plan that risks too much must be allowed to, or it could not become better step by step.
-    unit = max(fleet.unit, min(_ROOM * rating.risk, _ANY))
+    unit = max(fleet.unit, min(_SLACK * rating.risk, _ANY))
     if unit < _ANY:
         rater = Rater(program, unit)
     tree = RiskTree(
         program, unit, price * unit, gap=1e-5, scale=price * unit, limits=fleet.limits, rater=rater
     )
     near = tuple(
-        side
-        for side in rating.selection.tolist()
-        if rating.clearances[program.rows_of(side)].min(initial=np.inf) < _NEAR
+        a
+        for a in rating.selection.tolist()
+        if rating.clearances[program.rows_of(a)].min(initial=np.inf) < _NEAR
     )
     tree.resume(((-np.inf, near),), price * unit, None)
     tree.run(_NODES)

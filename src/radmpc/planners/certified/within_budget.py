@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.fleet import Fleet, Members
-from radmpc.planners.certified.incumbent import Best, take
+from radmpc.planners.certified.acceptance import accept_round
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.incumbent import FleetIncumbent
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.rounds import Round
@@ -18,38 +20,43 @@ from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
 
-__all__ = ["WithinBudget", "take_sides"]
+__all__ = ["WithinBudget", "replan_with_alternatives"]
 
 _INF = float("inf")
+"""No limit, or, negated, no bound."""
+
 _TIE = 0.05
-"""Share of the gap that the whole budget costs: enough to prefer less risk at equal effort."""
+"""Share of the gap that the whole budget costs [-]: enough to prefer less risk at equal effort."""
 
 _LEAST_SCALE = 1e-6
-"""Cost below which gaps are taken of this."""
+"""Cost below which gaps are taken of this instead."""
 
 _SHARE = 0.5
-"""Share of the gap that the search may use."""
+"""Share of the gap that the search may use [-]."""
 
 _BISECTIONS = 14
+"""Prices tried for given alternatives [-]: enough to find the right one within 0.1 % of the range's
+logarithm."""
+
 _CHEAPEST, _DEAREST = 1e-3, 1e5
-"""Multiples of the first price between which given sides are priced."""
+"""Multiples of the first price between which given alternatives are priced [-]."""
 
 
-def take_sides(
+def replan_with_alternatives(
     fleet: Fleet,
-    best: Best,
+    incumbent: FleetIncumbent,
     judge: Judge,
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
 ) -> None:
-    """Keep the cheapest plan that passes everything on the sides of a given one.
+    """Look for the cheapest certified plan with the alternatives of a given one.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
-        Where the plan is kept, if it is certified.
+    incumbent : FleetIncumbent
+        Takes the plan, if it is certified.
     judge : callable
         The referee.
     sets : tuple of tuple of int
@@ -57,32 +64,32 @@ def take_sides(
     controls : tuple of (T, m) array
         Its controls, in the scenario's order.
     """
-    plans = tuple(_incumbent(fleet.problem(m), [controls[i] for i in m]) for m in sets)
-    cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
-    price = fleet.first_price()
-    given = _round(sets, price, plans, cross)
-    take(fleet, given, best, judge)
-    low, high = _CHEAPEST * price, _DEAREST * price
+    plans = tuple(_incumbent(fleet.programs.problem(m), [controls[i] for i in m]) for m in sets)
+    inter_set_risk = sum(fleet.programs.inter_set_risks(sets, [plan.z for plan in plans]).values())
+    unit_price = fleet.first_unit_price()
+    given = _round(sets, unit_price, plans, inter_set_risk)
+    accept_round(fleet, given, incumbent, judge)
+    low, high = _CHEAPEST * unit_price, _DEAREST * unit_price
     chosen = None
     for _ in range(_BISECTIONS):
         if fleet.limits.reached:
             break
-        price = (low * high) ** 0.5
+        unit_price = (low * high) ** 0.5
         priced = tuple(
-            repriced(fleet.problems[m], plan, fleet.unit, price, fleet.limits)
+            repriced(fleet.programs.problems[m], plan, fleet.unit, unit_price, fleet.limits)
             for m, plan in zip(sets, plans, strict=True)
         )
-        if sum(plan.risk for plan in priced) + cross <= fleet.budget:
-            high, chosen = price, _round(sets, price, priced, cross)
+        if sum(plan.risk for plan in priced) + inter_set_risk <= fleet.budget:
+            high, chosen = unit_price, _round(sets, unit_price, priced, inter_set_risk)
         else:
-            low = price
+            low = unit_price
     if chosen is not None:
-        take(fleet, chosen, best, judge)
+        accept_round(fleet, chosen, incumbent, judge)
 
 
 @dataclass(slots=True, eq=False)
 class WithinBudget:
-    """The search for the least cost within what simple bounds may sum to.
+    """The search for the least cost within what union bounds may sum to.
 
     Where the whole fleet is one set, what is found is the best, and its bound that of any plan;
     several sets are improved one after the other, each within what the others leave.
@@ -91,16 +98,16 @@ class WithinBudget:
     ----------
     fleet : Fleet
         The fleet.
-    best : Best
-        What was found.
+    incumbent : FleetIncumbent
+        Takes what is found and certified.
     gap : float
-        The relative gap asked for.
+        The relative gap asked for [-].
     judge : callable
         The referee.
     """
 
     fleet: Fleet
-    best: Best
+    incumbent: FleetIncumbent
     gap: float
     judge: Judge
     _trees: dict[tuple[Members, float], BudgetTree] = field(default_factory=dict)
@@ -117,7 +124,7 @@ class WithinBudget:
         plans : sequence of Incumbent
             A plan of each, within the budget together unless there is only one.
         budget : float
-            What simple bounds may sum to beyond the starts.
+            What union bounds may sum to beyond the starts [-].
         max_nodes : int
             Nodes per vehicle of a set.
 
@@ -126,13 +133,15 @@ class WithinBudget:
         bool
             Whether a limit ended the search of any set.
         """
-        fleet, best = self.fleet, self.best
+        fleet, incumbent = self.fleet, self.incumbent
         plans, is_limited, is_changed = list(plans), False, False
-        cross = sum(fleet.crossing(sets, [plan.z for plan in plans]).values())
+        inter_set_risk = sum(
+            fleet.programs.inter_set_risks(sets, [plan.z for plan in plans]).values()
+        )
         for number, (members, plan) in enumerate(zip(sets, plans, strict=True)):
             # A plan with more faces may have no risk by those of the scenario: others only count.
             others = sum(p.risk for i, p in enumerate(plans) if i != number)
-            left = budget - cross - others
+            left = budget - inter_set_risk - others
             if not left > 0.0 or fleet.limits.reached:
                 continue
             tree = self._tree(members, left, plan)
@@ -142,35 +151,44 @@ class WithinBudget:
             if tree.best is None:
                 continue
             if len(sets) == 1:
-                best.within.append((left, tree.bound - tree.price))
+                incumbent.budget_bounds.append((left, tree.bound - tree.price))
             plans[number], is_changed = tree.best, True
         if is_changed:
-            price = best.rounds[-1][1] if best.rounds else fleet.first_price()
+            unit_price = (
+                incumbent.round_bounds[-1][1]
+                if incumbent.round_bounds
+                else fleet.first_unit_price()
+            )
             fleet.set_budget(budget)
-            take(fleet, _round(sets, price, plans, cross), best, self.judge)
+            accept_round(
+                fleet, _round(sets, unit_price, plans, inter_set_risk), incumbent, self.judge
+            )
         return is_limited
 
     def plans(self) -> list[Incumbent]:
-        """Return the best plan, set by set."""
-        fleet, best = self.fleet, self.best
-        return [_incumbent(fleet.problem(m), [best.controls[i] for i in m]) for m in best.sets]
+        """Return the incumbent, set by set."""
+        fleet, incumbent = self.fleet, self.incumbent
+        return [
+            _incumbent(fleet.programs.problem(m), [incumbent.controls[i] for i in m])
+            for m in incumbent.sets
+        ]
 
     def _tree(self, members: Members, budget: float, plan: Incumbent) -> BudgetTree:
         """Return the search of a set within a budget, where it stood."""
         if (members, budget) not in self._trees:
-            problem = self.fleet.problem(members)
+            problem = self.fleet.programs.problem(members)
             scale = max(plan.cost, _LEAST_SCALE)
-            price = _TIE * self.gap * scale
+            unit_price = _TIE * self.gap * scale
             tree = BudgetTree(
                 problem.program,
                 budget,
-                price,
+                unit_price,
                 gap=_SHARE * self.gap,
                 scale=scale,
                 limits=self.fleet.limits,
                 rater=Rater(problem.program, budget),
             )
-            tree.resume(_frontier(self.fleet, members, budget), price, None)
+            tree.resume(_frontier(self.fleet, members, budget), unit_price, None)
             self._trees[members, budget] = tree
         tree = self._trees[members, budget]
         tree.limits = self.fleet.limits
@@ -178,11 +196,11 @@ class WithinBudget:
 
 
 def _round(
-    sets: tuple[Members, ...], price: float, plans: Sequence[Incumbent], cross: float
+    sets: tuple[Members, ...], unit_price: float, plans: Sequence[Incumbent], inter_set_risk: float
 ) -> Round:
     """Return plans of sets as a round that proves nothing."""
     risk = sum(plan.risk for plan in plans)
-    return Round(sets, price, tuple(plans), risk, cross, -_INF, _INF, is_limited=True)
+    return Round(sets, unit_price, tuple(plans), risk, inter_set_risk, -_INF, _INF, is_limited=True)
 
 
 def _incumbent(problem: SetProblem, controls: Sequence[Matrix]) -> Incumbent:
@@ -198,5 +216,5 @@ def _frontier(fleet: Fleet, members: Members, budget: float) -> Frontier:
     state = fleet.states.get(members)
     if state is None or not state.frontier:
         return ((-_INF, ()),)
-    paid = state.price * budget / fleet.unit
+    paid = state.unit_price * budget / fleet.unit
     return tuple((bound - paid, chosen) for bound, chosen in state.frontier)

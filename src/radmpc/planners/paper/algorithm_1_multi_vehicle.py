@@ -66,7 +66,12 @@ class Couplings(Decomposition):
         """Run Algorithm 1: approximate, find couplings, plan every set with its share of Δ.
 
         The sets are the connected components of the coupling graph; all vehicles together where
-        a share by head count was too little for some of them. See `Decomposition.plan`.
+        a share by head count was too little for some of them.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
         """
         begun = time.perf_counter()
         first = Planner(self.approximation_policy, planner.solver, self.approximation, planner.gap)

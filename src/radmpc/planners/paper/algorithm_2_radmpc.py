@@ -9,13 +9,14 @@ from typing import ClassVar
 import numpy as np
 
 from radmpc.arguments import check_word, is_number, told
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft, Event, Step
 from radmpc.planners.explain import explain_stuck
 from radmpc.planners.paper.approximation import Approximation
+from radmpc.planners.paper.blocking import blocking_vehicles, encounter_risks
 from radmpc.planners.paper.fleet_model import FleetModel
 from radmpc.planners.paper.risk_pool import charged_risks
 from radmpc.planners.paper.temporal import (
@@ -33,9 +34,6 @@ from radmpc.program.start import start_pair_risk
 from radmpc.solvers.solution import Outcome
 
 __all__ = ["Receding", "approximate"]
-
-_NO_ENCOUNTER = 1e-9
-"""Collision probability below which a vehicle does not stand in another's way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +72,13 @@ class Receding(Decomposition):
         return f"receding({', '.join(options)})" if options else "receding"
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
-        """Run Algorithm 2 alone: its executed controls are the plan. See `Decomposition.plan`."""
+        """Run Algorithm 2 alone: its executed controls are the plan.
+
+        Parameters
+        ----------
+        scenario, planner, run
+            As in `Decomposition.plan`.
+        """
         begun = time.perf_counter()
         found = approximate(scenario, planner, run)
         status = Status.LIMIT if found.is_limited else Status.INFEASIBLE
@@ -185,7 +189,9 @@ class _Radmpc:
         self.num_waiting -= 1
         self.pools.append(self.risk_pool)
         plan = self.fleet.planned(k, i, self.means[i], self.controls[i])
-        self._record_risks(k, i, plan)
+        # The collision probabilities at the subproblem's first step.
+        risks = encounter_risks(self.fleet, k, i, plan, self.controls[i], self.obstacles, range(1))
+        self.pair_risk[i] = np.maximum(self.pair_risk[i], risks)
         self.means[i] = plan[1]
         if vehicle.goal.contains(*self.fleet.place(i, plan[1])):
             self._arrive(i)
@@ -230,7 +236,7 @@ class _Radmpc:
     ) -> DisjunctiveProgram:
         """Build the subproblem: one vehicle, the others as temporal obstacles."""
         last = self.scenario.horizon
-        # The piece at k covers the way to k+1.
+        # The piece at k covers the motion to k+1.
         windows = range(k, last) if self.intervals else range(k + 1, last + 1)
         temporal = [o.keepout(windows) for o in others]
         return build_program(
@@ -277,31 +283,10 @@ class _Radmpc:
             self.controls[i][k:] = controls_of([model], alone.solution.z)[0]
             self.has_plan[i] = True
             self.charged[i] = self._charged(program, alone, k)
-        blocking = self._blocking(k, i, share)
+        plan = self.fleet.planned(k, i, self.means[i], self.controls[i])
+        blocking = blocking_vehicles(
+            self.fleet, k, i, plan, self.controls[i], self.obstacles, share
+        )
         self.forced += [(i, j) for j in blocking]
         names = tuple(self.scenario.vehicles[j].name for j in blocking)
         self.events.append(Event(k, self.scenario.vehicles[i].name, names))
-
-    def _blocking(self, k: int, i: int, share: float) -> list[int]:
-        """Return the vehicles whose temporal obstacles the kept plan comes too close to."""
-        plan = self.fleet.planned(k, i, self.means[i], self.controls[i])
-        risks = np.zeros(self.scenario.num_vehicles)
-        for j in range(self.scenario.num_vehicles):
-            if j != i:
-                windows = range(len(plan) - 1)
-                risks[j] = max(self._risk(i, j, k, plan, w) for w in windows)
-        # A uniform share is at least this much; whoever exceeds it stands in the way.
-        least = share / max(len(plan) * self.scenario.num_vehicles, 1)
-        found = np.flatnonzero(risks > max(least, _NO_ENCOUNTER))
-        return [int(j) for j in found if j != i]
-
-    def _record_risks(self, k: int, i: int, plan: Matrix) -> None:
-        """Note the collision probabilities at the subproblem's first step."""
-        for j in range(self.scenario.num_vehicles):
-            if j != i:
-                risk = self._risk(i, j, k, plan, 0)
-                self.pair_risk[i, j] = max(self.pair_risk[i, j], risk)
-
-    def _risk(self, i: int, j: int, k: int, plan: Matrix, window: int) -> float:
-        """Return the risk of i with j's temporal obstacle in one window after step k."""
-        return self.fleet.window_risk(k, i, plan, self.controls[i], self.obstacles[j], window)

@@ -130,7 +130,7 @@ def couplings_of(
     scenario : Scenario
         The fleet.
     pair_risk, threshold, forced
-        As of `connected_sets`.
+        As in `connected_sets`.
 
     Returns
     -------

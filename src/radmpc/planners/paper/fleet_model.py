@@ -24,7 +24,7 @@ class FleetModel:
     ----------
     scenario : Scenario
         Its vehicles.
-    prediction_matrices : tuple of Response
+    prediction_matrices : tuple of PredictionMatrices
         How each vehicle's states answer to its controls.
     covariances : tuple of (T+1, n, n) array
         Covariance of each vehicle's state.
@@ -42,7 +42,15 @@ class FleetModel:
 
     @classmethod
     def of(cls, scenario: Scenario, *, resets: bool) -> FleetModel:
-        """Return the model of a scenario's fleet."""
+        """Return the model of a scenario's fleet.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            The scenario.
+        resets : bool
+            Whether a subproblem sees noise as if its vehicle had just been measured.
+        """
         covariances = tuple(v.covariances(scenario.horizon) for v in scenario.vehicles)
         bounds = tuple(
             v.control_bounds(c) for v, c in zip(scenario.vehicles, covariances, strict=True)
@@ -50,12 +58,31 @@ class FleetModel:
         return cls(scenario, prediction_matrices(scenario), covariances, bounds, resets)
 
     def noise(self, k: int, i: int) -> Tensor:
-        """Return the covariances from step k on: of the final plan, or as if just measured."""
+        """Return the covariances from step k on: of the final plan, or as if just measured.
+
+        Parameters
+        ----------
+        k, i : int
+            Step and vehicle.
+
+        Returns
+        -------
+        (T+1−k, n, n) array
+            Covariances of its state.
+        """
         whole = self.covariances[i]
         return whole[: len(whole) - k] if self.resets else whole[k:]
 
     def model(self, k: int, i: int, mean: Vector) -> CondensedModel:
-        """Return vehicle i from a mean state at step k on."""
+        """Return the condensed model of vehicle i from a mean state at step k on.
+
+        Parameters
+        ----------
+        k, i : int
+            Step and vehicle.
+        mean : (n,) array
+            Its mean state at that step.
+        """
         vehicle = self.scenario.vehicles[i]
         noise, bounds = self.noise(k, i), self.bounds[i][k:]
         return condense(vehicle, self.prediction_matrices[i], mean, noise, bounds)
@@ -114,7 +141,22 @@ class FleetModel:
         return face_risk(obstacle.at(k + window), vehicle.radius, near, ends[1], sagitta)
 
     def place(self, i: int, mean: Vector) -> tuple[Vector, Vector | None]:
-        """Return position and velocity of a state."""
+        """Return position and velocity of a state.
+
+        Parameters
+        ----------
+        i : int
+            The vehicle.
+        mean : (n,) array
+            Its state.
+
+        Returns
+        -------
+        position : (d,) array
+            [m].
+        velocity : (d,) array or None
+            [m/s]; None where the velocity is the control.
+        """
         system = self.scenario.vehicles[i].system
         velocity = None if system.velocity is None else mean[list(system.velocity)]
         return mean[list(system.position)], velocity

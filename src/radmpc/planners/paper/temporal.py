@@ -39,7 +39,7 @@ class TemporalObstacle:
     directions: Indices
 
     def at(self, step: int) -> tuple[Matrix, Vector]:
-        """Return normals and offsets at an absolute step; they cover the way to the next one."""
+        """Return normals and offsets at an absolute step; they cover the motion to the next one."""
         i = step - self.first_step
         real = np.isfinite(self.offsets[i])
         return self.normals[i, real], self.offsets[i, real]
@@ -74,9 +74,9 @@ def make_temporal_obstacle(
     first_step : int
         Absolute step of the first entry.
     intervals : bool
-        Whether the way between steps counts: then neither k = 0 nor a goal is an exception.
+        Whether the motion between steps counts: then neither k = 0 nor a goal is an exception.
     controls : (s, m) array or None
-        Controls held from step to step, where the way between steps counts; None leaves the
+        Controls held from step to step, where the motion between steps counts; None leaves the
         square on the chord.
     sigmas : float
         Standard deviations that the squares bound.
@@ -113,6 +113,17 @@ def standing_obstacle(
     """Return the square around a vehicle that has no plan yet: at its start, for all steps.
 
     Under intervals, the hull with the square that it drifts to within the first step.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    covariances : (T+1, n, n) array
+        Covariances of its state; the first counts.
+    intervals : bool
+        Whether the motion between steps counts.
+    sigmas : float
+        Half-side of the square beside the radius [standard deviations].
     """
     count = len(covariances)
     half = _half_sides(vehicle, covariances[:1], sigmas)[0]
@@ -167,7 +178,7 @@ def _hulls(
 def _around_curves(
     chords: TemporalObstacle, squares: tuple[Matrix, Vector], following: Indices, sagittas: Matrix
 ) -> TemporalObstacle:
-    """Return temporal obstacles that hold the squares' ways along parabolas, (s, d) below chords.
+    """Return temporal obstacles that hold the squares' paths along parabolas, (s, d) below chords.
 
     A square's support along a face is at a share s of the step ``(1 − s) a + s b + 4 s (1 − s) c``
     with c how far the curve leaves the chord outwards: largest at an end, or in between at

@@ -137,7 +137,7 @@ class _Iteration:
         return Solved(best, best_allocation, tuple(steps))
 
     def _other_start(self) -> tuple[Vector, Indices] | None:
-        """Return an allocation and sides to begin with where the uniform one has no solution.
+        """Return an allocation and a selection to begin with where the uniform one has no solution.
 
         A uniform allocation starves the few rows that need much. Every row is first held back by
         the same number of standard deviations, the most that leaves a solution within budget;
@@ -160,9 +160,9 @@ class _Iteration:
         return None
 
     def _solve(self, allocation: Vector, start: Indices | None) -> Solution:
-        """Run the lower stage; the sides of the last solve stay if new ones would pay more than Δ.
+        """Run the lower stage; the last selection stays if a new one would be charged more than Δ.
 
-        An allocation is made for the sides of the last solve. Under intervals other sides may
+        An allocation is made for the selection of the last solve. Under intervals another may
         use more distinct rows, and so be allocated more in total than the budget.
         """
         margins = margins_of(self.request.program, allocation)
@@ -180,7 +180,7 @@ def _tell(step: Step, seconds: float) -> None:
     """Log an iteration."""
     _LOG.info(
         "%s, %d vehicles: iteration %d, cost %.6g; %d of %d constraints use up their risk; "
-        "simple bounds sum to %.3g, %.3g allocated; %.2f s",
+        "union bounds sum to %.3g, %.3g allocated; %.2f s",
         step.stage,
         len(step.vehicles),
         step.iteration + 1,

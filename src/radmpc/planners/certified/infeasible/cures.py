@@ -64,7 +64,7 @@ def find_cures(scenario: Scenario, limits: Limits) -> Cures:
     Returns
     -------
     Cures
-        Only what led to a plan within Δ by simple bounds counts as found.
+        Only what led to a plan within Δ by union bounds counts as found.
     """
     found: list[str] = []
     failed: list[str] = []
@@ -117,7 +117,15 @@ def cure_sentence(scenario: Scenario, limits: Limits) -> str:
 
 
 def has_plan_within(scenario: Scenario, limits: Limits) -> bool:
-    """Whether a plan within Δ by simple bounds is found in the time given."""
+    """Whether a plan within Δ by union bounds is found in the time given.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        When to stop looking.
+    """
     if limits.reached or sure_reasons(scenario, condensed_models(scenario)):
         return False
     return least_risk(scenario, limits, scenario.risk_bound).risk <= scenario.risk_bound

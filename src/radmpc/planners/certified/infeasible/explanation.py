@@ -10,7 +10,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.infeasible.cures import cure_sentence
 from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.infeasible.stuck import stuck_reason
-from radmpc.planners.explain import danger, unable_alone
+from radmpc.planners.explain import hazard_name, unable_alone
 from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
 from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
 from radmpc.program.build import condensed_models
@@ -19,10 +19,13 @@ from radmpc.solvers.solution import Limits
 __all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
 
 _NAMED = 3
+"""Hazards of the safest plan that are named [-]."""
+
 _MAX_CONFLICTS = 8
+"""Groups of stuck vehicles that are looked for, at most [-]: each takes a search."""
 
 _CURED = 2
-"""Groups of vehicles for which cures are tried; more would take too long."""
+"""Groups of vehicles for which cures are tried [-]; more would take too long."""
 
 _QUICK = 0.4
 """Time to look at what the others could do where some are ruled out at first sight [s]."""
@@ -39,7 +42,7 @@ class WhyNot:
     is_proven : bool
         Whether no plan is within the bound; otherwise none was found.
     controls : tuple of (T, m) array
-        The safest plan met on the way, for the referee to judge; empty without one.
+        The safest plan found meanwhile, for the referee to judge; empty without one.
     sets : tuple of tuple of int
         Who was planned together in it.
     blocked : tuple of int
@@ -88,7 +91,20 @@ def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
 
 
 def ended(scenario: Scenario, limits: Limits) -> str:
-    """Say what ended a search that had found nothing and ruled out nothing."""
+    """Say what ended a search that had found nothing and ruled out nothing.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        Those of the search.
+
+    Returns
+    -------
+    str
+        One sentence or two.
+    """
     kept = (
         (v.name, reserve_reason(s))
         for v, s in zip(scenario.vehicles, condensed_models(scenario), strict=True)
@@ -141,7 +157,7 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
         return WhyNot(" ".join(texts), is_proven=True, blocked=blocked)
     if found is None:  # a fleet has vehicles: it was looked at, or there are reasons
         return WhyNot(ended(scenario, limits), is_proven=False)
-    # Above Δ by simple bounds, the safest plan may still be within it by the referee's.
+    # Above Δ by union bounds, the safest plan may still be within it by the referee's.
     is_proven = found.bound > scenario.risk_bound
     text = _too_much(scenario, found, limits)
     if is_proven:
@@ -189,12 +205,12 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
             f"No plan was certified within {bound}, and none was ruled out: {limit_clause(limits)}"
         )
     takers = "; ".join(
-        f"{danger(risk_item)} around step {risk_item.step} ({risk:.2g})"
+        f"{hazard_name(risk_item)} around step {risk_item.step} ({risk:.2g})"
         for risk_item, risk in found.takers[:_NAMED]
     )
     if found.bound > scenario.risk_bound:
         head = (
-            f"No plan is within {bound} by simple bounds with the faces of this scenario: every "
+            f"No plan is within {bound} by union bounds with the faces of this scenario: every "
             f"such plan runs at least {rounded_down(found.bound)}."
         )
     else:

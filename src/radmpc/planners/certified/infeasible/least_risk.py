@@ -9,7 +9,8 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.fleet import Fleet, Members
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
@@ -17,15 +18,16 @@ from radmpc.solvers.solution import Limits
 __all__ = ["LeastRisk", "least_risk"]
 
 _UNIT = 0.49
-"""Most that a single row may risk: up to here its tail is convex."""
+"""The unit of risk, and with it the row risk cap [-]: below one half a row's tail is convex."""
 
 _TOLERANCE = 0.02
-"""Share of the risk bound to which the least risk is sought."""
+"""Share of the risk bound to which the least risk is sought [-]."""
 
-_Danger = tuple[str, str, str | None]
-"""Cause, vehicle, and what it may meet."""
+_HazardKey = tuple[str, str, str | None]
+"""Cause, vehicle, and what it may hit."""
 
 _EFFORTS = (1, 4, 16)
+"""Multiples of the nodes of a round that are tried one after the other [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,15 +37,15 @@ class LeastRisk:
     Attributes
     ----------
     risk : float
-        What the best plan found runs, as programs count it; inf without one.
+        What the best plan found runs, by union bounds [-]; inf without one.
     bound : float
-        What every plan runs at least; inf where there is none at any risk.
+        What every plan runs at least, by union bounds [-]; inf where there is none at any risk.
     controls : tuple of (T, m) array
         That plan, per vehicle; empty without one.
     sets : tuple of tuple of int
         Who was planned together.
     takers : tuple of (RiskItem, float)
-        The dangers of that plan, the greatest first, each with its worst step.
+        The hazards of that plan, the greatest first, each with its worst step.
     stuck : tuple of int
         Vehicles that together have no plan at any risk; empty if there are none such.
     """
@@ -66,7 +68,7 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
     limits : Limits
         When to stop early.
     enough : float
-        A plan that runs no more than this ends the search.
+        A plan that runs no more than this ends the search [-].
 
     Returns
     -------
@@ -82,7 +84,7 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
     for effort in _EFFORTS:
         while True:
             found = run_round(fleet, 1.0, effort)
-            if found is None or not found.is_sketch:
+            if found is None or not found.is_initial:
                 break
             best = _better(fleet, best, found)
             if best.risk <= enough:
@@ -102,28 +104,28 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     initial = fleet.initial
     # At a price of 1, and with effort free, the value is the risk in units.
     bound = max(best.bound, fleet.unit * found.least + initial)
-    settled = sum(fleet.problems[m].program.presolved_risk for m in found.sets)
-    risk = initial + settled + found.risk + found.cross
+    presolved = sum(fleet.programs.problems[m].program.presolved_risk for m in found.sets)
+    risk = initial + presolved + found.risk + found.inter_set_risk
     if risk >= best.risk:
         return replace(best, bound=min(bound, best.risk))
     points = [plan.z for plan in found.plans]
-    controls = fleet.controls(found.sets, points)
+    controls = fleet.programs.controls(found.sets, points)
     return LeastRisk(risk, min(bound, risk), controls, found.sets, _takers(fleet, found))
 
 
 def _takers(fleet: Fleet, found: Round) -> tuple[tuple[RiskItem, float], ...]:
-    """Return what each danger takes over the whole horizon, with its worst step."""
-    total: dict[_Danger, float] = defaultdict(float)
-    worst: dict[_Danger, tuple[float, RiskItem]] = {}
+    """Return what each hazard takes over the whole horizon, with its worst step."""
+    total: dict[_HazardKey, float] = defaultdict(float)
+    worst: dict[_HazardKey, tuple[float, RiskItem]] = {}
     names = [v.name for v in fleet.scenario.vehicles]
-    for danger in fleet.start_dangers:
-        two = len(danger.members) == 2
-        other = names[danger.members[1]] if two else danger.other
-        risk_item = RiskItem(danger.cause, names[danger.members[0]], other, 0)
-        total[risk_item[:3]] += danger.risk
-        worst[risk_item[:3]] = (danger.risk, risk_item)
+    for hazard in fleet.start_hazards:
+        two = len(hazard.members) == 2
+        other = names[hazard.members[1]] if two else hazard.other
+        risk_item = RiskItem(hazard.cause, names[hazard.members[0]], other, 0)
+        total[risk_item[:3]] += hazard.risk
+        worst[risk_item[:3]] = (hazard.risk, risk_item)
     for members, plan in zip(found.sets, found.plans, strict=True):
-        program = fleet.problems[members].program
+        program = fleet.programs.problems[members].program
         risks = program.event_risks(plan.z, plan.selection)
         for event in np.flatnonzero(risks > 0.0):
             risk_item = program.risk_items[int(program.rows.risk_items[event])]

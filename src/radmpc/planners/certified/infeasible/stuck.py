@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.problem import SetProblem
-from radmpc.planners.explain import impossible_places
+from radmpc.planners.explain import trivially_infeasible
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
 from radmpc.solvers.priced.tree import RiskTree
@@ -15,13 +15,13 @@ from radmpc.solvers.solution import Limits
 __all__ = ["stuck_reason"]
 
 _UNIT = 0.49
-"""Most that a single row may risk: up to here its tail is convex."""
+"""The unit of risk, and with it the row risk cap [-]: below one half a row's tail is convex."""
 
 _NODES = 400
-"""Nodes to find out whether leaving one thing out opens a way."""
+"""Nodes per vehicle to find out whether there is a plan once one thing is left out [-]."""
 
 _QUIET = 1e-6
-"""Factor of covariances that leaves next to nothing of them."""
+"""Factor of covariances that leaves next to nothing of them [-]."""
 
 
 def stuck_reason(
@@ -45,9 +45,9 @@ def stuck_reason(
     text : str
         A sentence; of one vehicle what follows its name.
     many : str or None
-        As of `Reason`.
+        As in `Reason`.
     """
-    reason = impossible_places(scenario.subset(members, scenario.risk_bound))
+    reason = trivially_infeasible(scenario.subset(members, scenario.risk_bound))
     if reason is not None:
         return members, reason, None
     members = _smallest(scenario, members, limits)

@@ -1,4 +1,4 @@
-"""What a vehicle must not touch, window by window, as half-planes."""
+"""The avoidances of a vehicle, window by window, as half-planes."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["Danger", "dangers_of", "gap_middles", "limits_at"]
+__all__ = ["AvoidanceHalfPlanes", "gap_middles", "half_planes_of", "limits_at"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Danger:
-    """One avoidance over a window: half-planes at its start and at its end, side by side.
+class AvoidanceHalfPlanes:
+    """One avoidance over a window: half-planes at its start and at its end, per alternative.
 
     Attributes
     ----------
     here, ahead : (s, 3) array
-        Normal and offset per side; a normal of 0 and an offset of inf where nothing is asked.
+        Normal [-] and offset [m] per alternative; 0 and inf where nothing is asked.
     deviation : float
         The largest standard deviation of its rows [m].
     """
@@ -31,12 +31,29 @@ class Danger:
 
     @property
     def key(self) -> tuple[bytes, bytes]:
-        """What makes two windows of a danger that does not move the same."""
+        """Equal for two windows of an avoidance of something that does not move."""
         return self.here.tobytes(), self.ahead.tobytes()
 
 
-def dangers_of(program: DisjunctiveProgram, horizon: int, own: slice) -> list[list[Danger]]:
-    """Return the avoidances of each window; where others are placed is part of the offsets."""
+def half_planes_of(
+    program: DisjunctiveProgram, horizon: int, own: slice
+) -> list[list[AvoidanceHalfPlanes]]:
+    """Return the avoidances of each window; where others are placed is part of the offsets.
+
+    Parameters
+    ----------
+    program : DisjunctiveProgram
+        Of one vehicle in the plane, others in place.
+    horizon : int
+        Windows, T.
+    own : slice
+        The outputs that are the vehicle's positions, step by step.
+
+    Returns
+    -------
+    list of list of AvoidanceHalfPlanes
+        Those of each window.
+    """
     rows = program.rows
     others = program.constant[: program.num_positions].copy()
     others[own] = 0.0
@@ -47,26 +64,43 @@ def dangers_of(program: DisjunctiveProgram, horizon: int, own: slice) -> list[li
     steps = np.full(rows.count, -1)
     steps[places.row] = places.col // 2
     is_interval = bool(np.any(np.diff(program.alternative_starts) >= 2))
-    found: list[list[Danger]] = [[] for _ in range(horizon)]
-    for avoidance, label in enumerate(program.avoidances):
+    found: list[list[AvoidanceHalfPlanes]] = [[] for _ in range(horizon)]
+    for index, label in enumerate(program.avoidances):
         k = label.step - (0 if is_interval else 1)
-        sides = program.alternatives_of(avoidance)
-        here, ahead = (np.tile([0.0, 0.0, np.inf], (len(sides), 1)) for _ in range(2))
+        alternatives = program.alternatives_of(index)
+        here, ahead = (np.tile([0.0, 0.0, np.inf], (len(alternatives), 1)) for _ in range(2))
         deviation = 1e-9
-        for number, side in enumerate(sides):
-            for row in program.rows_of(side):
+        for number, alternative in enumerate(alternatives):
+            for row in program.rows_of(alternative):
                 plane = here if steps[row] == k else ahead
                 plane[number] = [*normals[row], offsets[row]]
                 deviation = max(deviation, float(rows.deviations[row]))
-        found[k].append(Danger(here, ahead, deviation))
+        found[k].append(AvoidanceHalfPlanes(here, ahead, deviation))
     return found
 
 
-def gap_middles(dangers: Sequence[Sequence[Danger]], axis: int, widest: float) -> list[float]:
-    """Return the middles of gaps between parallel sides along an axis, the narrowest last [m]."""
+def gap_middles(
+    avoidances: Sequence[Sequence[AvoidanceHalfPlanes]], axis: int, widest: float
+) -> list[float]:
+    """Return the middles of gaps between parallel half-planes along an axis.
+
+    Parameters
+    ----------
+    avoidances : sequence of sequence of AvoidanceHalfPlanes
+        Those of each window.
+    axis : int
+        0 or 1.
+    widest : float
+        The widest gap that counts [m].
+
+    Returns
+    -------
+    list of float
+        Coordinates [m], that of the narrowest gap last.
+    """
     lower, upper = set[float](), set[float]()
-    for danger in {danger.key: danger for at in dangers for danger in at}.values():
-        for plane in (*danger.here, *danger.ahead):
+    for avoidance in {avoidance.key: avoidance for at in avoidances for avoidance in at}.values():
+        for plane in (*avoidance.here, *avoidance.ahead):
             limit = _limit(plane, axis)
             if limit is not None:
                 (upper if plane[axis] > 0.0 else lower).add(round(limit, 6))
@@ -74,21 +108,21 @@ def gap_middles(dangers: Sequence[Sequence[Danger]], axis: int, widest: float) -
     return [middle for width, middle in sorted(pairs, reverse=True) if 0.0 < width <= widest]
 
 
-def limits_at(dangers: Sequence[Sequence[Danger]]) -> tuple[Matrix, Matrix]:
-    """Return the box that dangers of one side only, as borders are, leave at each step.
+def limits_at(avoidances: Sequence[Sequence[AvoidanceHalfPlanes]]) -> tuple[Matrix, Matrix]:
+    """Return the box that avoidances of one alternative, as of borders, leave at each step.
 
     Returns
     -------
     pair of (T+1, 2) array
         Corners [m], infinite where there is no border.
     """
-    lower = np.full((len(dangers) + 1, 2), -np.inf)
-    upper = np.full((len(dangers) + 1, 2), np.inf)
-    for k, at in enumerate(dangers):
-        for danger in at:
-            if len(danger.here) != 1:
+    lower = np.full((len(avoidances) + 1, 2), -np.inf)
+    upper = np.full((len(avoidances) + 1, 2), np.inf)
+    for k, at in enumerate(avoidances):
+        for avoidance in at:
+            if len(avoidance.here) != 1:
                 continue
-            for step, plane in ((k, danger.here[0]), (k + 1, danger.ahead[0])):
+            for step, plane in ((k, avoidance.here[0]), (k + 1, avoidance.ahead[0])):
                 for axis in (0, 1):
                     limit = _limit(plane, axis)
                     if limit is not None and plane[axis] > 0.0:

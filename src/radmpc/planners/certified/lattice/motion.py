@@ -1,4 +1,4 @@
-"""How a vehicle's displacement from step to step answers to effort, axis by axis, about."""
+"""An approximate model of the effort of displacements from step to step, axis by axis."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from radmpc.program.condensed import CondensedModel
 __all__ = ["Motion"]
 
 _INF = np.float32(1e9)
+"""Cost of what no control does: large beside any plan's, and finite when summed over a path."""
 
 Cells = npt.NDArray[np.int64]
 Float32 = npt.NDArray[np.float32]
@@ -81,7 +82,22 @@ class Motion:
         return self.weight * float((self.longest / self.gain).sum())
 
     def first_costs(self, middle: Vector, stride: Vector, count: int) -> Float32:
-        """Return the effort of every first displacement, a square around a middle one."""
+        """Return the effort of every first displacement, a square around a middle one.
+
+        Parameters
+        ----------
+        middle : (2,) array
+            The middle one [m].
+        stride : (2,) array
+            Size of a cell [m].
+        count : int
+            Cells on each side of the middle.
+
+        Returns
+        -------
+        (2 count + 1, 2 count + 1) array
+            Costs.
+        """
         around = np.arange(-count, count + 1)
         costs = [
             self.weight * np.abs(middle[a] + around * stride[a] - self.first[a]) / self.gain[a]

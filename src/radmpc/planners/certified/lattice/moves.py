@@ -1,4 +1,4 @@
-"""Places and moves on which a way is sought."""
+"""The lattice of positions and displacements that is searched for a path."""
 
 from __future__ import annotations
 
@@ -7,25 +7,31 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.lattice.half_planes import Danger, gap_middles, limits_at
+from radmpc.planners.certified.lattice.half_planes import (
+    AvoidanceHalfPlanes,
+    gap_middles,
+    limits_at,
+)
 from radmpc.program.condensed import CondensedModel
 
 __all__ = ["Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
 
 _MOVES_AROUND = 3
-"""Cells that a move may differ from that of a way which is refined."""
+"""Cells by which a displacement may differ from that of the path which is refined [-]."""
 
 _MAX_CELLS = 20_000
+"""Positions of a coarse lattice at most [-]: its cells grow until it has no more."""
+
 _TUBE = 4
-"""Cells on each side of a way within which the next, finer one is sought."""
+"""Cells on each side of a path within which the next, finer one is sought [-]."""
 
 _NARROW = 3.0
-"""Gaps, in cells, whose middles are given a line of their own."""
+"""Width of gaps up to which their middles get a line of their own [cells]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lattice:
-    """Places and moves around a reference way.
+    """Positions and displacements around a reference path.
 
     Attributes
     ----------
@@ -34,15 +40,15 @@ class Lattice:
     start : (2,) array
         Where the vehicle starts [m].
     reference : (T+1, 2) int array
-        Cell around which places are counted at each step, relative to the start.
+        Cell around which positions are counted at each step, relative to the start.
     first : (2,) int array
-        First place along each axis, relative to the reference.
+        First position along each axis, relative to the reference.
     shape : (int, int)
-        Places along each axis.
+        Positions along each axis.
     moves : int
-        Cells, each way, that a move may differ from the reference's.
+        Cells, either way, by which a displacement may differ from the reference's.
     lines : pair of array or None
-        Where the places really are along each axis [m], where they are not evenly spaced.
+        Where the positions are along each axis [m], if they are not evenly spaced.
     """
 
     stride: Vector
@@ -61,7 +67,7 @@ class Lattice:
         return np.column_stack([line[p] for line, p in zip(self.lines, places, strict=True)])
 
     def axes(self, reference: Indices) -> list[Vector]:
-        """Return where the places around a reference are along each axis [m]."""
+        """Return the coordinates of positions around a reference along each axis [m]."""
         if self.lines is not None:
             return list(self.lines)
         counts = [reference[a] + self.first[a] + np.arange(self.shape[a]) for a in (0, 1)]
@@ -70,7 +76,22 @@ class Lattice:
     def reached(
         self, points: Matrix, places: tuple[Indices, Indices], steps: Indices
     ) -> list[Matrix]:
-        """Return where moves from places lead to along each axis, (moves, places) [m]."""
+        """Return where displacements from positions lead to, axis by axis.
+
+        Parameters
+        ----------
+        points : (p, 2) array
+            The positions [m].
+        places : pair of (p,) int array
+            Their cells along each axis, counted from the first.
+        steps : (s, 2) int array
+            The displacements, in cells.
+
+        Returns
+        -------
+        list of (s, p) array
+            Coordinates along each axis [m].
+        """
         if self.lines is None:
             shift = steps * self.stride
             return [points[:, a][None, :] + shift[:, a][:, None] for a in (0, 1)]
@@ -81,23 +102,23 @@ class Lattice:
 
 
 def coarse_lattice(
-    model: CondensedModel, dangers: list[list[Danger]], longest: Vector, moves: int
+    model: CondensedModel, avoidances: list[list[AvoidanceHalfPlanes]], longest: Vector, moves: int
 ) -> Lattice:
     """Return the lattice over everything within reach and borders.
 
     Parameters
     ----------
-    model : Subject
+    model : CondensedModel
         The vehicle.
-    dangers : list of list of Danger
+    avoidances : list of list of AvoidanceHalfPlanes
         Those of each window.
     longest : (2,) array
-        Its longest move along each axis [m].
+        Its longest displacement along each axis [m].
     moves : int
-        Cells that this is.
+        Cells that it is long.
     """
     start = model.drift_position[0]
-    lower, upper = limits_at(dangers)
+    lower, upper = limits_at(avoidances)
     low = np.maximum(model.reach_lower, lower).min(axis=0)
     high = np.minimum(model.reach_upper, upper).max(axis=0)
     low, high = np.minimum(low - start, 0.0), np.maximum(high - start, 0.0)
@@ -112,7 +133,15 @@ def coarse_lattice(
 
 
 def finer_lattice(lattice: Lattice, cells: Indices) -> Lattice:
-    """Return a lattice of half the stride, in a tube around a way."""
+    """Return a lattice of half the stride, in a tube around a path.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        The coarser one.
+    cells : (T+1, 2) int array
+        The path, in its cells from the start.
+    """
     return Lattice(
         0.5 * lattice.stride,
         lattice.start,
@@ -123,12 +152,20 @@ def finer_lattice(lattice: Lattice, cells: Indices) -> Lattice:
     )
 
 
-def snapped_lattice(lattice: Lattice, dangers: list[list[Danger]]) -> Lattice:
-    """Return a lattice whose lines run through the middles of gaps between parallel sides."""
+def snapped_lattice(lattice: Lattice, avoidances: list[list[AvoidanceHalfPlanes]]) -> Lattice:
+    """Return a lattice whose lines run through the middles of gaps between parallel half-planes.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        One with evenly spaced lines.
+    avoidances : list of list of AvoidanceHalfPlanes
+        Those of each window.
+    """
     lines = []
     for axis, line in enumerate(lattice.axes(lattice.reference[0])):
         stride = float(lattice.stride[axis])
-        for middle in gap_middles(dangers, axis, _NARROW * stride):
+        for middle in gap_middles(avoidances, axis, _NARROW * stride):
             nearest = int(np.abs(line - middle).argmin())
             if abs(line[nearest] - middle) <= 0.5 * stride:
                 line[nearest] = middle

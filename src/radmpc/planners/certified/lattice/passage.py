@@ -1,4 +1,4 @@
-"""Incumbents of a single vehicle among many dangers: a way on a lattice, then a small search."""
+"""Incumbents of a single vehicle among many obstacles: a path on a lattice, then a small search."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.lattice.search import Walk
+from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.program.restrict import along
 from radmpc.solvers.priced.around import search_around
 from radmpc.solvers.priced.nodes import Incumbent
@@ -18,22 +18,26 @@ from radmpc.solvers.solution import Limits
 __all__ = ["Passage"]
 
 _NODES = 50
+"""Nodes of a small search around a path or a plan [-]."""
+
 _NODES_ALONG = 150
+"""Nodes of each of the two searches for the earliest plan [-]."""
 
 _ROUGH_GAP = 0.05
+"""Relative gap of the second of these [-]: every vehicle is planned anew afterwards."""
 
-_ROOM = 1.0
-"""How far a plan may be off its way on the lattice, in longest moves."""
+_TUBE = 1.0
+"""How far the earliest plan may be off its path on the lattice [longest displacements]."""
 
 _STEP_SHARE = 0.01
-"""Share of the risk bound that a vehicle in haste risks to gain a step."""
+"""Share of the risk bound that the earliest plan may risk to gain a step [-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Pace:
-    """What small searches go by: a price of risk, a scale of values, when to stop."""
+    """What small searches go by: the price of a unit of risk, a scale of values, when to stop."""
 
-    price: float
+    unit_price: float
     scale: float
     limits: Limits
     nodes: int
@@ -41,33 +45,33 @@ class _Pace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Passage:
-    """Ways through, sought anew at every price.
+    """Paths through the obstacles, sought anew at every price.
 
     Attributes
     ----------
-    walk : Walk
+    path_search : PathSearch
         The lattice search of the vehicle's program.
     rater : Rater
         The program, laid out for rating.
     """
 
-    walk: Walk
+    path_search: PathSearch
     rater: Rater
 
-    def found(
-        self, price: float, scale: float, limits: Limits, known: Incumbent | None
+    def plan(
+        self, unit_price: float, scale: float, limits: Limits, incumbent: Incumbent | None
     ) -> Incumbent | None:
-        """Return a plan at a price of a unit of risk; None where no way was found.
+        """Return a plan at a price of risk; None where no path was found.
 
         Parameters
         ----------
-        price : float
-            Of one unit of risk.
+        unit_price : float
+            Cost of one unit of risk.
         scale : float
-            Value below which gaps are taken of this.
+            Value below which gaps are taken of this instead.
         limits : Limits
             When to stop early.
-        known : Incumbent or None
+        incumbent : Incumbent or None
             The best plan so far.
 
         Returns
@@ -75,55 +79,59 @@ class Passage:
         Incumbent or None
             No worse than the plan given.
         """
-        best, pace = known, _Pace(price, scale, limits, _NODES)
-        way = self.walk.way(price / self.walk.unit)
-        if way is not None:
-            best = _better(best, self._along(self.rater, way, pace), price / self.walk.unit)
+        best, pace = incumbent, _Pace(unit_price, scale, limits, _NODES)
+        path = self.path_search.path(unit_price / self.path_search.unit)
+        if path is not None:
+            best = _better(
+                best, self._along(self.rater, path, pace), unit_price / self.path_search.unit
+            )
         if best is None:
             return None
         return self._around(self.rater, self.rater.program.slacks(best.z), best, pace)
 
-    def hurried(self, limits: Limits) -> Incumbent | None:
+    def earliest_plan(self, limits: Limits) -> Incumbent | None:
         """Return a plan that waits where it must and then loses no time; None if none was found.
 
-        It leaves the way to others, who may find none past a vehicle that takes all its time.
-
-        Parameters
-        ----------
-        limits : Limits
-            When to stop early.
+        It leaves the passage free early for others, which may find no path past a vehicle that
+        takes all its time.
         """
-        walk, unit = self.walk, self.walk.unit
-        # Where no effort is needed, or none counts, any price makes haste.
-        haste = walk.motion.start_cost or 1.0
+        path_search, unit = self.path_search, self.path_search.unit
+        # Where no effort is needed, or none counts, any cost of delay will do.
+        delay_cost = path_search.motion.start_cost or 1.0
         # A step is worth about a hundredth of the bound.
-        rate = haste / (_STEP_SHARE * self.rater.program.risk_bound)
-        way = walk.way(rate, haste)
-        if way is None:
+        price = delay_cost / (_STEP_SHARE * self.rater.program.risk_bound)
+        path = path_search.path(price, delay_cost)
+        if path is None:
             return None
-        room = np.tile(_ROOM * walk.motion.longest, len(way))
-        program = along(self.rater.program, walk.places, way.ravel(), room)
+        room = np.tile(_TUBE * path_search.motion.longest, len(path))
+        program = along(self.rater.program, path_search.places, path.ravel(), room)
         rater = Rater(program, unit)
-        found = self._along(rater, way, _Pace(rate * unit, haste, limits, _NODES_ALONG))
-        # The lattice knows no sagitta: a side that it passes on may not hold, or not be the best.
+        found = self._along(rater, path, _Pace(price * unit, delay_cost, limits, _NODES_ALONG))
+        # The lattice ignores the sagitta: an alternative of its path may not hold, or not be best.
         tree = RiskTree(
-            program, unit, rate * unit, gap=_ROUGH_GAP, scale=haste, limits=limits, rater=rater
+            program,
+            unit,
+            price * unit,
+            gap=_ROUGH_GAP,
+            scale=delay_cost,
+            limits=limits,
+            rater=rater,
         )
         if found is not None:
             tree.consider(found.z)
         tree.run(_NODES_ALONG)
         return tree.best
 
-    def _along(self, rater: Rater, way: Matrix, pace: _Pace) -> Incumbent | None:
-        """Return a plan that passes everything on the way's sides, or about."""
+    def _along(self, rater: Rater, path: Matrix, pace: _Pace) -> Incumbent | None:
+        """Return a plan with the alternatives that a path satisfies, where these are clear."""
         program = rater.program
         outputs = program.constant.copy()
-        outputs[self.walk.places] = way.ravel()
+        outputs[self.path_search.places] = path.ravel()
         outputs[program.num_positions :] = 0.0
         slacks = program.rows.offsets - program.rows.normals @ outputs
         found = self._around(rater, slacks, None, pace)
         if found is None and not pace.limits.reached:
-            # In a maze too many sides are in doubt: first those of the way, all of them.
+            # In a maze too many alternatives are in doubt: first all of the path's own.
             found = self._around(rater, slacks, None, pace, is_rigid=True)
             if found is not None:
                 found = self._around(rater, program.slacks(found.z), found, pace)
@@ -138,14 +146,14 @@ class Passage:
         *,
         is_rigid: bool = False,
     ) -> Incumbent | None:
-        """Search near a way for a plan, or for a better one."""
+        """Search near a path for a plan, or for a better one."""
         return search_around(
             rater,
             slacks,
             beat,
-            move=float(self.walk.motion.longest.max()),
-            unit=self.walk.unit,
-            price=pace.price,
+            move=float(self.path_search.motion.longest.max()),
+            unit=self.path_search.unit,
+            price=pace.unit_price,
             scale=pace.scale,
             limits=pace.limits,
             max_nodes=pace.nodes,
@@ -153,7 +161,7 @@ class Passage:
         )
 
 
-def _better(one: Incumbent | None, two: Incumbent | None, rate: float) -> Incumbent | None:
-    """Return the plan of less cost and priced risk."""
+def _better(one: Incumbent | None, two: Incumbent | None, price: float) -> Incumbent | None:
+    """Return the plan of less cost plus priced risk."""
     plans = [plan for plan in (one, two) if plan is not None]
-    return min(plans, key=lambda plan: plan.cost + rate * plan.risk, default=None)
+    return min(plans, key=lambda plan: plan.cost + price * plan.risk, default=None)

@@ -1,0 +1,75 @@
+"""Values of a lattice search as arrays: tails from a table, changes of displacement, and moves."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arrays import Vector
+from radmpc.gaussian import tail_probability
+
+__all__ = ["INFEASIBLE", "Float32", "changed", "shifted", "tail_of"]
+
+INFEASIBLE = np.float32(1e9)
+"""Value of what is not allowed: large beside any plan's cost, finite when summed over a path."""
+
+_FINENESS = 64
+"""Entries of the table of tails per standard deviation [-]."""
+
+_FAR = 10
+"""Clearance beyond which there is no risk (8e-24) [standard deviations]."""
+
+_TAILS = tail_probability(np.arange(-_FAR * _FINENESS, _FAR * _FINENESS + 1) / _FINENESS)
+"""The tail probability at every sixty-fourth of a standard deviation [-]."""
+
+Float32 = npt.NDArray[np.float32]
+
+
+def tail_of(clearances: Vector) -> Vector:
+    """Return tail probabilities, rounded to the clearances of a table."""
+    numbers = (clearances * _FINENESS).astype(np.int64) + _FAR * _FINENESS
+    return _TAILS[np.clip(numbers, 0, _TAILS.size - 1)]
+
+
+def changed(values: Float32, tables: tuple[Float32, Float32]) -> Float32:
+    """Return the least value over all last displacements, for each position and *next* one.
+
+    Parameters
+    ----------
+    values : (w, w, a, b) array
+        Values by last displacement and position.
+    tables : pair of (w, w) array
+        Effort from one displacement to the next along each axis, [next, last].
+
+    Returns
+    -------
+    (w, w, a, b) array
+        Values by next displacement and position.
+    """
+    for axis, table in enumerate(tables):
+        source = np.moveaxis(values, axis, 0)
+        result = np.full_like(source, INFEASIBLE)
+        for after, before in zip(*np.nonzero(table < INFEASIBLE), strict=True):
+            np.minimum(result[after], source[before] + table[after, before], out=result[after])
+        values = np.moveaxis(result, 0, axis)
+    return np.ascontiguousarray(values)
+
+
+def shifted(values: Float32) -> Float32:
+    """Return values by displacement and position, (w, w, a, b), at the positions they lead to."""
+    result = np.full_like(values, INFEASIBLE)
+    rows, columns = values.shape[2:]
+    moves = values.shape[0] // 2
+    for i, j in product(range(values.shape[0]), range(values.shape[1])):
+        here, ahead = _overlap(rows, i - moves), _overlap(columns, j - moves)
+        result[i, j][here[1], ahead[1]] = values[i, j][here[0], ahead[0]]
+    return result
+
+
+def _overlap(count: int, shift: int) -> tuple[slice, slice]:
+    """Return which indices move by a shift to which, along one axis."""
+    if shift >= 0:
+        return slice(0, max(count - shift, 0)), slice(shift, count)
+    return slice(-shift, count), slice(0, max(count + shift, 0))

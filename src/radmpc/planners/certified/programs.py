@@ -1,0 +1,172 @@
+"""The programs of all sets met so far, and points of theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
+from radmpc.planners.certified.merging import Members, owners_of
+from radmpc.planners.certified.nearby import Surroundings
+from radmpc.planners.certified.problem import SetProblem
+from radmpc.program.build import condensed_models, controls_of
+
+__all__ = ["SetPrograms"]
+
+
+class SetPrograms:
+    """The programs of all sets met so far, each built when first asked for.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    unit : float
+        The risk that 1 stands for in programs [-], see `radmpc.planners.certified.fleet`.
+    is_costless : bool
+        Whether effort counts for nothing.
+
+    Attributes
+    ----------
+    models : sequence of CondensedModel
+        Those of all vehicles.
+    covariances : (N, T+1, d, d) array
+        Their position covariances [m²].
+    problems : dict
+        The sets' programs.
+    alone : dict
+        The sets' scenarios: their vehicles with the obstacles that these may hit.
+    """
+
+    def __init__(self, scenario: Scenario, unit: float, *, is_costless: bool) -> None:
+        self.scenario = scenario
+        self.unit = unit
+        self.is_costless = is_costless
+        self.models = condensed_models(scenario)
+        self.covariances = np.array([s.position_covariances for s in self.models])
+        self.surroundings = Surroundings(scenario, self.models)
+        self.problems: dict[Members, SetProblem] = {}
+        self.alone: dict[Members, Scenario] = {}
+
+    def problem(self, members: Members) -> SetProblem:
+        """Return a set's program, built when first asked for."""
+        if members not in self.problems:
+            self.alone[members] = self.surroundings.of(members)
+            problem = SetProblem.of(self.alone[members], members, self.models, self.unit)
+            self.problems[members] = problem.without_cost() if self.is_costless else problem
+        return self.problems[members]
+
+    def assembled(self, members: Members, parts: Mapping[int, Vector]) -> Vector:
+        """Return the point of a set made of points of its vehicles.
+
+        Parameters
+        ----------
+        members : tuple of int
+            The set.
+        parts : mapping of int to (n,) array
+            A point of every vehicle, by its number.
+
+        Returns
+        -------
+        (n,) array
+            A point of the set's program.
+        """
+        program = self.problem(members).program
+        z = np.empty(program.num_columns)
+        for block, i in enumerate(members):
+            z[program.blocks == block] = parts[i]
+        return z
+
+    def split(self, sets: Sequence[Members], points: Sequence[Vector]) -> dict[int, Vector]:
+        """Return every vehicle's part of points of sets.
+
+        Parameters
+        ----------
+        sets : sequence of tuple of int
+            Sets that have no vehicle in common.
+        points : sequence of (n,) array
+            A point of each.
+
+        Returns
+        -------
+        dict of int to (n,) array
+            By the vehicles' numbers.
+        """
+        return {
+            i: z[self.problems[members].program.blocks == block]
+            for members, z in zip(sets, points, strict=True)
+            for block, i in enumerate(members)
+        }
+
+    def inter_set_risks(
+        self, sets: Sequence[Members], points: Sequence[Vector]
+    ) -> dict[tuple[int, int], float]:
+        """Estimate the risk between every two sets.
+
+        Parameters
+        ----------
+        sets : sequence of tuple of int
+            A partition of the fleet.
+        points : sequence of (n,) array
+            A point of each.
+
+        Returns
+        -------
+        dict of (int, int) to float
+            Risks [-] by the sets' numbers in the order given, lower first.
+        """
+        return by_sets(self.pair_risks(sets, points), owners_of(sets))
+
+    def pair_risks(
+        self, sets: Sequence[Members], points: Sequence[Vector]
+    ) -> dict[tuple[int, int], float]:
+        """Estimate the risk between every two vehicles of different sets.
+
+        Parameters
+        ----------
+        sets : sequence of tuple of int
+            A partition of the fleet.
+        points : sequence of (n,) array
+            A point of each.
+
+        Returns
+        -------
+        dict of (int, int) to float
+            Risks [-] by the vehicles' numbers, lower first.
+        """
+        means = np.empty((self.scenario.num_vehicles, *self.models[0].drift_position.shape))
+        sagittas = np.zeros((means.shape[0], means.shape[1] - 1, means.shape[2]))
+        for members, z in zip(sets, points, strict=True):
+            means[list(members)] = self.problems[members].means(z)
+            for i, controls in zip(
+                members, controls_of(self.problems[members].models, z), strict=True
+            ):
+                if self.scenario.vehicles[i].system.is_double_integrator:
+                    sagittas[i] = self.scenario.dt**2 / 8.0 * controls
+        return pair_risks_across_sets(
+            self.scenario, means, self.covariances, owners_of(sets), sagittas
+        )
+
+    def controls(self, sets: Sequence[Members], points: Sequence[Vector]) -> tuple[Matrix, ...]:
+        """Return every vehicle's controls, in the scenario's order.
+
+        Parameters
+        ----------
+        sets : sequence of tuple of int
+            A partition of the fleet.
+        points : sequence of (n,) array
+            A point of each.
+
+        Returns
+        -------
+        tuple of (T, m) array
+            One per vehicle.
+        """
+        controls: dict[int, Matrix] = {}
+        for members, z in zip(sets, points, strict=True):
+            models = self.problem(members).models
+            controls |= dict(zip(members, controls_of(models, z), strict=True))
+        return tuple(controls[i] for i in range(self.scenario.num_vehicles))
