@@ -29,7 +29,7 @@ _TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
 """Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up to a
 larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks."""
 
-_LEAST_TURNING = 2.0
+_LEAST_TURNING = 6.0
 """Time that turning gets at least, if the limit leaves it [s]."""
 
 _UNSPENT = 0.5
@@ -72,7 +72,7 @@ class Certified(Decomposition):
         result.search.close()
         run.found(incumbent.cost, _finite(incumbent.reported_bound(fleet, planner.gap)))
         run.progress("improving", 0, 1)
-        # Large fleets gain little by the second: not longer than the search took.
+        # Counts end it; the clock, only where a machine is slow: not longer than the search took.
         fleet.limits = run.limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
         turn_half_spaces(fleet, incumbent, run.judge)
         if incumbent.certified < _UNSPENT * scenario.risk_bound:
