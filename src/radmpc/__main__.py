@@ -9,6 +9,7 @@ from types import FrameType
 __all__ = ["main"]
 
 _INTERRUPTED = 1
+"""Exit code while modules still load; commands have the shell's 130."""
 
 
 def main() -> None:

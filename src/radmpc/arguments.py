@@ -33,6 +33,7 @@ __all__ = [
 ]
 
 _LONGEST = 60
+"""Letters of a value that a message shows; longer ones are shortened."""
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST

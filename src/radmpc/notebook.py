@@ -8,6 +8,7 @@ from html import escape
 __all__ = ["html_table", "listed"]
 
 _MOST_NAMES = 8
+"""Names that a notebook's table lists; the rest is counted."""
 
 
 def html_table(facts: Sequence[tuple[str, str]]) -> str:

@@ -16,7 +16,8 @@ from radmpc.console.files import OutputError, writing
 
 __all__ = ["note", "show", "show_json", "silence_closed_pipe", "width"]
 
-_PIPED_WIDTH = 5000  # letters; no line of a report is broken
+_PIPED_WIDTH = 5000
+"""Width of a line into a pipe or a file [letters]: no line of a report is broken there."""
 
 
 def show(*parts: RenderableType) -> None:

@@ -20,12 +20,22 @@ from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 
 __all__ = ["Lattice", "Way", "lattice_of"]
 
-# In radii; of 0.25 m they divide a meter, so that a point lies in the middle of every cell.
 _SPACINGS = (0.2, 0.4, 0.8, 2.0, 4.0)
+"""Spacings that are tried, finest first [radii]. Of 0.25 m they divide a meter, so that a point
+lies in the middle of every cell of a grid."""
+
 _MOST_POINTS = 60_000
-_MOST_POINTS_OF_ALL = 3_000_000  # one vehicle's way after the other is looked for
-_BORDER = 10.0  # radii around everything, where there are no bounds
+"""Points of a grid: more would be finer and take longer in proportion."""
+
+_MOST_POINTS_OF_ALL = 3_000_000
+"""Points times vehicles: their paths are searched one after the other."""
+
+_BORDER = 10.0
+"""Width of the border around everything where there are no bounds [radii]."""
+
 _HALVINGS = 7
+"""Bisections of the clearance: it is known to 1/128 of the range searched."""
+
 _NEIGHBORS = ((0, 1), (1, 0), (1, 1), (1, -1))
 _TOUCHING = np.ones((3, 3))
 

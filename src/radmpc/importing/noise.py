@@ -16,10 +16,17 @@ from radmpc.model.dynamics import covariances, double_integrator
 
 __all__ = ["Noise", "choose_noise", "rounded_up", "told_feedback", "told_noise"]
 
-_LONG_HORIZON = 12  # steps up to which no feedback is needed
-_SPREAD = 0.2  # least standard deviation at the end, in radii
-_GAIN = (-0.3, -0.9)  # on position and velocity, for steps of 1 s
-_MOST_RESERVE = 0.25  # of the control limit, for the feedback
+_LONG_HORIZON = 12
+"""Steps up to which the noise stays small enough without feedback."""
+
+_SPREAD = 0.2
+"""Standard deviation of the position at the end that the noise is chosen for [radii]."""
+
+_GAIN = (-0.3, -0.9)
+"""Feedback on position and velocity, for steps of 1 s [1/s², 1/s]."""
+
+_MOST_RESERVE = 0.25
+"""Share of the control limit [-] that three standard deviations of the feedback may take."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,6 +16,8 @@ from radmpc.importing.problem import ForeignVehicle
 __all__ = ["waiting_times"]
 
 _MOST_VEHICLES = 30
+"""Vehicles up to which all pairs are compared; more are taken not to wait."""
+
 _ABREAST = 1.6
 """Half the width that two hulls need abreast with room for noise, over the sum of their radii."""
 

@@ -20,7 +20,8 @@ from radmpc.notebook import html_table, listed
 
 __all__ = ["Avoidance", "Scenario", "Workspace"]
 
-_MOST_GROWTH = 1e12  # solvers refuse coefficients from 1e15 on
+_MOST_GROWTH = 1e12
+"""Largest factor from a state to a later one: solvers refuse coefficients from 1e15 on."""
 
 _Part = TypeVar("_Part")
 

@@ -28,7 +28,10 @@ ABOVE: Plane = (0, 1)
 SIDE: Plane = (0, 2)
 
 _POINTS_PER_STEP = 10
+"""Points that a curved path is drawn with per step."""
+
 _POINTS_PER_RING = 48
+"""Points that an ellipse is drawn with."""
 
 
 def positions(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:

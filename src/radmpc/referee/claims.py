@@ -13,6 +13,8 @@ from radmpc.referee.motion import FleetMotion
 __all__ = ["claim_problems", "cost_of", "limit_problems", "shape_problems"]
 
 _TOL = 1e-6
+"""Difference up to which stated numbers and limits are kept, absolute below one and relative above
+[-]."""
 
 
 def shape_problems(plan: Plan) -> list[str]:

@@ -13,8 +13,8 @@ from radmpc.referee.sites import Sites
 
 __all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites"]
 
-# Numbers in the largest temporary array of one block.
 _BLOCK = 2_000_000
+"""Numbers in the largest temporary array of one block: memory against the overhead per block."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

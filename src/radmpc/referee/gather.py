@@ -20,8 +20,8 @@ __all__ = ["Gathered", "gather_obstacles", "gather_pairs"]
 
 Flags = npt.NDArray[np.bool_]
 
-# Fleets up to this many encounters are looked at one by one; beyond, an index skips the far ones.
 _EXPLICIT = 2_000
+"""Encounters up to which all are looked at one by one; beyond, an index skips the far ones."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,9 +14,11 @@ from radmpc.referee.motion import FleetMotion
 
 __all__ = ["CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
 
-# Standard deviations from which an encounter is far, and the risk of one half-space there.
 _CUTOFF = 9.0
+"""Distance from which an encounter is far [standard deviations]."""
+
 CUTOFF_RISK = float(ndtr(-_CUTOFF))
+"""Risk of one half-space at that distance [-]: what a far encounter is charged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,8 +11,9 @@ from radmpc.arrays import Matrix, Tensor, Vector
 
 __all__ = ["CONTACT_TOL", "held", "in_deviations", "reserves"]
 
-# Touching is no collision. Without noise that must not hang on the last bit of a sum.
 CONTACT_TOL = 1e-9
+"""Overlap that counts as touching [m], which is no collision: without noise the verdict must not
+hang on the last bit of a sum."""
 
 _SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
 """Shares of the reserve that are tried for the near end besides the balanced one; any is valid."""

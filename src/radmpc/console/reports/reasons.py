@@ -18,7 +18,11 @@ __all__ = [
 ]
 
 _MOST_REASONS = 4
+"""Reasons of an infeasible scenario that a report lists; the rest is counted."""
+
 _MOST_LIMITS = 4
+"""Limits out of a vehicle's reach that a report lists; the rest is counted."""
+
 _SPENT = 0.97
 """Share of the risk bound beyond which it counts as used up."""
 

@@ -24,8 +24,13 @@ from radmpc.model.scenario import Scenario
 __all__ = ["facts", "ledger_table", "plan_report", "scenario_line", "vehicle_table", "verdict"]
 
 _TOP_ROWS = 8
+"""Rows of the ledger that a report lists, largest first; the rest is summed up."""
+
 _MAX_SETS = 12
-_LEAST_SHARE = 1e-9  # of the bound; lines below it are summed up
+"""Sets of vehicles that a report names; the rest is counted."""
+
+_LEAST_SHARE = 1e-9
+"""Share of the risk bound [-] below which a row of the ledger is only summed up."""
 
 
 def scenario_line(scenario: Scenario) -> str:

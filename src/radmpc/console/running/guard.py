@@ -18,7 +18,8 @@ from radmpc.errors import FileFormatError, NoPlanError, RadmpcError, SolverError
 
 __all__ = ["Code", "GuardedCommands"]
 
-_INTERRUPTED = 130  # what typer turns Ctrl-C into
+_INTERRUPTED = 130
+"""Exit code that typer makes of Ctrl-C, as shells do: 128 and the signal's number."""
 
 # BadParameter's bases are the usage errors. Their own module is private in newer typer.
 _USAGE_ERRORS = typer.BadParameter.__bases__

@@ -15,6 +15,7 @@ from radmpc.plotting import save_chart, save_panels
 __all__ = ["write_report"]
 
 _MOST_LISTED = 40
+"""Plans above the bound that the report lists; the rest is counted."""
 
 
 def write_report(

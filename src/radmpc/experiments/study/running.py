@@ -14,6 +14,8 @@ from radmpc.solvers.solution import never
 __all__ = ["Progress", "run_study"]
 
 _POLL_SECONDS = 0.2
+"""Time between two looks for ended runs [s]: what an interrupt may wait."""
+
 _AHEAD = 2
 """Tasks handed out beyond those being worked on."""
 

@@ -13,6 +13,7 @@ from radmpc.experiments.study.trial import Row
 __all__ = ["Quantiles", "Speedup", "Summary", "speedup", "summarize"]
 
 _LOW, _HIGH = 10.0, 90.0
+"""Percentiles beside the median."""
 
 
 @dataclass(frozen=True, slots=True)

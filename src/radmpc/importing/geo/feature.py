@@ -42,7 +42,9 @@ _ROLES = {
     "LineString": ("obstacle",),
     "Polygon": ("obstacle", "area"),
 }
+
 _MOST_CORNERS = 200
+"""Corners of one outline: each edge becomes a face of the certificate and of the program."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,9 +24,14 @@ SPEED_LIMIT = 1.0
 CONTROL_LIMIT = 1.0
 """The same, per axis [m/s²]."""
 
-_FARTHEST = 1e5  # [m]: beyond, a plane is no picture of the ground
-_VISIBLE_BOW = 0.1  # [m]
-_EARTH = 6.37e6  # [m]
+_FARTHEST = 1e5
+"""Distance from the origin beyond which a plane is no picture of the ground [m]."""
+
+_VISIBLE_SAGITTA = 0.1
+"""Sagitta of a side, between map and plane, from which it is warned of [m]."""
+
+_EARTH = 6.37e6
+"""Radius of the earth [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +144,7 @@ def told_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
     # How far a line of equal latitude bends away from the straight one.
     slope = np.tan(np.radians(min(abs(placed.origin.latitude), 89.0)))
     sagitta = placed.longest_side(features) ** 2 * slope / (8.0 * _EARTH)
-    if sagitta > _VISIBLE_BOW:
+    if sagitta > _VISIBLE_SAGITTA:
         warnings.append(
             f"sides of polygons and lines are straight in the plane, up to {sagitta:.2g} m beside "
             "a line of equal latitude: give long ones more corners"

@@ -28,7 +28,9 @@ from radmpc.model.obstacle import Obstacle
 __all__ = ["geo_problem"]
 
 _UNNAMED = {"Polygon": "polygon", "LineString": "line", "Point": "post"}
-_DIGITS = 6  # of the origin's degrees: 0.1 m
+
+_DIGITS = 6
+"""Decimals of the origin's degrees: 0.1 m."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,10 +28,15 @@ __all__ = [
 MOST_CELLS = 4_000_000
 """Cells that a grid may have."""
 
-# Half a cell wide: between two blocked cells a quarter of a meter is left on either side.
 _RADIUS = 0.25
+"""Hull radius in a grid of cells of 1 m [m]: half a cell wide, it leaves a quarter of a meter on
+either side between two blocked cells."""
+
 _SPEED_LIMIT = 1.0
+"""Largest mean speed per axis [m/s]: a cell per second."""
+
 _CONTROL_LIMIT = 2.0
+"""Largest acceleration per axis [m/s²]."""
 
 Task = tuple[str, tuple[int, int], tuple[int, int]]
 """A vehicle's name, its first cell and its last one, each by column and row."""

@@ -16,7 +16,8 @@ from radmpc.model.scenario import Scenario
 
 __all__ = ["Placement", "parse_origin", "scenario_origin"]
 
-_FARTHEST = 1e5  # [m]: beyond, a plane is no picture of the ground
+_FARTHEST = 1e5
+"""Distance from the origin beyond which a plane is no picture of the ground [m]."""
 
 
 @dataclass(frozen=True, slots=True)

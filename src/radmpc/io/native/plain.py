@@ -13,6 +13,7 @@ from radmpc.io.text.files import shown
 __all__ = ["plain_mapping"]
 
 _MAX_DEPTH = 20
+"""Levels that free-form parts of a file may be nested."""
 
 Path = tuple[str | int, ...]
 

@@ -24,7 +24,8 @@ from radmpc.plotting.curves import Plane, positions
 
 __all__ = ["Ghost", "draw_ghosts", "nearest_ghosts"]
 
-_MOST_PER_OBSTACLE = 3  # more would hide each other
+_MOST_PER_OBSTACLE = 3
+"""Ghosts of one obstacle: more would hide each other."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,7 +13,10 @@ from radmpc.plotting.curves import ABOVE, Plane, positions
 __all__ = ["draw_worst", "worst_rows"]
 
 _MOST_ROWS = 8
-_LEAST_SHARE = 0.01  # of the bound
+"""Rows of the ledger that are ringed, largest first."""
+
+_LEAST_SHARE = 0.01
+"""Share of the risk bound [-] below which a row is not ringed."""
 
 
 def worst_rows(plan: Plan) -> tuple[LedgerRow, ...]:

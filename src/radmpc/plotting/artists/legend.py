@@ -21,8 +21,11 @@ from radmpc.plotting.canvas.style import ALERT, MUTED, OBSTACLE_FILL, STAR_SIZE,
 
 __all__ = ["draw_film_legend", "draw_legend", "draw_views_legend", "num_legend_lines"]
 
-_DROP = 0.27  # from the axes' lower edge, past ticks and label [in]
+_DROP = 0.27
+"""Distance of the legend from the axes' lower edge, past ticks and label [in]."""
+
 _MOST_COLUMNS = 5
+"""Entries in one line of a legend."""
 
 _LOOKS: dict[str, Any] = {
     "handler_map": {tuple: HandlerTuple(ndivide=1)},

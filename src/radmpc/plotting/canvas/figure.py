@@ -33,14 +33,26 @@ __all__ = [
     "zoom_to",
 ]
 
-DPI = 300  # of files and of the layout
+DPI = 300
+"""Resolution of files and of the layout [dots/in]."""
 
-_BESIDE_AXES = 0.32  # ticks and label of the y axis [in]
-_BELOW_AXES = 0.30  # ticks and label of the x axis [in]
-_LINE = 0.135  # a line of text [in]
-_AZIMUTH, _ELEVATION = -60.0, 30.0  # of the view in space, matplotlib's own [°]
-ZOOM = 0.95  # of scenes in space, before they are made to fill the axes
-_EDGES = 0.12  # above the first line and below the last [in]
+_BESIDE_AXES = 0.32
+"""Width of ticks and label of the y axis [in]."""
+
+_BELOW_AXES = 0.30
+"""Height of ticks and label of the x axis [in]."""
+
+_LINE = 0.135
+"""Height of a line of text [in]."""
+
+_AZIMUTH, _ELEVATION = -60.0, 30.0
+"""Directions of the view in space [°]: matplotlib's own."""
+
+ZOOM = 0.95
+"""Zoom of scenes in space before they are made to fill the axes [-]."""
+
+_EDGES = 0.12
+"""Empty space above the first line and below the last [in]."""
 
 
 def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:

@@ -18,7 +18,8 @@ from radmpc.plotting.canvas.style import LABEL_SIZE
 
 __all__ = ["Board", "SpaceBoard", "board_of", "show_all"]
 
-_HALF_MARK = 4.0  # of a start's circle, and what a text keeps from a step's dot, too [pt]
+_HALF_MARK = 4.0
+"""Half size of a start's circle, and what a text keeps from a step's dot, too [pt]."""
 
 
 @dataclass(slots=True)

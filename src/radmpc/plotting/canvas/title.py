@@ -21,11 +21,20 @@ __all__ = [
     "subtitle",
 ]
 
-_LINE_CHARACTERS = 62  # of a line of facts in one column
-_ALERT_CHARACTERS = 48  # must fit beside narrow axes, too
-_MOST_LINES = 5  # of an explanation
-_LEFT = 0.01  # where headlines above several panels begin, share of the figure
-_ABOVE = 3.0  # what a layout keeps free above them [pt]
+_LINE_CHARACTERS = 62
+"""Letters in a line of facts in one column."""
+
+_ALERT_CHARACTERS = 48
+"""Letters in a line of warnings, which must fit beside narrow axes, too."""
+
+_MOST_LINES = 5
+"""Lines of an explanation that are shown."""
+
+_LEFT = 0.01
+"""Where headlines above several panels begin, as a share of the figure's width [-]."""
+
+_ABOVE = 3.0
+"""Space that a layout keeps free above headlines [pt]."""
 
 
 def num_title_lines(plan: Plan, *, details: bool = True) -> int:

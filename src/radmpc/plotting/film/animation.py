@@ -38,8 +38,13 @@ __all__ = [
 ]
 
 FRAMES_PER_STEP = 5
-SECONDS_PER_STEP = 0.5  # of the film
+"""Frames of a film per step unless asked otherwise."""
+
+SECONDS_PER_STEP = 0.5
+"""Duration of a step in the film [s]."""
+
 _MOST_FRAMES = 50
+"""Frames of a film per step that may be asked for."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,9 +22,11 @@ __all__ = [
     "write_beside",
 ]
 
-_DROP = 0.30  # of a legend below the axes, past ticks and label [in]
+_DROP = 0.30
+"""Distance of a legend from the axes' lower edge, past ticks and label [in]."""
 
-ROW = 0.125  # height of a row of the map, of a bar [in]
+ROW = 0.125
+"""Height of a row of the map, and of a bar [in]."""
 
 
 def new_column(height: float) -> Figure:

@@ -22,10 +22,12 @@ from radmpc.referee.saturation import saturation_bound
 
 __all__ = ["Certificate", "certify"]
 
-# A stated certificate may be below the recomputed one by rounding on another machine only.
 _STATED_TOL = 1e-6
+"""Relative difference [-] by which a stated certificate may be below the recomputed one: rounding
+on another machine."""
 
-_MOST_ROWS = 3  # of the ledger in a notebook
+_MOST_ROWS = 3
+"""Rows of the ledger that a notebook shows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

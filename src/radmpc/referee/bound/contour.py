@@ -37,29 +37,40 @@ __all__ = ["Outlines", "enclosed"]
 
 Truths = npt.NDArray[np.bool_]
 
-# Nodes, ellipses and first pieces change the speed only: other rules of 12 to 24 nodes, on ellipses
-# of 2 to 9, took up to 1.5 times as long on 300 discs, boxes and hulls.
 _NUM_NODES = 20
+"""Nodes of the Gauss-Legendre rule on a piece. They, the ellipses and the first pieces change the
+speed only: rules of 12 to 24 nodes, on ellipses of 2 to 9, took up to 1.5 times as long on 300
+discs, boxes and hulls."""
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_NUM_NODES)
-# Ellipses to bound on; the smallest bound counts. Short pieces like large ones.
+
 _ELLIPSES = (3.0, 6.0)
-# Sum of all error bounds at which a site is done, relative to its probability.
+"""Sums of the half axes of the Bernstein ellipses to bound the error on [-]; the smallest bound
+counts. Short pieces have their best bound on large ones."""
+
 _REL_TOL = 1e-6
-# Halvings: an outline of 1e7 deviations needs 24.
+"""Sum of all error bounds at which a site is done, relative to its probability [-]."""
+
 _ROUNDS = 40
-# A site of that many pieces is left as it is.
+"""Rounds of halving: an outline 1e7 standard deviations long needs 24."""
+
 _MOST_PIECES = 2000
-# Probabilities that are no concern.
+"""Pieces of one site's outline from which it is left as it is, with its error bound."""
+
 _TINY = 1e-300
-# Error bound, relative to the tolerance and to the size of the integral, from which a piece is
-# integrated before the probability is known.
+"""Probabilities below are no concern [-]."""
+
 _PROMISE = 0.1
-# Digits that rounding can take from a sum of tails: 2e3 units in the last place, most of them from
-# tails 30 deviations out.
+"""Error bound, relative to the tolerance and to the size of the integral [-], below which a piece
+is integrated before the probability is known."""
+
 _ROUNDING = 5e-13
-# Rounding tears the ends of pieces apart by less than this share of their coordinates. The outline
-# is closed by jumps across, which are charged at the largest integrand of the piece.
+"""Relative error that rounding can cause in a sum of tails [-]: 2e3 units in the last place, most
+of them from tails 30 standard deviations out."""
+
 _JUMP = 16.0 * float(np.finfo(float).eps)
+"""Share of their coordinates [-] by which rounding can tear the ends of pieces apart. The outline
+is closed by jumps across, which are charged at the largest integrand of the piece."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

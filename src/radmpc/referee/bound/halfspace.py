@@ -40,10 +40,14 @@ turning a scene by a right angle changed single encounters by up to a third."""
 _MOST_EXCESS = 1e3
 """Deviations up to which that is counted."""
 
-# Of the search over whole intervals: nine rounds find less than 0.1 % better chains of parts.
 _ROUNDS = 5
+"""Rounds of the search over whole intervals: nine find less than 0.1 % better chains of parts."""
+
 _FIRST_STEP = 0.4
+"""Step of the first round, as a share of the direction's length [-]."""
+
 _SHRINK = 0.4
+"""Factor of the step from round to round [-]."""
 
 
 def end_risks(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:

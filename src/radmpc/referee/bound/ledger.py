@@ -12,8 +12,8 @@ from radmpc.model.plan import Cause, LedgerRow
 
 __all__ = ["Account", "total_risk"]
 
-# Steps below this risk share one row per vehicle and partner.
 _SMALL = 1e-12
+"""Risk below which steps share one row per vehicle and partner [-]."""
 
 
 @dataclass(slots=True, eq=False)

@@ -11,11 +11,12 @@ from radmpc.referee.sites import Sites, over_ends
 
 __all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
 
-# Half-spaces below this risk are charged as they are, without looking for a better one.
 NEGLIGIBLE = 1e-15
+"""Risk of a half-space below which no better one is searched for [-]."""
 
-# Above this risk directions across the chord are tried, too: few sites, a tenth of the time.
 _TELLING = 1e-10
+"""Risk above which directions across the chord are tried, too [-]: few sites, a tenth of the
+time."""
 
 
 def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix, Vector]:

@@ -19,10 +19,12 @@ from radmpc.referee.simulation.preparation import prepare
 
 __all__ = ["Simulation", "simulate"]
 
-# Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because
-# a chunk is what one stream of random numbers fills.
 _CHUNK_NUMBERS = 100_000
+"""Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because a
+chunk is what one stream of random numbers fills."""
+
 _LEAST_CHUNK = 512
+"""Samples per chunk at least, however many vehicles there are."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

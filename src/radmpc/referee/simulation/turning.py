@@ -21,10 +21,11 @@ __all__ = ["TurningSolid", "comes_within", "turning"]
 
 Flags = npt.NDArray[np.bool_]
 
-# Halvings of the time in which a point may be near: 1e-12 of an interval is left.
 _ROUNDS = 40
-# Numbers in the largest temporary array.
+"""Halvings of the time in which a point may be near: 1e-12 of an interval is left."""
+
 _BLOCK = 1_000_000
+"""Numbers in the largest temporary array: memory against the overhead per block."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
