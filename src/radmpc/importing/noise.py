@@ -14,7 +14,7 @@ from radmpc.importing.problem import ForeignVehicle
 from radmpc.importing.rounding import rounded
 from radmpc.model.dynamics import covariances, double_integrator
 
-__all__ = ["Noise", "choose_noise", "rounded_up", "told_feedback", "told_noise"]
+__all__ = ["Noise", "choose_noise", "describe_feedback", "describe_noise", "rounded_up"]
 
 _LONG_HORIZON = 12
 """Steps up to which the noise stays small enough without feedback."""
@@ -75,7 +75,7 @@ def choose_noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: Impo
     return Noise(rounded(std**2 * shape), gain, std, std * spread)
 
 
-def told_noise(
+def describe_noise(
     vehicles: Sequence[ForeignVehicle], noises: Sequence[Noise], options: ImportOptions
 ) -> str:
     """Return how large the noise is, in words."""
@@ -88,7 +88,7 @@ def told_noise(
     )
 
 
-def told_feedback(noises: Sequence[Noise], horizon: int) -> str:
+def describe_feedback(noises: Sequence[Noise], horizon: int) -> str:
     """Return what feedback there is, or why there is none, in words."""
     if any(noise.gain is not None for noise in noises):
         return f"gain {_GAIN[0]:g}/dt² on position, {_GAIN[1]:g}/dt on velocity"

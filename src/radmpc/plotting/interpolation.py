@@ -13,11 +13,11 @@ from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.curves import mean_path, positions
 
-__all__ = ["Way", "moving_outline", "way_of"]
+__all__ = ["InterpolatedPath", "interpolated_path", "moving_outline"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
+class InterpolatedPath:
     """A vehicle's way, frame by frame.
 
     Attributes
@@ -38,9 +38,9 @@ class Way:
     boxes: tuple[Matrix, ...]
 
 
-def way_of(
+def interpolated_path(
     vehicle: Vehicle, trajectory: Trajectory, per_step: int, *, intervals: bool = True
-) -> Way:
+) -> InterpolatedPath:
     """Return a vehicle's way at ``per_step`` frames per step, and the last one.
 
     Parameters
@@ -56,7 +56,7 @@ def way_of(
 
     Returns
     -------
-    Way
+    InterpolatedPath
         Covariances are interpolated between steps.
     """
     axes = list(vehicle.system.position)
@@ -83,7 +83,7 @@ def way_of(
         hull(np.vstack(squares[k * spaced : (k + 1) * spaced + 1])).vertices
         for k in range(steps + 1)
     )
-    return Way(places, np.asarray(roots), boxes)
+    return InterpolatedPath(places, np.asarray(roots), boxes)
 
 
 def moving_outline(obstacle: Obstacle, time: float) -> Matrix:

@@ -16,7 +16,7 @@ from radmpc.console.picture import (
 )
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.report import plan_report
-from radmpc.console.reports.stages import told_stages
+from radmpc.console.reports.stages import stage_notes
 from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.console.running.workers import workers
@@ -106,7 +106,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     with (
         stop_on_interrupt() as is_stopped,
         workers(request.jobs, request.dask) as executor,
-        told_stages(request.is_verbose),
+        stage_notes(request.is_verbose),
         progress_line(
             is_wanted=not request.is_verbose,
             is_planning=True,

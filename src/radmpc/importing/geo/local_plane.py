@@ -13,7 +13,14 @@ from radmpc.geodesy import Origin, to_local
 from radmpc.importing.geo.feature import Feature
 from radmpc.importing.rounding import rounded
 
-__all__ = ["CONTROL_LIMIT", "RADIUS", "SPEED_LIMIT", "Placed", "told_choices", "told_losses"]
+__all__ = [
+    "CONTROL_LIMIT",
+    "RADIUS",
+    "SPEED_LIMIT",
+    "Placed",
+    "describe_choices",
+    "describe_losses",
+]
 
 RADIUS = 0.5
 """Of vehicles of which none is stated [m]."""
@@ -92,7 +99,7 @@ class Placed:
         return rings if is_open else tuple(np.vstack([ring, ring[:1]]) for ring in rings)
 
 
-def told_choices(
+def describe_choices(
     stated: Sequence[Mapping[str, float]], origin: Origin, is_stated: bool, area: str
 ) -> tuple[tuple[str, str], ...]:
     """Return what was chosen, and why.
@@ -130,7 +137,7 @@ def told_choices(
     )
 
 
-def told_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
+def describe_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
     """Return what could not be carried over."""
     warnings = []
     unknown = sorted({note for feature in features for note in feature.unknown()})

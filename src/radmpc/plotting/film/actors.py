@@ -24,7 +24,7 @@ from radmpc.plotting.canvas.style import (
     OBSTACLE_FILL,
     WALL_WIDTH,
 )
-from radmpc.plotting.interpolation import Way, moving_outline, way_of
+from radmpc.plotting.interpolation import InterpolatedPath, interpolated_path, moving_outline
 
 __all__ = ["Actor", "draw_actors"]
 
@@ -66,7 +66,7 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
             actors.append(_FlatObstacle(ax, obstacle) if is_flat else _SolidObstacle(ax, obstacle))
     is_named = plan.scenario.num_vehicles <= MAX_LABELS
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
-        way = way_of(
+        way = interpolated_path(
             vehicle, trajectory, per_step, intervals=plan.scenario.avoidance == "intervals"
         )
         kind = _SolidVehicle if isinstance(ax, Axes3D) else _FlatVehicle
@@ -78,7 +78,13 @@ class _FlatVehicle:
     """A vehicle in the plane."""
 
     def __init__(
-        self, ax: Axes, vehicle: Vehicle, way: Way, color: Color, is_named: bool, per_step: int
+        self,
+        ax: Axes,
+        vehicle: Vehicle,
+        way: InterpolatedPath,
+        color: Color,
+        is_named: bool,
+        per_step: int,
     ) -> None:
         self.way, self.per_step = way, per_step
         name, none = vehicle.name, np.zeros((1, 2))
@@ -117,7 +123,13 @@ class _SolidVehicle:
     """A vehicle in space."""
 
     def __init__(
-        self, ax: Axes3D, vehicle: Vehicle, way: Way, color: Color, is_named: bool, per_step: int
+        self,
+        ax: Axes3D,
+        vehicle: Vehicle,
+        way: InterpolatedPath,
+        color: Color,
+        is_named: bool,
+        per_step: int,
     ) -> None:
         self.way, self.per_step, self.ax = way, per_step, ax
         name = vehicle.name
