@@ -19,7 +19,7 @@ _MOST_VEHICLES = 30
 """Vehicles up to which all pairs are compared; more are taken not to wait."""
 
 _ABREAST = 1.6
-"""Half the width that two hulls need abreast with clearance for noise, over the sum of their radii."""
+"""Half the width that two hulls abreast need, noise included, over the sum of their radii [-]."""
 
 _HEADWAY = 2.0
 """Sums of radii between the middles of two, one behind the other."""

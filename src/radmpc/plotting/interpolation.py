@@ -18,11 +18,11 @@ __all__ = ["InterpolatedPath", "interpolated_path", "moving_outline"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InterpolatedPath:
-    """A vehicle's way, frame by frame.
+    """A vehicle's mean path and spread, frame by frame.
 
     Attributes
     ----------
-    places : (f, d) array
+    positions : (f, d) array
         Mean position at each frame [m].
     roots : (f, d, d) array
         Square root of the position covariance at each frame, principal axes as columns [m].
@@ -33,7 +33,7 @@ class InterpolatedPath:
         curve between where intervals count; at T the square alone.
     """
 
-    places: Matrix
+    positions: Matrix
     roots: Tensor
     boxes: tuple[Matrix, ...]
 
@@ -41,18 +41,18 @@ class InterpolatedPath:
 def interpolated_path(
     vehicle: Vehicle, trajectory: Trajectory, per_step: int, *, intervals: bool = True
 ) -> InterpolatedPath:
-    """Return a vehicle's way at ``per_step`` frames per step, and the last one.
+    """Return a vehicle's path at ``per_step`` frames per step, and the last one.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Who.
+        Whose.
     trajectory : Trajectory
         Its part of a plan.
     per_step : int
         Frames per step.
     intervals : bool
-        Whether the way between steps counts.
+        Whether the path between steps counts.
 
     Returns
     -------
@@ -64,8 +64,8 @@ def interpolated_path(
     steps = len(at_steps) - 1
     path = mean_path(vehicle, trajectory)
     frames = np.linspace(0.0, 1.0, steps * per_step + 1)
-    known = np.linspace(0.0, 1.0, len(path))
-    places = np.column_stack([np.interp(frames, known, column) for column in path.T])
+    drawn = np.linspace(0.0, 1.0, len(path))
+    means = np.column_stack([np.interp(frames, drawn, column) for column in path.T])
     coarse = trajectory.covariances[:, axes][:, :, axes]
     share = frames * steps
     low = np.minimum(share.astype(int), steps - 1)
@@ -83,7 +83,7 @@ def interpolated_path(
         hull(np.vstack(squares[k * spaced : (k + 1) * spaced + 1])).vertices
         for k in range(steps + 1)
     )
-    return InterpolatedPath(places, np.asarray(roots), boxes)
+    return InterpolatedPath(means, np.asarray(roots), boxes)
 
 
 def moving_outline(obstacle: Obstacle, time: float) -> Matrix:

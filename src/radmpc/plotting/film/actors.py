@@ -66,11 +66,11 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
             actors.append(_FlatObstacle(ax, obstacle) if is_flat else _SolidObstacle(ax, obstacle))
     is_named = plan.scenario.num_vehicles <= MAX_LABELS
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
-        way = interpolated_path(
+        path = interpolated_path(
             vehicle, trajectory, per_step, intervals=plan.scenario.avoidance == "intervals"
         )
         kind = _SolidVehicle if isinstance(ax, Axes3D) else _FlatVehicle
-        actors.append(kind(ax, vehicle, way, colors[vehicle.name], is_named, per_step))
+        actors.append(kind(ax, vehicle, path, colors[vehicle.name], is_named, per_step))
     return actors
 
 
@@ -81,12 +81,12 @@ class _FlatVehicle:
         self,
         ax: Axes,
         vehicle: Vehicle,
-        way: InterpolatedPath,
+        path: InterpolatedPath,
         color: Color,
         is_named: bool,
         per_step: int,
     ) -> None:
-        self.way, self.per_step = way, per_step
+        self.path, self.per_step = path, per_step
         name, none = vehicle.name, np.zeros((1, 2))
         self.box = Polygon(
             none, facecolor=(*color, 0.07), edgecolor=(*color, 0.6), linewidth=0.5,
@@ -111,11 +111,11 @@ class _FlatVehicle:
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
-        place = self.way.places[frame]
+        place = self.path.positions[frame]
         self.hull.center = (float(place[0]), float(place[1]))
-        self.region.set_xy(place + 3.0 * (self.way.roots[frame] @ _CIRCLE).T)
-        self.box.set_xy(self.way.boxes[min(int(time), len(self.way.boxes) - 1)])
-        self.trail.set_data(*self.way.places[: frame + 1].T)
+        self.region.set_xy(place + 3.0 * (self.path.roots[frame] @ _CIRCLE).T)
+        self.box.set_xy(self.path.boxes[min(int(time), len(self.path.boxes) - 1)])
+        self.trail.set_data(*self.path.positions[: frame + 1].T)
         self.name.xy = (float(place[0]), float(place[1]))
 
 
@@ -126,15 +126,15 @@ class _SolidVehicle:
         self,
         ax: Axes3D,
         vehicle: Vehicle,
-        way: InterpolatedPath,
+        path: InterpolatedPath,
         color: Color,
         is_named: bool,
         per_step: int,
     ) -> None:
-        self.way, self.per_step, self.ax = way, per_step, ax
+        self.path, self.per_step, self.ax = path, per_step, ax
         name = vehicle.name
         self.box = Poly3DCollection(
-            _triangles(way.boxes[0]), facecolors=[(*color, 0.05)], linewidths=0.0,
+            _triangles(path.boxes[0]), facecolors=[(*color, 0.05)], linewidths=0.0,
             gid=f"temporal:{name}",
         )  # fmt: skip
         self.rings = Line3DCollection(
@@ -157,18 +157,18 @@ class _SolidVehicle:
 
     def _rings(self, frame: int) -> list[Matrix]:
         """Return the three principal rings of the 3σ ellipsoid."""
-        place, root = self.way.places[frame], self.way.roots[frame]
+        place, root = self.path.positions[frame], self.path.roots[frame]
         return [place + 3.0 * (root[:, list(plane)] @ _CIRCLE).T for plane in _PLANES]
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
-        been = self.way.places[: frame + 1]
+        been = self.path.positions[: frame + 1]
         self.trail.set_data_3d(*been.T)
         floor = np.full(len(been), self.ax.get_zlim()[0])
         self.shadow.set_data_3d(been[:, 0], been[:, 1], floor)
         self.hull.set_data_3d(*been[-1:].T)
         self.rings.set_segments(self._rings(frame))
-        box = self.way.boxes[min(int(time), len(self.way.boxes) - 1)]
+        box = self.path.boxes[min(int(time), len(self.path.boxes) - 1)]
         self.box.set_verts(_triangles(box))
         self.name.set_position_3d(been[-1])
 
