@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from radmpc.model.ledger import bound_text, risk_by_vehicle, risk_items
+from radmpc.model.ledger import bound_text, hazards, risk_by_vehicle
 from radmpc.model.plan import LedgerRow
 
 ROWS = (
@@ -17,7 +17,7 @@ ROWS = (
 
 
 def test_steps_of_one_cause_are_one_risk_item_the_largest_first() -> None:
-    found = risk_items(ROWS)
+    found = hazards(ROWS)
     assert [(e.cause, e.vehicle, e.other) for e in found] == [
         ("pair", "a", "b"),
         ("workspace", "b", None),
@@ -29,7 +29,7 @@ def test_steps_of_one_cause_are_one_risk_item_the_largest_first() -> None:
 
 
 def test_rows_of_the_same_step_add_up() -> None:
-    (one,) = risk_items((ROWS[0], ROWS[0]))
+    (one,) = hazards((ROWS[0], ROWS[0]))
     assert one.risks == {2: 0.002}
 
 

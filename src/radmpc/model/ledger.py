@@ -83,7 +83,7 @@ def risk_by_vehicle(
     }
     for row in ledger:
         bearers = [row.vehicle]
-        # A pair's partner may be missing: all that is far away is booked with one vehicle.
+        # A pair's partner may be missing: all that is far away is charged to one vehicle.
         if row.cause == "pair" and row.other is not None:
             bearers.append(row.other)
         for name in bearers:
