@@ -38,7 +38,7 @@ class CompareRequest:
     time_limit : float or None
         Seconds for each planner.
     samples : int
-        Flights per plan.
+        Samples per plan.
     jobs : int
         Number of processes.
     dask : str or None

@@ -38,15 +38,13 @@ __all__ = ["Outlines", "enclosed"]
 Truths = npt.NDArray[np.bool_]
 
 _NUM_NODES = 20
-"""Nodes of the Gauss-Legendre rule on a piece. They, the ellipses and the first pieces change the
-speed only: rules of 12 to 24 nodes, on ellipses of 2 to 9, took up to 1.5 times as long on 300
-discs, boxes and hulls."""
+"""Nodes of the Gauss-Legendre rule on a piece, for speed only: rules of 12 to 24 nodes, on ellipses
+of 2 to 9, took up to 1.5 times as long on 300 discs, boxes and hulls."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_NUM_NODES)
 
 _ELLIPSES = (3.0, 6.0)
-"""Sums of the half axes of the Bernstein ellipses to bound the error on [-]; the smallest bound
-counts. Short pieces have their best bound on large ones."""
+"""Sums of the half axes of the ellipses to bound the error on [-]: short pieces like large ones."""
 
 _REL_TOL = 1e-6
 """Sum of all error bounds at which a site is done, relative to its probability [-]."""

@@ -1,4 +1,4 @@
-"""From a plan to what all chunks of flights share."""
+"""From a plan to what all chunks of samples share."""
 
 from __future__ import annotations
 
