@@ -104,6 +104,13 @@ def check_kind(
 def check_callable(value: object, name: str) -> None:
     """Refuse what can neither be called nor is None.
 
+    Parameters
+    ----------
+    value : object
+        The argument.
+    name : str
+        Its name, for the message.
+
     Raises
     ------
     ArgumentTypeError
@@ -154,6 +161,13 @@ def check_integer(value: object, name: str, least: int, most: float = math.inf) 
 
 def check_path(path: object, name: str = "path") -> None:
     """Refuse what names no file: a number would be taken for an open file's.
+
+    Parameters
+    ----------
+    path : object
+        The argument.
+    name : str
+        Its name, for the message.
 
     Raises
     ------
@@ -208,6 +222,13 @@ def check_time_limit(seconds: object) -> None:
 def field_number(value: object, path: tuple[str | int, ...]) -> float:
     """Return a number of a scenario as Python's float; its range is the caller's business.
 
+    Parameters
+    ----------
+    value : object
+        What was given.
+    path : tuple of str or int
+        Where it stands in the scenario.
+
     Raises
     ------
     ScenarioError
@@ -221,6 +242,13 @@ def field_number(value: object, path: tuple[str | int, ...]) -> float:
 def field_integer(value: object, path: tuple[str | int, ...]) -> int:
     """Return an integer of a scenario as Python's.
 
+    Parameters
+    ----------
+    value : object
+        What was given.
+    path : tuple of str or int
+        Where it stands in the scenario.
+
     Raises
     ------
     ScenarioError
@@ -233,6 +261,15 @@ def field_integer(value: object, path: tuple[str | int, ...]) -> int:
 
 def field_parts(value: object, allowed: str, path: tuple[str | int, ...]) -> tuple[object, ...]:
     """Return parts of a scenario as a tuple.
+
+    Parameters
+    ----------
+    value : object
+        What was given.
+    allowed : str
+        What it must be, for the message.
+    path : tuple of str or int
+        Where it stands in the scenario.
 
     Raises
     ------
@@ -248,6 +285,15 @@ def field_parts(value: object, allowed: str, path: tuple[str | int, ...]) -> tup
 def check_word(value: object, words: Collection[str], name: str) -> None:
     """Refuse what is none of a planner's words.
 
+    Parameters
+    ----------
+    value : object
+        What was given.
+    words : collection of str
+        What is allowed.
+    name : str
+        The field's name, for the message.
+
     Raises
     ------
     ScenarioError
@@ -260,6 +306,13 @@ def check_word(value: object, words: Collection[str], name: str) -> None:
 
 def field_text(value: object, path: tuple[str | int, ...]) -> None:
     """Refuse a name that is no text.
+
+    Parameters
+    ----------
+    value : object
+        What was given.
+    path : tuple of str or int
+        Where it stands in the scenario.
 
     Raises
     ------

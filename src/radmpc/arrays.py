@@ -83,6 +83,15 @@ def as_vector(
 ) -> Vector:
     """Return a frozen vector; see `as_array`.
 
+    Parameters
+    ----------
+    value : array_like
+        What was given.
+    size : int or None
+        Its length; None is any.
+    path : tuple of str or int
+        Where it stands, for the message.
+
     Raises
     ------
     ScenarioError
@@ -97,6 +106,15 @@ def as_matrix(
     path: tuple[str | int, ...] = (),
 ) -> Matrix:
     """Return a frozen matrix; see `as_array`.
+
+    Parameters
+    ----------
+    value : array_like
+        What was given.
+    shape : tuple of (int or None)
+        Rows and columns; None is any number.
+    path : tuple of str or int
+        Where it stands, for the message.
 
     Raises
     ------
@@ -122,6 +140,15 @@ def _numbers(value: npt.ArrayLike, path: tuple[str | int, ...]) -> npt.NDArray[n
 def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vector:
     """Return a vector from one, or from a number for all axes.
 
+    Parameters
+    ----------
+    value : array_like
+        A number, or a vector.
+    size : int
+        Number of axes d.
+    path : tuple of str or int
+        Where it stands, for the message.
+
     Raises
     ------
     ScenarioError
@@ -134,6 +161,15 @@ def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vec
 
 def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:
     """Return a covariance matrix from a scalar, a diagonal or a matrix.
+
+    Parameters
+    ----------
+    value : array_like
+        A number, n numbers or n by n.
+    size : int
+        Number of states n.
+    path : tuple of str or int
+        Where it stands, for the message.
 
     Raises
     ------

@@ -108,7 +108,15 @@ def plan(
 
 
 def seconds_granted(planner: Planner, time_limit: float | None) -> float | None:
-    """Return the time limit of a planner: the one asked for, or its own; None is none."""
+    """Return the time limit of a planner: the one asked for, or its own; None is none.
+
+    Parameters
+    ----------
+    planner : Planner
+        Whose own limit counts by default.
+    time_limit : float or None
+        What was asked for [s]; None is the planner's own.
+    """
     return planner.decomposition.default_seconds if time_limit is None else time_limit
 
 

@@ -52,7 +52,19 @@ class Noise:
 
 
 def choose_noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: ImportOptions) -> Noise:
-    """Return the noise whose spread at the end is wanted, with feedback on long horizons."""
+    """Return the noise whose spread at the end is wanted, with feedback on long horizons.
+
+    Parameters
+    ----------
+    vehicle : ForeignVehicle
+        Whose radius and limits count.
+    dt : float
+        Step [s].
+    horizon : int
+        Number of steps.
+    options : ImportOptions
+        A standard deviation that is asked for.
+    """
     system = double_integrator(dt, vehicle.start.size)
     d = system.dimension
     # Like the paper's at dt = 1 s: a tenth of the variance on the velocity.
@@ -78,7 +90,17 @@ def choose_noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: Impo
 def describe_noise(
     vehicles: Sequence[ForeignVehicle], noises: Sequence[Noise], options: ImportOptions
 ) -> str:
-    """Return how large the noise is, in words."""
+    """Return how large the noise is, in words.
+
+    Parameters
+    ----------
+    vehicles : sequence of ForeignVehicle
+        At least one.
+    noises : sequence of Noise
+        Theirs, in the same order.
+    options : ImportOptions
+        A standard deviation that is asked for.
+    """
     stds = " or ".join(f"{std:g}" for std in sorted({noise.std for noise in noises}))
     spread = min(n.final / v.radius for v, n in zip(vehicles, noises, strict=True))
     asked = " (as asked)" if options.noise else ""
@@ -89,7 +111,15 @@ def describe_noise(
 
 
 def describe_feedback(noises: Sequence[Noise], horizon: int) -> str:
-    """Return what feedback there is, or why there is none, in words."""
+    """Return what feedback there is, or why there is none, in words.
+
+    Parameters
+    ----------
+    noises : sequence of Noise
+        Of all vehicles.
+    horizon : int
+        Number of steps.
+    """
     if any(noise.gain is not None for noise in noises):
         return f"gain {_GAIN[0]:g}/dt² on position, {_GAIN[1]:g}/dt on velocity"
     if horizon <= _LONG_HORIZON:
@@ -98,6 +128,14 @@ def describe_feedback(noises: Sequence[Noise], horizon: int) -> str:
 
 
 def rounded_up(value: float, num_digits: int = 2) -> float:
-    """Return the next larger number of so many digits; the value is > 0."""
+    """Return the next larger number of so many digits; the value is > 0.
+
+    Parameters
+    ----------
+    value : float
+        What is rounded, > 0.
+    num_digits : int
+        Significant digits that are kept.
+    """
     digits = num_digits - 1 - math.floor(math.log10(value))
     return round(math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits, digits)

@@ -49,6 +49,13 @@ def check_scenario(value: object, name: str = "scenario") -> None:
 def check_plan(value: object, name: str = "plan") -> None:
     """Refuse what is no plan, as `check_scenario` does.
 
+    Parameters
+    ----------
+    value : object
+        The argument.
+    name : str
+        Its name, for the message.
+
     Raises
     ------
     ArgumentTypeError

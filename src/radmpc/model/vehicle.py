@@ -195,6 +195,13 @@ class Vehicle(Frozen):
 def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
     """Return a full state from one, or from a position, at rest elsewhere.
 
+    Parameters
+    ----------
+    value : (n,) or (d,) array_like
+        A state, or a position [m].
+    system : LinearSystem
+        The vehicle's dynamics.
+
     Raises
     ------
     ScenarioError

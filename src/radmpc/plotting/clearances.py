@@ -118,7 +118,17 @@ def _fine_noise(plan: Plan, index: int, count: int) -> Tensor:
 
 
 def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
-    """Return the distances between a vehicle's hull and an obstacle at the steps, (T+1,) [m]."""
+    """Return the distances between a vehicle's hull and an obstacle at the steps, (T+1,) [m].
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    i : int
+        Number of the vehicle.
+    obstacle : Obstacle
+        Of its scenario.
+    """
     vehicle = plan.scenario.vehicles[i]
     places = positions(vehicle, plan.trajectories[i])
     found = [_nearest(places[k : k + 1], obstacle.at(k))[0][0] for k in range(len(places))]
@@ -126,7 +136,17 @@ def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
 
 
 def touches_way(plan: Plan, i: int, obstacle: Obstacle) -> bool:
-    """Whether a vehicle's swept hull touches what a moving obstacle sweeps, at whatever times."""
+    """Whether a vehicle's swept hull touches what a moving obstacle sweeps, at whatever times.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    i : int
+        Number of the vehicle.
+    obstacle : Obstacle
+        Of its scenario.
+    """
     vehicle = plan.scenario.vehicles[i]
     path = mean_path(vehicle, plan.trajectories[i])
     # From faces alone: at corners a little early, for pictures near enough.

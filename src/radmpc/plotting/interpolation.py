@@ -90,6 +90,13 @@ def moving_outline(obstacle: Obstacle, time: float) -> Matrix:
     """Return the corners of a moving obstacle at a moment, counted in steps, (c, d) [m].
 
     Between steps it is the Minkowski interpolation of its outlines, as the certificate has it.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        With one convex outline per step.
+    time : float
+        Time since the start [steps].
     """
     last = len(obstacle.steps) - 1
     before = min(int(time), last)

@@ -107,6 +107,13 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     """Return where stated means, covariances, gains, cost or bound are not the true ones.
 
     Numbers may differ by 1e-6, or by 1e-6 of the larger where they exceed one.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    motion : FleetMotion
+        The true one, under the plan's controls.
     """
     problems = statement_problems(plan)
     for i, (vehicle, stated) in enumerate(
@@ -175,6 +182,13 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     """Return which limits and goals the mean does not keep, beyond 1e-6.
 
     Speeds are checked at k = 1..T: the start is the scenario's, not the plan's.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    motion : FleetMotion
+        The true one, under the plan's controls.
     """
     problems = []
     for i, (vehicle, trajectory) in enumerate(

@@ -43,6 +43,13 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     Two vehicles whose balls do not meet in a window are separated there by the half-space across
     the line of centers, with at least 9 standard deviations to spare at every end:
     ``|cᵢ − cⱼ| >= Rᵢ + Rⱼ`` and ``sqrt(a + b) <= sqrt(a) + sqrt(b)``.
+
+    Parameters
+    ----------
+    motion : FleetMotion
+        Of the fleet.
+    intervals : bool
+        Whether windows are intervals, or steps.
     """
     deviations = np.sqrt(np.linalg.eigvalsh(motion.position_covariances)[..., -1].clip(min=0.0))
     radii = motion.radii[:, None]

@@ -20,7 +20,15 @@ _SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
 
 
 def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
-    """Return margins in standard deviations; ±inf without noise."""
+    """Return margins in standard deviations; ±inf without noise.
+
+    Parameters
+    ----------
+    margins : array
+        Any shape [m].
+    spread : array
+        Standard deviations [m], of the same shape.
+    """
     noisy = spread > 0.0
     with np.errstate(over="ignore"):  # a margin of meters over a deviation of 1e-160
         if noisy.all():
@@ -31,7 +39,17 @@ def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
 
 
 def reserves(is_near: tuple[bool, ...], sagitta: Matrix, shares: Tensor | float) -> Tensor:
-    """Return what each end keeps in reserve for a sag, (S, C, E), ends first in memory [m]."""
+    """Return what each end keeps in reserve for the sagitta, (S, C, E), ends first in memory [m].
+
+    Parameters
+    ----------
+    is_near : tuple of bool
+        Of each of E ends, whether it is the near one of its interval.
+    sagitta : (S, C) array
+        Of the mean curve across each half-space [m].
+    shares : (S, C) array or float
+        Share θ of the reserve that near ends keep.
+    """
     near, far = (
         4.0 * sagitta * np.square(shares),
         4.0 * sagitta * np.square(1.0 - np.asarray(shares)),

@@ -99,7 +99,19 @@ class Cutoff:
 def cutoffs(
     scenario: Scenario, loose: Flags, controls: Sequence[Matrix], sampler: Sampler
 ) -> tuple[Cutoff, ...]:
-    """Return the cut-offs of all steps 0..T-1 for the vehicles that may saturate."""
+    """Return the cut-offs of all steps 0..T-1 for the vehicles that may saturate.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    loose : (N,) bool array
+        Vehicles that may saturate.
+    controls : sequence of (T, m) array
+        Nominal controls of all vehicles.
+    sampler : Sampler
+        What draws their deviations.
+    """
     chosen = [i for i in np.flatnonzero(loose).tolist() if scenario.vehicles[i].gain is not None]
     rows, columns, gains, pushes = [], [], [np.zeros(0)], [np.zeros(0)]
     first = 0

@@ -83,6 +83,13 @@ def check_compare(request: CompareRequest) -> None:
 def run_compare(scenario: Scenario, request: CompareRequest) -> int:
     """Plan with every planner, report and write the picture.
 
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    request : CompareRequest
+        What was typed.
+
     Returns
     -------
     int

@@ -98,6 +98,13 @@ def check_request(request: Request) -> None:
 def run_plan(scenario: Scenario, request: Request) -> int:
     """Plan a scenario, write what was asked for and report.
 
+    Parameters
+    ----------
+    scenario : Scenario
+        The question.
+    request : Request
+        What was typed.
+
     Returns
     -------
     int

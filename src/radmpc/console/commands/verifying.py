@@ -185,7 +185,17 @@ def _reasons(plan: Plan) -> tuple[str, ...]:
 def verify_report(
     scenario: Scenario, verification: Verification, avoidance: Avoidance | None = None
 ) -> list[Table | Text]:
-    """Return the same as parts to show, under the scenario in which the plan was judged."""
+    """Return the same as parts to show, under the scenario in which the plan was judged.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    verification : Verification
+        What was found.
+    avoidance : {'intervals', 'steps'} or None
+        Where collisions count; None is as in the scenario.
+    """
     judged = scenario if avoidance is None else replace(scenario, avoidance=avoidance)
     rows: dict[str, Text | str] = {
         "certificate": verdict(verification.certified, verification.bound)

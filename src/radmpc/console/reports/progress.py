@@ -39,7 +39,15 @@ class ProgressLine:
         self._stage = progress_text(stage, done, total)
 
     def found(self, cost: float, bound: float | None) -> None:
-        """Take the cost of the best plan so far, and its lower bound or None."""
+        """Take the cost of the best plan so far, and its lower bound or None.
+
+        Parameters
+        ----------
+        cost : float
+            Of the incumbent.
+        bound : float or None
+            Lower bound on the cost of any plan; None where there is none yet.
+        """
         gap = "" if bound is None else f", gap {100.0 * relative_gap(cost, bound):.2g} %"
         self._best = f"best cost {cost:.6g}{gap}"
 
@@ -93,5 +101,15 @@ def progress_line(
 
 
 def progress_text(stage: str, done: int, total: int | None) -> str:
-    """Return one line about a stage."""
+    """Return one line about a stage.
+
+    Parameters
+    ----------
+    stage : str
+        What is being done.
+    done : int
+        How much of it.
+    total : int or None
+        Of how much; None is unknown.
+    """
     return f"{stage} {done}" if total is None else f"{stage} {done}/{total}"

@@ -125,7 +125,15 @@ def facts(rows: Mapping[str, Text | str]) -> Table:
 
 
 def verdict(certified: float | None, bound: float) -> Text:
-    """Return the certificate against the bound, plainly."""
+    """Return the certificate against the bound, plainly.
+
+    Parameters
+    ----------
+    certified : float or None
+        Upper bound on the joint collision probability; None without a plan.
+    bound : float
+        Risk bound Δ.
+    """
     if certified is None:
         return Text("none", style="red")
     if certified <= bound:

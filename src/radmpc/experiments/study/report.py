@@ -121,9 +121,9 @@ def _introduction(study: Study, rows: Sequence[Row]) -> str:
     """Return how far the study has come, and how capped runs count."""
     return (
         f"{len(rows)} of {len(study.tasks())} runs: fleets of {study.sizes[0]} to "
-        f"{study.sizes[-1]} vehicles, Δ = {study.risk_bound:g}, {study.samples:,} samples per plan, "
-        f"at most {study.cap:g} s per problem. A run that the cap ended counts at the cap; medians and "
-        "ratios that rest on such runs are lower bounds, marked with >."
+        f"{study.sizes[-1]} vehicles, Δ = {study.risk_bound:g}, {study.samples:,} samples per "
+        f"plan, at most {study.cap:g} s per problem. A run that the cap ended counts at the cap; "
+        "medians and ratios that rest on such runs are lower bounds, marked with >."
     )
 
 

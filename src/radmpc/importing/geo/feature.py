@@ -191,6 +191,13 @@ class Feature:
 def position(value: object, path: Path) -> list[float]:
     """Return longitude, latitude and height of a position.
 
+    Parameters
+    ----------
+    value : object
+        Of a file.
+    path : tuple of str or int
+        Where it stands.
+
     Raises
     ------
     ScenarioError
@@ -216,6 +223,13 @@ def position(value: object, path: Path) -> list[float]:
 def drawn_line(positions: Sequence[object], path: Path) -> Matrix:
     """Return a line's positions, (r, 3), without those that repeat the one before.
 
+    Parameters
+    ----------
+    positions : sequence of object
+        Of a file.
+    path : tuple of str or int
+        Where they stand.
+
     Raises
     ------
     ScenarioError
@@ -239,6 +253,13 @@ def _check_count(corners: int, path: Path) -> None:
 
 def drawn_ring(positions: Sequence[object], path: Path) -> Matrix:
     """Return a polygon's ring, (r, 3), without its repeated last position.
+
+    Parameters
+    ----------
+    positions : sequence of object
+        Of a file, the last like the first.
+    path : tuple of str or int
+        Where they stand.
 
     Raises
     ------

@@ -43,7 +43,13 @@ _EARTH = 6.37e6
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """Features in the plane that touches the earth at an origin."""
+    """Features in the plane that touches the earth at an origin.
+
+    Attributes
+    ----------
+    origin : Origin
+        Where the plane touches.
+    """
 
     origin: Origin
 
@@ -138,7 +144,15 @@ def describe_choices(
 
 
 def describe_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
-    """Return what could not be carried over."""
+    """Return what could not be carried over.
+
+    Parameters
+    ----------
+    features : sequence of Feature
+        All that are imported.
+    placed : Placed
+        The plane in which they lie.
+    """
     warnings = []
     unknown = sorted({note for feature in features for note in feature.unknown()})
     if unknown:

@@ -186,7 +186,17 @@ def _cell(cell: Sequence[int], grid: Cells, path: tuple[str | int, ...]) -> tupl
 
 
 def free_cell(cell: Sequence[int], blocked: Cells, path: tuple[str | int, ...]) -> tuple[int, int]:
-    """Return a cell that lies in a grid and is not blocked."""
+    """Return a cell that lies in a grid and is not blocked.
+
+    Parameters
+    ----------
+    cell : sequence of int
+        Column and row.
+    blocked : (columns, rows) bool array
+        The grid.
+    path : tuple of str or int
+        Where it stands in the file.
+    """
     found = _cell(cell, blocked, path)
     if blocked[found]:
         raise ScenarioError(f"must be a free cell, got the blocked {list(found)}", path)

@@ -79,6 +79,15 @@ def tracks_of(plan: Plan) -> tuple[Track, ...]:
 def check_duration(plan: Plan, longest: float, what: str) -> None:
     """Refuse a mission that ends after the last time a format can write.
 
+    Parameters
+    ----------
+    plan : Plan
+        Whose horizon counts.
+    longest : float
+        What the format can hold [s].
+    what : str
+        What holds it, for the message.
+
     Raises
     ------
     ScenarioError

@@ -38,6 +38,13 @@ _MESSAGES: Mapping[str, str] = {
 def check_format(data: object, wanted: str) -> Mapping[str, object]:
     """Return the data as a mapping whose ``format`` is the wanted one.
 
+    Parameters
+    ----------
+    data : object
+        Of a file.
+    wanted : str
+        The ``format`` it must state.
+
     Raises
     ------
     ScenarioError
@@ -54,6 +61,13 @@ def check_format(data: object, wanted: str) -> Mapping[str, object]:
 
 def validated(model: type[_Model], data: Mapping[str, object]) -> _Model:
     """Return data as a file model.
+
+    Parameters
+    ----------
+    model : type
+        Of the file model.
+    data : mapping
+        Of a file.
 
     Raises
     ------

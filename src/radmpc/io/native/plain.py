@@ -21,6 +21,13 @@ Path = tuple[str | int, ...]
 def plain_mapping(value: Mapping[str, object], path: Path) -> dict[str, object]:
     """Return a copy made of dict, list, str, int, float, bool and None.
 
+    Parameters
+    ----------
+    value : mapping
+        Of a file or of a caller.
+    path : tuple of str or int
+        Where it stands.
+
     Raises
     ------
     ScenarioError

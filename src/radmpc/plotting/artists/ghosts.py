@@ -78,7 +78,21 @@ def nearest_ghosts(plan: Plan) -> tuple[Ghost, ...]:
 
 
 def draw_ghosts(ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], plane: Plane) -> None:
-    """Draw obstacle and hull at the nearest step in the vehicle's color, and the step's number."""
+    """Draw obstacle and hull at the nearest step in the vehicle's color, and the step's number.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where.
+    plan : Plan
+        With moving obstacles or without.
+    board : LabelBoard or SpaceBoard
+        Where other texts stand.
+    colors : dict
+        Color by vehicle.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     for ghost in nearest_ghosts(plan):
         vehicle = plan.scenario.vehicles[ghost.index]
         color = colors[vehicle.name]

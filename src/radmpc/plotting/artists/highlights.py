@@ -40,7 +40,17 @@ def worst_rows(plan: Plan) -> tuple[LedgerRow, ...]:
 
 
 def draw_worst(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:
-    """Draw a red ring around the means at the worst rows' steps, a line between a pair's two."""
+    """Draw a red ring around the means at the worst rows' steps, a line between a pair's two.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where, flat or in space.
+    plan : Plan
+        Whose ledger counts.
+    plane : (int, int)
+        The two coordinates that are drawn in flat axes.
+    """
     places = {
         trajectory.name: positions(vehicle, trajectory)
         for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False)

@@ -83,7 +83,15 @@ def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return a figure [in] that belongs to no window and to no list of figures."""
+    """Return a figure [in] that belongs to no window and to no list of figures.
+
+    Parameters
+    ----------
+    width : float
+        Across [in].
+    height : float
+        Up [in].
+    """
     figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
@@ -130,7 +138,17 @@ def check_figure(figure: object) -> None:
 
 
 def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
-    """Set limits, equal aspect and the axes' labels; flat axes show two coordinates."""
+    """Set limits, equal aspect and the axes' labels; flat axes show two coordinates.
+
+    Parameters
+    ----------
+    ax : Axes
+        Flat, or in space.
+    extent : (2, d) array
+        Least and largest coordinates [m].
+    plane : (int, int)
+        The two coordinates that flat axes show.
+    """
     across, up = plane
     ax.set_xlim(*extent[:, across])
     ax.set_ylim(*extent[:, up])
@@ -165,6 +183,13 @@ def fill(ax: Axes3D, room: Bbox | None = None) -> None:
 
     None is the square that the axes have themselves: what reaches beyond it, layouts count as the
     axes' own.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        What is zoomed.
+    room : Bbox or None
+        What the drawing may fill [px].
     """
     drawn = drawn_box(ax)
     room = ax.bbox if room is None else room
@@ -193,7 +218,15 @@ def room_of(ax: Axes3D) -> Bbox:
 
 
 def zoom_to(ax: Axes3D, zoom: float) -> None:
-    """Draw the box in space by a factor larger than matplotlib does, at equal scales."""
+    """Draw the box in space by a factor larger than matplotlib does, at equal scales.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        What is zoomed.
+    zoom : float
+        Factor over matplotlib's own size [-].
+    """
     limits = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
     ax.set_box_aspect(tuple(np.ptp(limits, axis=1)), zoom=zoom)
 

@@ -53,7 +53,21 @@ class SpaceBoard:
         size: float = LABEL_SIZE,
         gid: str | None = None,
     ) -> None:
-        """Write a text next to a point in space, (3,) [m]; it stays there if the view is turned."""
+        """Write a text next to a point in space, (3,) [m]; it stays there if the view is turned.
+
+        Parameters
+        ----------
+        text : str
+            One line.
+        place : (3,) array
+            The point [m].
+        color : color
+            Of the text.
+        size : float
+            Font size [pt].
+        gid : str or None
+            Name of the artist, for tests and SVG.
+        """
         scale = self.axes.get_figure(root=True).dpi / 72.0
         half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
         center = self._seen(place[None, :])[0]

@@ -37,7 +37,15 @@ class Actor(Protocol):
     """Something that can be shown as it is at a moment."""
 
     def show(self, frame: int, time: float) -> None:
-        """Show it at a frame, ``time`` steps after the start."""
+        """Show it at a moment.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame, from 0.
+        time : float
+            Time since the start [steps].
+        """
 
 
 def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -> list[Actor]:

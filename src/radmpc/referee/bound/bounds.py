@@ -79,7 +79,15 @@ class WindowHalfspaces:
 
 
 def window_halfspaces(encounters: Encounters, *, intervals: bool) -> WindowHalfspaces:
-    """Return the best half-spaces of all windows: the T intervals, or the T+1 steps."""
+    """Return the best half-spaces of all windows: the T intervals, or the T+1 steps.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        B of one kind.
+    intervals : bool
+        Whether windows are the T intervals, or the T+1 steps.
+    """
     parts: list[tuple[Tensor, Tensor, Vector]] = []
     for block in blocks(encounters):
         sites = interval_sites(block) if intervals else instant_sites(block)

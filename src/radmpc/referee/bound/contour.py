@@ -104,7 +104,15 @@ class Outlines:
         return np.asarray(parts.sum(axis=1))
 
     def expand(self, element: Indices, u: Vector) -> _Local:
-        """Return s and t and their derivatives at u."""
+        """Return s and t and their derivatives at u.
+
+        Parameters
+        ----------
+        element : (P,) int array
+            Elements of the outline.
+        u : (P,) array
+            Parameter on each.
+        """
         cos, sin = np.cos(u)[:, None], np.sin(u)[:, None]
         even, odd, slope = self.even[element], self.odd[element], self.slope[element]
         bend = cos * even + sin * odd

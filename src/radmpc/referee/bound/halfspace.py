@@ -76,6 +76,13 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
 
     Where a vehicle starts at contact, the one direction that holds does so at its own share only.
     Directions that fail for certain are told apart by how far they do: a search would take any.
+
+    Parameters
+    ----------
+    sites : Sites
+        S of E ends each.
+    directions : (S, C, d) array
+        Unit normals of half-spaces.
     """
     seen = chords(sites, directions)
     levels = in_deviations(seen.margins - seen.sagittas[:, :, None], seen.deviations)
@@ -93,6 +100,15 @@ def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -
     """Return the margins of `end_margins` in standard deviations, (S, C, E).
 
     Without noise ±inf: touching, up to rounding, is no collision.
+
+    Parameters
+    ----------
+    sites : Sites
+        S of E ends each.
+    directions : (S, C, d) array
+        Unit normals of half-spaces.
+    shares : (S, C) array or float
+        Share θ of the reserve that the near end keeps.
     """
     seen = chords(sites, directions)
     return in_deviations(_less_reserves(sites, seen, shares), seen.deviations)

@@ -96,6 +96,15 @@ def _averaged(directions: Tensor, reach: int) -> Tensor:
 def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple[Sites, Crossed]:
     """Return one site per encounter and part, with the covariances between its ends.
 
+    Parameters
+    ----------
+    encounters : Encounters
+        B of one kind, along intervals.
+    motion : FleetMotion
+        Of the fleet.
+    parts : int
+        M, parts of each step.
+
     Returns
     -------
     sites : Sites

@@ -23,6 +23,15 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
     """Return the best direction found for each site and its risk, summed over ends.
 
     At one end the tangents are the best there is. At two ends the search goes on from them.
+
+    Parameters
+    ----------
+    sites : Sites
+        S of E ends each, in order of encounters.
+    common : (B, C, d) array
+        Directions that are tried at all sites of an encounter.
+    repeats : int
+        Sites per encounter.
     """
     gaps = sites.means.mean(axis=1)[:, None] - _centers(sites.vertices)
     tried = np.concatenate(

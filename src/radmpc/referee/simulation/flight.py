@@ -184,11 +184,29 @@ class Chunk:
         self._test_workspace(watch, (row, samples[sample]), met)
 
     def is_open(self, kinds: Indices, samples: Indices) -> Flags:
-        """Return whether samples are still to be tested for kinds of collisions, (M,) bool."""
+        """Return whether samples are still to be tested for kinds of collisions, (M,) bool.
+
+        Parameters
+        ----------
+        kinds : (M,) int array
+            Kinds of collisions.
+        samples : (M,) int array
+            Numbers of samples.
+        """
         return ~self.hits[kinds, samples]
 
     def mark(self, watch: Watch, rows: Indices, samples: Indices) -> None:
-        """Note that rows of a window went wrong in samples."""
+        """Note that rows of a window went wrong in samples.
+
+        Parameters
+        ----------
+        watch : Watch
+            Of the window.
+        rows : (M,) int array
+            Its rows that went wrong.
+        samples : (M,) int array
+            The samples in which they did.
+        """
         self.hits[watch.kinds[rows], samples] = True
 
     def _places(

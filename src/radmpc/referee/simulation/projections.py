@@ -113,7 +113,19 @@ class FleetProjections:
 def projections_of(
     scenario: Scenario, motion: FleetMotion, sampler: Sampler, cutoff: Cutoff
 ) -> FleetProjections:
-    """Return the projections of a fleet whose deviations a sampler draws."""
+    """Return the projections of a fleet whose deviations a sampler draws.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    motion : FleetMotion
+        Of the fleet.
+    sampler : Sampler
+        What draws the deviations.
+    cutoff : Cutoff
+        Of any step: the vehicles that may saturate.
+    """
     axes = np.array([v.system.position for v in scenario.vehicles])
     position_rows = sampler.starts[:, None] + axes
     count, d = axes.shape

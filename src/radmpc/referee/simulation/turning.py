@@ -50,7 +50,15 @@ class TurningSolid:
     edges: Indices
 
     def during(self, begin: float, end: float) -> TurningSolid:
-        """Return the solid during a share of its time."""
+        """Return the solid during a share of its time.
+
+        Parameters
+        ----------
+        begin : float
+            Share of its time, from 0.
+        end : float
+            Share of its time, to 1.
+        """
         shares = np.array([begin, end])
         offsets = self.offsets[0] + shares[:, None] * (self.offsets[1] - self.offsets[0])
         moves = self.corners[1] - self.corners[0]
