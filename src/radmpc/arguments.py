@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import reprlib
 import sys
 from collections.abc import Collection
 from numbers import Integral, Real
@@ -13,6 +12,7 @@ from typing import TypeGuard
 import numpy as np
 
 from radmpc.errors import ArgumentError, ArgumentTypeError, FileFormatError, ScenarioError
+from radmpc.wording import one, told
 
 __all__ = [
     "check_callable",
@@ -31,31 +31,6 @@ __all__ = [
     "one",
     "told",
 ]
-
-_LONGEST = 60
-"""Letters of a value that a message shows; longer ones are shortened."""
-
-_REPR = reprlib.Repr()
-_REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
-_REPR.maxlevel = 3
-
-
-def told(value: object) -> str:
-    """Return a value for a message, in one short line: itself if it is plain, else its kind."""
-    if value is None or isinstance(value, str | bytes | bool | Real):
-        plain = value.item() if isinstance(value, np.generic) else value
-        return _REPR.repr(plain)
-    if isinstance(value, list | tuple):
-        text = " ".join(_REPR.repr(value).split())
-        return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
-    if isinstance(value, type):
-        return f"the class {value.__name__}"
-    return one(type(value))
-
-
-def one(kind: type) -> str:
-    """Return ``a Vehicle`` for `Vehicle`, ``an Obstacle`` for `Obstacle`."""
-    return f"{'an' if kind.__name__[0] in 'aeiouAEIOU' else 'a'} {kind.__name__}"
 
 
 def is_number(value: object) -> TypeGuard[float]:

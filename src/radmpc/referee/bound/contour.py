@@ -46,25 +46,17 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_NUM_NODES)
 _ELLIPSES = (3.0, 6.0)
 """Sums of the half axes of the ellipses to bound the error on [-]: short pieces like large ones."""
 
-_REL_TOL = 1e-6
-"""Sum of all error bounds at which a site is done, relative to its probability [-]."""
+_REL_TOL, _TINY = 1e-6, 1e-300
+"""Sum of all error bounds at which a site is done [-]: relative to its probability, absolute."""
 
-_ROUNDS = 40
-"""Rounds of halving: an outline 1e7 standard deviations long needs 24."""
-
-_MOST_PIECES = 2000
-"""Pieces of one site's outline from which it is left as it is, with its error bound."""
-
-_TINY = 1e-300
-"""Probabilities below are no concern [-]."""
+_ROUNDS, _MOST_PIECES = 40, 2000
+"""Halvings (1e7 deviations of outline need 24) and pieces beyond which a site is left as it is."""
 
 _PROMISE = 0.1
-"""Error bound, relative to the tolerance and to the size of the integral [-], below which a piece
-is integrated before the probability is known."""
+"""Error bound, over the tolerance and the integral's size [-], to integrate a piece at once."""
 
 _ROUNDING = 5e-13
-"""Relative error that rounding can cause in a sum of tails [-]: 2e3 units in the last place, most
-of them from tails 30 standard deviations out."""
+"""Relative error of a sum of tails [-]: 2e3 last places, most of them from 30 deviations out."""
 
 _JUMP = 16.0 * float(np.finfo(float).eps)
 """Share of their coordinates [-] by which rounding can tear the ends of pieces apart. The outline
