@@ -1,4 +1,4 @@
-"""The whole question: vehicles, what is in their way, and one risk bound."""
+"""A planning problem: vehicles, obstacles, a workspace and one risk bound."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Avoidance = Literal["steps", "intervals"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario:
-    """A fleet, its surroundings and the chance of any collision it is granted.
+    """A fleet, its surroundings and the bound on its joint risk of collision.
 
     Attributes
     ----------

@@ -84,7 +84,7 @@ def progress_line(
     is_wanted : bool
         Whether it is to be shown at all.
     is_planning, seconds : bool and float or None
-        As of `ProgressLine`.
+        As in `ProgressLine`.
 
     Yields
     ------

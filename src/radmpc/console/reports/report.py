@@ -96,7 +96,7 @@ def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text 
     if plan.risk.saturation is not None and has_feedback:
         rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
     if plan.risk.price is not None:
-        rows["price of risk"] = _price(plan.risk.price, plan)
+        rows["shadow price"] = _price(plan.risk.price, plan)
     limits = limits_text(plan)
     if limits:
         rows["limited by"] = limits
