@@ -65,14 +65,14 @@ def as_array(
         If the value has no such shape or is not finite everywhere.
     """
     array = _numbers(value, path)
-    wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
+    expected = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
     fits = array.ndim == len(shape) and all(
         n is None or n == m for n, m in zip(shape, array.shape, strict=True)
     )
     if not fits and len(shape) == array.ndim == 1:
         raise ScenarioError(f"must have {shape[0]} numbers, got {array.size}", path)
     if not fits:
-        raise ScenarioError(f"must have shape {wanted}, got {array.shape}", path)
+        raise ScenarioError(f"must have shape {expected}, got {array.shape}", path)
     if not np.all(np.isfinite(array)):
         raise ScenarioError("must be finite numbers, got nan or inf", path)
     return frozen(array)

@@ -85,7 +85,7 @@ class FileFormatError(RadmpcError, ValueError):
 
 
 class SolverError(RadmpcError):
-    """A failure inside the optimizer, not an infeasible or unbounded program."""
+    """An optimizer that is missing, refuses the program or fails."""
 
 
 class NoPlanError(RadmpcError):

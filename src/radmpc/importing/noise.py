@@ -52,7 +52,7 @@ class Noise:
 
 
 def choose_noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: ImportOptions) -> Noise:
-    """Return the noise whose spread at the end is wanted, with feedback on long horizons.
+    """Return the noise of the usual spread at the end, with feedback on long horizons.
 
     Parameters
     ----------

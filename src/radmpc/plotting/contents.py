@@ -1,4 +1,4 @@
-"""All of a plan within axes that are settled, flat or in space."""
+"""All of a plan within axes whose limits and size are final, flat or in space."""
 
 from __future__ import annotations
 

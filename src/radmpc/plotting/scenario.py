@@ -62,7 +62,7 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
 
 
 def _draw(ax: Axes, scenario: Scenario, plane: Plane) -> None:
-    """Draw all of a scenario within axes that are settled."""
+    """Draw all of a scenario within axes whose limits and size are final."""
     colors = vehicle_colors([v.name for v in scenario.vehicles], [])
     board = board_of(ax)
     draw_surroundings(ax, scenario, board, colors, plane=plane)

@@ -120,16 +120,16 @@ def interval_sites(encounters: Encounters) -> Sites:
     """Return one site per encounter and interval: near end, bent near end if any, far end."""
     count, num_intervals, d = encounters.sagittas.shape
     means, covariances = encounters.means, encounters.covariances
-    places = [means[:, :-1], means[:, 1:]]
+    positions = [means[:, :-1], means[:, 1:]]
     spreads = [covariances[:, :-1], covariances[:, 1:]]
     is_near = [True, False]
     if encounters.bent_covariances is not None:
-        places.insert(1, means[:, :-1])
+        positions.insert(1, means[:, :-1])
         spreads.insert(1, encounters.bent_covariances)
         is_near.insert(1, True)
-    ends = len(places)
+    ends = len(positions)
     return Sites(
-        np.stack(places, axis=2).reshape(-1, ends, d),
+        np.stack(positions, axis=2).reshape(-1, ends, d),
         np.stack(spreads, axis=2).reshape(-1, ends, d, d),
         tuple(is_near),
         encounters.sagittas.reshape(-1, d),

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 from scipy.special import ndtr
 
-from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
@@ -34,7 +34,7 @@ class Balls:
     """
 
     centers: Tensor
-    reaches: Vector
+    reaches: Matrix
 
 
 def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:

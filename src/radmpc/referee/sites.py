@@ -87,7 +87,7 @@ def chords(sites: Sites, directions: Tensor) -> Chords:
     Parameters
     ----------
     sites : Sites
-        S places with E ends.
+        S sites with E ends.
     directions : (S, C, d) array
         Unit normals [-].
     """

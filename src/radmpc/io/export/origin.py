@@ -74,7 +74,7 @@ class Placement:
 
     def _at_altitude(self, points: Matrix) -> Matrix:
         """Return the places with given east and north at one height above the ellipsoid."""
-        # The plane of the map touches the earth only at the origin. Going down to the wanted
+        # The plane of the map touches the earth only at the origin. Going down to the target
         # height, each round leaves an error smaller by distance over radius of the earth.
         target = self.origin.height + self.altitude
         up = np.full(len(points), self.altitude)

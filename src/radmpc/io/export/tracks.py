@@ -67,10 +67,10 @@ def tracks_of(plan: Plan) -> tuple[Track, ...]:
         raise NoPlanError(f"nothing to export, {why}")
     vehicles = plan.scenario.vehicles
     names = [trajectory.name for trajectory in plan.trajectories]
-    wanted = [vehicle.name for vehicle in vehicles]
-    if names != wanted:
+    expected = [vehicle.name for vehicle in vehicles]
+    if names != expected:
         raise ScenarioError(
-            f"must be those of the scenario, in its order: {wanted}, got {names}", ("vehicles",)
+            f"must be those of the scenario, in its order: {expected}, got {names}", ("vehicles",)
         )
     pairs = zip(vehicles, plan.trajectories, strict=True)
     return tuple(_track(plan, i, vehicle, part) for i, (vehicle, part) in enumerate(pairs))

@@ -68,7 +68,7 @@ def draw_obstacle_3d(
     is_named: bool = True,
     strength: float = 1.0,
 ) -> None:
-    """Draw an obstacle and, if wanted, its name; a moving one fades in from first to last step.
+    """Draw an obstacle and, on request, its name; a moving one fades in from first to last step.
 
     A strength below 1 makes a moving one paler.
 

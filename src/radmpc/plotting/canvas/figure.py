@@ -119,8 +119,8 @@ def check_axes(ax: object, dimension: int | None = None) -> None:
     if not isinstance(ax, Axes):
         raise ArgumentTypeError(f"ax must be one of matplotlib's Axes or None, got {told(ax)}")
     if dimension is not None and isinstance(ax, Axes3D) != (dimension == 3):
-        wanted = "made with projection='3d'" if dimension == 3 else "flat"
-        raise ArgumentError(f"ax must be {wanted} for a scenario in {dimension}-D")
+        expected = "made with projection='3d'" if dimension == 3 else "flat"
+        raise ArgumentError(f"ax must be {expected} for a scenario in {dimension}-D")
 
 
 def check_figure(figure: object) -> None:

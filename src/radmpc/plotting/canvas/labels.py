@@ -30,7 +30,7 @@ class LabelBoard:
     Attributes
     ----------
     axes : Axes
-        Where to write; its limits and size must be settled.
+        Where to write; its limits and size must be final.
     points : list of (p, 2) array
         What a text should not cover [m].
     boxes : list of (4,) array

@@ -29,7 +29,7 @@ class SpaceBoard:
     Attributes
     ----------
     axes : Axes3D
-        Where to write; its limits, size and view must be settled.
+        Where to write; its limits, size and view must be final.
     points : list of (p, 2) array
         What a text should not cover [px].
     boxes : list of (4,) array
@@ -102,5 +102,5 @@ def show_all(axes: Axes) -> None:
 
 
 def board_of(axes: Axes) -> Board:
-    """Return a board for axes that are settled, flat or in space."""
+    """Return a board for axes whose limits and size are final, flat or in space."""
     return SpaceBoard(axes) if isinstance(axes, Axes3D) else LabelBoard(axes)

@@ -56,7 +56,7 @@ def end_risks(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) ->
     Parameters
     ----------
     sites : Sites
-        S places with E ends.
+        S sites with E ends.
     directions : (S, C, d) array
         Unit normals that point away from the set [-].
     shares : (S, C) array or float
@@ -124,7 +124,7 @@ def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) 
     Parameters
     ----------
     sites : Sites
-        S places with E ends.
+        S sites with E ends.
     directions : (S, C, d) array
         Unit normals that point away from the set [-].
     shares : (S, C) array or float
@@ -173,7 +173,7 @@ def refine(
     Parameters
     ----------
     sites : Sites
-        S places.
+        S sites.
     directions : (S, d) array
         Where to start.
     score : callable

@@ -58,7 +58,7 @@ def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
     Parameters
     ----------
     sites : Sites
-        S places.
+        S sites.
     common : (S, C, d) array
         Faces and axes.
     known : (S, d) array

@@ -172,7 +172,7 @@ class Chunk:
         if not row.size:
             return
         begin, end = (
-            self._places(watch, row, sample, k, state)
+            self._relative_positions(watch, row, sample, k, state)
             for k, state in zip(steps, states, strict=True)
         )
         sagittas = watch.sagittas[row]
@@ -209,15 +209,15 @@ class Chunk:
         """
         self.hits[watch.kinds[rows], samples] = True
 
-    def _places(
+    def _relative_positions(
         self, watch: Watch, row: Indices, sample: Indices, step: int, state: Matrix
     ) -> Matrix:
         """Return the (relative) positions of some rows in some samples, (M, d)."""
         first, other = watch.first[row], watch.other[row]
-        places = self._positions(first, sample, step, state)
+        positions = self._positions(first, sample, step, state)
         pair = np.flatnonzero(watch.kinds[row] == PAIR)
-        places[pair] -= self._positions(other[pair], sample[pair], step, state)
-        return places
+        positions[pair] -= self._positions(other[pair], sample[pair], step, state)
+        return positions
 
     def _positions(self, who: Indices, sample: Indices, step: int, state: Matrix) -> Matrix:
         """Return the positions of some vehicles in some samples, (M, d)."""
