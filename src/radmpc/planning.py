@@ -48,7 +48,7 @@ def plan(
     Parameters
     ----------
     scenario : Scenario
-        The question.
+        The scenario to plan.
     planner : str or Planner
         A preset's name, with an argument where it takes one, or a record of choices.
     rng : Generator or int or None
@@ -153,7 +153,7 @@ def _silent_best(cost: float, bound: float | None) -> None:
 
 
 def _verdict(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
-    """Return what the referee says of controls, as planners ask on the way."""
+    """Return the referee's verdict on controls, for planners to ask for while they search."""
     trajectories = _trajectories(scenario, controls)
     everyone = (tuple(range(scenario.num_vehicles)),)
     draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})

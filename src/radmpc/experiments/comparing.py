@@ -62,7 +62,7 @@ def compare(
     Parameters
     ----------
     scenario : Scenario
-        The question.
+        The scenario to plan.
     planners : sequence of str
         Names, with arguments where they take one.
     rng : int

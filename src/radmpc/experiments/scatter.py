@@ -62,7 +62,7 @@ class Room:
         rng : Generator
             Source of the draws.
         count : int
-            How many.
+            Number of points.
         accept : callable
             Further condition on the i-th point.
 

@@ -29,7 +29,7 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
     plan : Plan
         Any; without trajectories the table has no rows.
     table : {'trajectories', 'ledger'}
-        Which.
+        Which table.
 
     Returns
     -------

@@ -88,7 +88,7 @@ class LinearSystem(Frozen):
 
     @property
     def sagitta(self) -> Matrix:
-        """How far the path hangs off its chord at mid-step, per control, (d, m).
+        """Deviation of the path from its chord at mid-step, per control, (d, m).
 
         Under a control u held over the step, a double integrator is at a share s of it at
         ``chord(s) − 4 s (1 − s) sagitta @ u`` (``a dt²/8`` at s = ½); 0 for all other systems.

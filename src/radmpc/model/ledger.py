@@ -22,7 +22,7 @@ class Hazard:
     cause : {'obstacle', 'pair', 'workspace'}
         What may be hit or left.
     vehicle : str
-        Who.
+        The vehicle.
     other : str or None
         The obstacle or the other vehicle; None for the workspace and for all that is far away.
     risks : dict

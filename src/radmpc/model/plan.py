@@ -112,7 +112,7 @@ class LedgerRow:
     cause : {'obstacle', 'pair', 'workspace'}
         What may be hit or left.
     vehicle : str
-        Who.
+        The vehicle.
     other : str or None
         The obstacle or the other vehicle; None for the workspace.
     step : int
@@ -142,11 +142,11 @@ class Risk:
         Where it goes; sums to ``certified``.
     price : float or None
         Shadow price of risk: what a little more Δ would save, cost per unit of probability; None
-        where nobody knows.
+        if unknown.
     saturation : float or None
         Upper bound on the probability that feedback ever asks for more control than there is,
-        beside ``certified``: that one speaks of missions in which it does not. None where nobody
-        knows.
+        beside ``certified``: that one speaks of missions in which it does not. None if
+        unknown.
     """
 
     bound: float
@@ -163,7 +163,7 @@ class Coupling:
     Attributes
     ----------
     vehicle, other : str
-        The two.
+        The two vehicles.
     reason : {'collision', 'risk', 'blocked', 'distance', 'share'}
         Their plans made apart collide; their risk in the approximation exceeds Ψ (paper, section
         Identifying Couplings); one had no path past the other there; their paths alone come close;
@@ -187,7 +187,7 @@ class Plan:
     Attributes
     ----------
     scenario : Scenario
-        The question.
+        The scenario planned.
     planner : str
         The planner's record in one line.
     seed : int or None

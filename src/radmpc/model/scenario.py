@@ -101,7 +101,7 @@ class Scenario:
         check_step(self.vehicles, self.dt)
 
     def __repr__(self) -> str:
-        """Return the question in one line."""
+        """Return the scenario in one line."""
         return (
             f"Scenario({self.name!r}, {len(self.vehicles)} vehicles, {len(self.obstacles)} "
             f"obstacles, {self.horizon} steps of {self.dt:g} s, risk bound {self.risk_bound:g})"

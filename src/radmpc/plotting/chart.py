@@ -40,7 +40,7 @@ class Spread:
     label : str
         In the legend.
     x : sequence of float
-        Where.
+        Fleet sizes, or other numbers along the axis.
     low, middle, high : sequence of float
         The bar's ends and the marker.
     is_bound : sequence of bool

@@ -46,7 +46,7 @@ def interpolated_path(
     Parameters
     ----------
     vehicle : Vehicle
-        Whose.
+        The vehicle.
     trajectory : Trajectory
         Its part of a plan.
     per_step : int

@@ -89,7 +89,7 @@ def draw_surroundings(
     ax : Axes
         Where, flat or in space.
     scenario : Scenario
-        What.
+        The scenario to draw.
     board : LabelBoard or SpaceBoard
         Where texts stand.
     colors : dict

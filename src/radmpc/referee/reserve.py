@@ -13,7 +13,7 @@ __all__ = ["CONTACT_TOL", "held", "in_deviations", "reserves"]
 
 CONTACT_TOL = 1e-9
 """Overlap that counts as touching [m], which is no collision: without noise the verdict must not
-hang on the last bit of a sum."""
+depend on the last bit of a sum."""
 
 _SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
 """Shares of the reserve that are tried for the near end besides the balanced one; any is valid."""
@@ -69,7 +69,7 @@ def held(
     margins, spread : (N, E) array
         Margins without any reserve, and standard deviations along the normals [m].
     sagitta : (N,) array
-        How far the mean curves hang toward the sets in mid-interval, > 0 [m].
+        Deviation of the mean curves from their chords toward the sets in mid-interval, > 0 [m].
 
     Returns
     -------

@@ -25,7 +25,7 @@ class Sites:
     is_near : tuple of bool
         Which of the E ends stand at the beginning of the interval; one alone is a step.
     sagittas : (S, d) array
-        How far the mean curve hangs off its chord in the middle of the interval, 0 at steps [m].
+        Deviation of the mean curve from its chord in the middle of the interval, 0 at steps [m].
     radii : (S,) array
         Radius that grows the set [m].
     vertices : (S, 1 or 2, V, d) array
@@ -70,7 +70,7 @@ class Chords:
     deviations : (S, C, E) array
         Standard deviations [m].
     sagittas : (S, C) array
-        How far the mean curves hang toward the sets in mid-interval [m].
+        Deviation of the mean curves from their chords toward the sets in mid-interval [m].
     """
 
     margins: Tensor

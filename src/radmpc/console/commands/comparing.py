@@ -86,7 +86,7 @@ def run_compare(scenario: Scenario, request: CompareRequest) -> int:
     Parameters
     ----------
     scenario : Scenario
-        The question.
+        The scenario to plan.
     request : CompareRequest
         What was typed.
 

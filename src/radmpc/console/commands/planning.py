@@ -101,7 +101,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     Parameters
     ----------
     scenario : Scenario
-        The question.
+        The scenario to plan.
     request : Request
         What was typed.
 

@@ -1,4 +1,4 @@
-"""What planning says of its stages, on stderr, while it runs."""
+"""Stages of planning, reported on stderr while it runs."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def write_report(
     rows : sequence of Row
         What was done; rows of other studies are left out.
     folder : Path
-        Where to.
+        Folder to write to.
     progress : callable or None
         Told each file before it is made.
 

@@ -214,7 +214,7 @@ def _missed(plan: Plan, planner: Planner) -> tuple[Missed, ...]:
 
 
 def _machine() -> dict[str, str]:
-    """Return what the machine says of itself, without naming it."""
+    """Return the machine's properties, without its name."""
     return {
         "system": platform.system(),
         "architecture": platform.machine(),

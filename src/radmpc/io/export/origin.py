@@ -46,7 +46,7 @@ class Placement:
         Returns
         -------
         (k, 3) array
-            Rounded to a tenth of a millimeter, so that files do not hang on the last bits.
+            Rounded to a tenth of a millimeter, so that files do not depend on the last bits.
 
         Raises
         ------

@@ -54,7 +54,7 @@ def write_mcap(job: Job) -> bytes:
     Returns
     -------
     bytes
-        Not compressed, so that they do not hang on a library's version. Time 0 is the start of
+        Not compressed, so that they do not depend on a library's version. Time 0 is the start of
         the mission.
 
     Raises

@@ -35,9 +35,9 @@ def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard, plane: Pla
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     workspace : Workspace
-        What.
+        The box to draw.
     board : LabelBoard
         Where texts stand.
     plane : (int, int)
@@ -68,7 +68,7 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color, plane: Plane = ABOVE) ->
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     vehicle : Vehicle
         Whose start and goal.
     color : (float, float, float)
@@ -128,9 +128,9 @@ def draw_trajectory(
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     vehicle : Vehicle
-        Whose.
+        The vehicle.
     trajectory : Trajectory
         Its part of the plan.
     dt : float

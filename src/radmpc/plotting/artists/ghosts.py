@@ -39,7 +39,7 @@ class Ghost:
     index : int
         Of the vehicle.
     step : int
-        When.
+        Step at which they are nearest.
     distance : float
         Between the hulls at that step [m].
     """
@@ -83,7 +83,7 @@ def draw_ghosts(ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], pl
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     plan : Plan
         With moving obstacles or without.
     board : LabelBoard or SpaceBoard

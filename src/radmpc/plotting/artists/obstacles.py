@@ -44,9 +44,9 @@ def draw_obstacle(
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     obstacle : Obstacle
-        What.
+        The obstacle to draw.
     board : LabelBoard
         Where other texts stand.
     is_named : bool

@@ -42,9 +42,9 @@ def draw_workspace_3d(ax: Axes3D, workspace: Workspace) -> None:
     Parameters
     ----------
     ax : Axes3D
-        Where.
+        Axes to draw on.
     workspace : Workspace
-        What.
+        The box to draw.
     """
     corners = np.array(
         np.meshgrid(*zip(workspace.lower, workspace.upper, strict=True), indexing="ij")
@@ -75,9 +75,9 @@ def draw_obstacle_3d(
     Parameters
     ----------
     ax : Axes3D
-        Where.
+        Axes to draw on.
     obstacle : Obstacle
-        What.
+        The obstacle to draw.
     board : SpaceBoard
         Where other texts stand.
     is_named : bool
@@ -129,7 +129,7 @@ def draw_ends_3d(ax: Axes3D, vehicle: Vehicle, color: Color) -> None:
     Parameters
     ----------
     ax : Axes3D
-        Where.
+        Axes to draw on.
     vehicle : Vehicle
         Whose start and goal.
     color : (float, float, float)
@@ -173,9 +173,9 @@ def draw_trajectory_3d(
     Parameters
     ----------
     ax : Axes3D
-        Where.
+        Axes to draw on.
     vehicle : Vehicle
-        Whose.
+        The vehicle.
     trajectory : Trajectory
         Its part of the plan.
     dt : float

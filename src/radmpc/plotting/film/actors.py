@@ -54,9 +54,9 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     plan : Plan
-        What.
+        The plan to draw.
     colors : dict
         Color by vehicle.
     per_step : int

@@ -63,7 +63,7 @@ def say_nothing(ax: Axes, plan: Plan) -> Axes:
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     plan : Plan
         Without risk, certificate or trajectories.
     """
@@ -111,7 +111,7 @@ def write_beside(ax: Axes, row: float, text: str, gid: str) -> None:
     ax : Axes
         With a row per unit of y.
     row : float
-        Which.
+        Number of the row.
     text : str
         A few letters.
     gid : str

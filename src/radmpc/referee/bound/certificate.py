@@ -103,7 +103,7 @@ def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
 
     each with the best half-space found over all directions. Step 0 counts. Under ``intervals`` a
     half-space is held over each part of an interval: at its near end, at what feedback held over
-    the step makes of it, and at its far end, with what the mean curve hangs off its chord in
+    the step makes of it, and at its far end, with what the mean curve deviates from its chord in
     reserve; and each of these is charged only with what the one before it does not fail
     (Hunter 1976, Worsley 1982).
 

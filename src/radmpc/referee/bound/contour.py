@@ -1,6 +1,6 @@
 r"""Gaussian probabilities as integrals along outlines, with a proven error.
 
-In coordinates (s, t) that make a planar Gaussian standard, Green's theorem says of a set inside a
+In coordinates (s, t) that make a planar Gaussian standard, Green's theorem gives for a set inside a
 closed outline, counter-clockwise,
 
 .. math:: \Pr = \oint \varphi(s)\,Q(t)\,ds.

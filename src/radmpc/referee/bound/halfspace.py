@@ -117,7 +117,7 @@ def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -
 def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
     """Return how far the means are from failing each half-space at each end.
 
-    The mean curve hangs off its chord by ``4 s (1 − s) b``, with b at most ``max(0, n·sagitta)``.
+    The mean curve deviates from its chord by ``4 s (1 − s) b``, b at most ``max(0, n·sagitta)``.
     Margins m₀ and m₁ of the chord's ends are enough in between if, for some share θ in [0, 1],
     ``m₀`` is at least ``4 b θ²`` and ``m₁`` at least ``4 b (1 − θ)²``.
 

@@ -35,7 +35,7 @@ class Moments:
     means : (V, T M + 1, d) array
         Mean positions on the curve [m].
     sagittas : (V, T M, d) array
-        How far the mean curve hangs off the chord of each part in its middle [m].
+        Deviation of the mean curve from the chord of each part in its middle [m].
     own : (V, T M + 1, d, d) array
         Covariance of the position [m²].
     bent : (V, T M, d, d) array

@@ -84,7 +84,7 @@ def _centers(vertices: Tensor) -> Tensor:
     """Return the mean of the distinct corners at each step around a site, (S, 1 or 2, d).
 
     Corners are padded by repeating the first. Which one that is, and how often it is repeated,
-    hangs on how outlines are written and on what else there is: neither may move the center.
+    depends on how outlines are written and on what else there is: neither may move the center.
     """
     is_new = np.ones(vertices.shape[:3], dtype=bool)
     is_new[:, :, 1:] = (vertices[:, :, 1:] != vertices[:, :, :1]).any(axis=3)
