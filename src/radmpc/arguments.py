@@ -1,4 +1,4 @@
-"""Arguments of public functions checked at the door: one line that says what is allowed."""
+"""Checks of arguments of public functions: errors of one line that say what is allowed."""
 
 from __future__ import annotations
 

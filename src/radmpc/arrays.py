@@ -1,4 +1,4 @@
-"""The one door through which arrays enter values: checked, copied, frozen."""
+"""Conversion of arrays on entry: checked, copied, made read-only."""
 
 from __future__ import annotations
 

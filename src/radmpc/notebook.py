@@ -1,4 +1,4 @@
-"""What notebooks show of a value: its facts in a table."""
+"""Tables that notebooks show for a value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The front door: a scenario in, a judged plan out."""
+"""The entry point: from a scenario to a certified plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words to stdout and stderr; a reader who has gone is no error."""
+"""Output to stdout and stderr; a closed pipe is no error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several planners on one scenario, judged alike."""
+"""Several planners on one scenario, judged by the same referee."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What published problems lack: steps, noise, feedback, a risk bound. Chosen here, and told."""
+"""What published problems lack: steps, noise, feedback, a risk bound. Chosen here, and reported."""
 
 from __future__ import annotations
 

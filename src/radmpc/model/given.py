@@ -1,4 +1,4 @@
-"""Scenarios and plans given to public functions, and what to do with what is neither."""
+"""Checks of scenarios and plans that are passed to public functions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A risk ledger added up: by vehicle, and by what may be hit."""
+"""A risk ledger summed by vehicle, and by hazard."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ranges of the numbers of scenarios and vehicles, all checked in one go."""
+"""Ranges of the numbers of scenarios and vehicles, all checked together."""
 
 from __future__ import annotations
 

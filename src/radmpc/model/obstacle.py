@@ -1,4 +1,4 @@
-"""What stands or moves in the way, as convex pieces: bodies, plates, walls, wires and posts."""
+"""Fixed and moving obstacles as convex pieces: bodies, plates, walls, wires and posts."""
 
 from __future__ import annotations
 

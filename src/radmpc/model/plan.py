@@ -1,4 +1,4 @@
-"""The whole answer: what a plan file holds. No optimizer objects, no file format."""
+"""A plan: what a plan file holds. No optimizer objects, no file format."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A vehicle: what it is and where it must go. Not its plan."""
+"""A vehicle: its dynamics, limits, noise, start and goal. Not its plan."""
 
 from __future__ import annotations
 

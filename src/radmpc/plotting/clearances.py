@@ -1,4 +1,4 @@
-"""How far hulls stay from what they must not touch, over time. No matplotlib."""
+"""Clearances between hulls and obstacles over time. No matplotlib."""
 
 from __future__ import annotations
 

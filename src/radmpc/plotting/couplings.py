@@ -1,4 +1,4 @@
-"""The picture of who was planned together and why."""
+"""The coupling graph: which vehicles were planned together, and why."""
 
 from __future__ import annotations
 

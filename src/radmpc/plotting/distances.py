@@ -1,4 +1,4 @@
-"""The picture of distances over time against what is allowed."""
+"""The picture of clearances over time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where everything is at a moment between steps. No matplotlib."""
+"""Positions of vehicles and obstacles between steps. No matplotlib."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The picture of a question: what stands where and who goes where."""
+"""The picture of a scenario: obstacles, starts and goals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every vehicle with everything it could hit, in batches."""
+"""Encounters of vehicles with each other, obstacles and the workspace, in batches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is worth a closer look: everyone else is charged a bound that distance alone gives."""
+"""Encounters near enough to be bounded one by one; all others are charged by distance alone."""
 
 from __future__ import annotations
 

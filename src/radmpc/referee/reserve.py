@@ -1,4 +1,4 @@
-"""How much of the reserve for the sagitta each end of an interval keeps."""
+"""The reserve for the sagitta, and how the two ends of an interval share it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Controls that may ask for more than there is: how likely that is, and what is cut off then."""
+"""Control saturation: a bound on its probability, and the part of a control that is cut off."""
 
 from __future__ import annotations
 

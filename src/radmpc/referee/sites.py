@@ -1,4 +1,4 @@
-"""Where half-spaces must hold, and what is seen of it along their normals."""
+"""Sites where half-spaces must hold, and their projections on the normals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A plan judged anew, as one record and as a report."""
+"""A plan certified and simulated anew, as one record and as a report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One line that says what planning is at, on a terminal only."""
+"""A progress line, on a terminal only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A plan in a screenful: status, cost, certificate, sets, seconds and where the risk goes."""
+"""A plan on one screen: status, cost, certificate, sets, seconds and where the risk goes."""
 
 from __future__ import annotations
 

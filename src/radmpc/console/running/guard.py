@@ -1,4 +1,4 @@
-"""From whatever goes wrong to one line and an exit code."""
+"""Every error as one line and an exit code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows added up: one summary per method and fleet size."""
+"""Rows aggregated: one summary per method and fleet size."""
 
 from __future__ import annotations
 

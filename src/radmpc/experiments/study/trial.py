@@ -1,4 +1,4 @@
-"""One method on one problem: planned, certified, flown; and the row that says how it went."""
+"""One method on one problem: planned, certified, simulated; and the row of its results."""
 
 from __future__ import annotations
 

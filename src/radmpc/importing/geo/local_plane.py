@@ -1,4 +1,4 @@
-"""Drawn features in a local plane, and what is told about how they got there."""
+"""Drawn features in a local plane, and notes on what the projection chose and lost."""
 
 from __future__ import annotations
 

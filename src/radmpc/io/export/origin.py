@@ -1,4 +1,4 @@
-"""Where on earth a plan lies: told by its scenario's source or by the caller."""
+"""Where on earth a plan lies: given by its scenario's source or by the caller."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names beside what they name, where they cover the least."""
+"""Labels placed where they cover the least."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who bears how much of Δ, and what was left unused, as bars."""
+"""Each vehicle's share of Δ, and what was left unused, as bars."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The picture of when the risk is run."""
+"""The picture of risk over time."""
 
 from __future__ import annotations
 

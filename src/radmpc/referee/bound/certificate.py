@@ -1,4 +1,4 @@
-"""The verdict on a plan: does it hold, and how likely is any collision at most."""
+"""The certificate of a plan: whether it holds, and an upper bound on any collision."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Intervals in equal parts: shorter chords, smaller sagittas, and half-spaces that turn."""
+"""Intervals split into equal parts: shorter chords, smaller sagittas, half-spaces that turn."""
 
 from __future__ import annotations
 

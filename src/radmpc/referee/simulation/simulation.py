@@ -1,4 +1,4 @@
-"""Monte Carlo: how often a plan collides when it is flown."""
+"""Monte Carlo simulation: in what share of samples a plan collides."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""A convex solid that turns or changes its shape: which straight ways come near it, exactly.
+r"""A convex solid that turns or changes its shape: which straight paths come near it, exactly.
 
 At time s from 0 to 1 the solid is the Minkowski interpolation :math:`M(s) = (1-s) P + s P'`. Its
 support is linear in s, and so is :math:`n^\top x(s) - h_{M(s)}(n)` for a point x(s) at constant
