@@ -59,7 +59,7 @@ def note(text: str) -> None:
 
 @contextmanager
 def silence_closed_pipe() -> Iterator[None]:
-    """Keep the interpreter from complaining at exit about a stdout nobody reads."""
+    """Keep the interpreter from complaining at exit about a closed stdout."""
     yield
     try:
         sys.stdout.flush()

@@ -53,7 +53,7 @@ class _Near:
 def gather_pairs(
     scenario: Scenario, motion: FleetMotion, *, intervals: bool, always: Flags | None = None
 ) -> Gathered:
-    """Return all pairs as relative motions against the origin; far ones of nobody in ``always``.
+    """Return all pairs as relative motions against the origin; far ones are left out.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ def reserves(is_near: tuple[bool, ...], sagitta: Matrix, shares: Tensor | float)
 def held(
     is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sagitta: Vector
 ) -> tuple[Matrix, Vector]:
-    """Return the clearances of half-spaces whose ends share the reserve as costs least.
+    """Return the clearances of half-spaces whose ends share the reserve at the least risk.
 
     Parameters
     ----------

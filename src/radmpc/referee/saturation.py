@@ -23,7 +23,7 @@ _LIMIT_TOL = 1e-6
 """What a nominal control may exceed its limit by, as solvers' tolerances let it [m/s²]."""
 
 _CERTAIN = 1e-12
-"""Probability below which nobody waits for a vehicle to saturate [-]."""
+"""Probability below which a vehicle is taken never to saturate in samples [-]."""
 
 
 def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence[Matrix]) -> Vector:

@@ -150,7 +150,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
 
 
 def _draw(record: Plan, request: Request) -> None:
-    """Write the pictures and the film that were asked for, each told once it is there."""
+    """Write the pictures and the film that were asked for; report each file once it is written."""
     is_first = request.output is None
     for name, path, write in (
         ("picture", request.figure, write_picture),

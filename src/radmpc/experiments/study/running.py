@@ -20,7 +20,7 @@ _AHEAD = 2
 """Tasks handed out beyond those being worked on."""
 
 Progress = Callable[[int, int, Task | None], None]
-"""Told how many tasks are done, of how many, and which was the last."""
+"""Called with the number of tasks done, of tasks in all, and the last one."""
 
 
 @dataclass(slots=True)

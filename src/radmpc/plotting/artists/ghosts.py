@@ -1,4 +1,4 @@
-"""Moving obstacles where a vehicle is nearest: without them a crossing path looks like a collision."""
+"""Moving obstacles where a vehicle is nearest: else a crossing path looks like a collision."""
 
 from __future__ import annotations
 

@@ -152,7 +152,7 @@ def _compared_turning(
     *,
     solid: TurningSolid,
 ) -> tuple[Flags, Flags]:
-    """Tell the same of a solid that turns, window by window."""
+    """Return the same for a solid that turns, window by window."""
     sure, doubtful = (np.zeros(len(windows), dtype=bool) for _ in range(2))
     for window in np.unique(windows).tolist():
         members = np.flatnonzero(windows == window)
