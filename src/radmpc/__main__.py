@@ -9,13 +9,14 @@ from types import FrameType
 __all__ = ["main"]
 
 _INTERRUPTED = 1
+"""Exit code while modules still load; commands have the shell's 130."""
 
 
 def main() -> None:
     """Run the command line and exit the process with its code."""
     # While modules load, an exception would come out of any of them with a traceback.
     usual = signal.getsignal(signal.SIGINT)
-    if usual is not signal.SIG_IGN:  # as of a job in the background
+    if usual is not signal.SIG_IGN:  # as in a background job
         signal.signal(signal.SIGINT, _leave)
     from radmpc.cli import app  # noqa: PLC0415 - guarded while it loads
 

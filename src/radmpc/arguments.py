@@ -1,10 +1,9 @@
-"""Arguments of public functions checked at the door: one line that says what is allowed."""
+"""Checks of arguments of public functions: errors of one line that say what is allowed."""
 
 from __future__ import annotations
 
 import math
 import os
-import reprlib
 import sys
 from collections.abc import Collection
 from numbers import Integral, Real
@@ -13,6 +12,7 @@ from typing import TypeGuard
 import numpy as np
 
 from radmpc.errors import ArgumentError, ArgumentTypeError, FileFormatError, ScenarioError
+from radmpc.wording import one, told
 
 __all__ = [
     "check_callable",
@@ -31,30 +31,6 @@ __all__ = [
     "one",
     "told",
 ]
-
-_LONGEST = 60
-
-_REPR = reprlib.Repr()
-_REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
-_REPR.maxlevel = 3
-
-
-def told(value: object) -> str:
-    """Return a value for a message, in one short line: itself if it is plain, else its kind."""
-    if value is None or isinstance(value, str | bytes | bool | Real):
-        plain = value.item() if isinstance(value, np.generic) else value
-        return _REPR.repr(plain)
-    if isinstance(value, list | tuple):
-        text = " ".join(_REPR.repr(value).split())
-        return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
-    if isinstance(value, type):
-        return f"the class {value.__name__}"
-    return one(type(value))
-
-
-def one(kind: type) -> str:
-    """Return ``a Vehicle`` for `Vehicle`, ``an Obstacle`` for `Obstacle`."""
-    return f"{'an' if kind.__name__[0] in 'aeiouAEIOU' else 'a'} {kind.__name__}"
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -102,6 +78,13 @@ def check_kind(
 
 def check_callable(value: object, name: str) -> None:
     """Refuse what can neither be called nor is None.
+
+    Parameters
+    ----------
+    value : object
+        The argument.
+    name : str
+        Its name, for the message.
 
     Raises
     ------
@@ -153,6 +136,13 @@ def check_integer(value: object, name: str, least: int, most: float = math.inf) 
 
 def check_path(path: object, name: str = "path") -> None:
     """Refuse what names no file: a number would be taken for an open file's.
+
+    Parameters
+    ----------
+    path : object
+        The argument.
+    name : str
+        Its name, for the message.
 
     Raises
     ------
@@ -207,6 +197,13 @@ def check_time_limit(seconds: object) -> None:
 def field_number(value: object, path: tuple[str | int, ...]) -> float:
     """Return a number of a scenario as Python's float; its range is the caller's business.
 
+    Parameters
+    ----------
+    value : object
+        What was given.
+    path : tuple of str or int
+        Where it stands in the scenario.
+
     Raises
     ------
     ScenarioError
@@ -220,6 +217,13 @@ def field_number(value: object, path: tuple[str | int, ...]) -> float:
 def field_integer(value: object, path: tuple[str | int, ...]) -> int:
     """Return an integer of a scenario as Python's.
 
+    Parameters
+    ----------
+    value : object
+        What was given.
+    path : tuple of str or int
+        Where it stands in the scenario.
+
     Raises
     ------
     ScenarioError
@@ -232,6 +236,15 @@ def field_integer(value: object, path: tuple[str | int, ...]) -> int:
 
 def field_parts(value: object, allowed: str, path: tuple[str | int, ...]) -> tuple[object, ...]:
     """Return parts of a scenario as a tuple.
+
+    Parameters
+    ----------
+    value : object
+        What was given.
+    allowed : str
+        What it must be, for the message.
+    path : tuple of str or int
+        Where it stands in the scenario.
 
     Raises
     ------
@@ -247,6 +260,15 @@ def field_parts(value: object, allowed: str, path: tuple[str | int, ...]) -> tup
 def check_word(value: object, words: Collection[str], name: str) -> None:
     """Refuse what is none of a planner's words.
 
+    Parameters
+    ----------
+    value : object
+        What was given.
+    words : collection of str
+        What is allowed.
+    name : str
+        The field's name, for the message.
+
     Raises
     ------
     ScenarioError
@@ -259,6 +281,13 @@ def check_word(value: object, words: Collection[str], name: str) -> None:
 
 def field_text(value: object, path: tuple[str | int, ...]) -> None:
     """Refuse a name that is no text.
+
+    Parameters
+    ----------
+    value : object
+        What was given.
+    path : tuple of str or int
+        Where it stands in the scenario.
 
     Raises
     ------

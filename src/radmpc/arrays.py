@@ -1,4 +1,4 @@
-"""The one door through which arrays enter values: checked, copied, frozen."""
+"""Conversion of arrays on entry: checked, copied, made read-only."""
 
 from __future__ import annotations
 
@@ -65,14 +65,14 @@ def as_array(
         If the value has no such shape or is not finite everywhere.
     """
     array = _numbers(value, path)
-    wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
+    expected = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
     fits = array.ndim == len(shape) and all(
         n is None or n == m for n, m in zip(shape, array.shape, strict=True)
     )
     if not fits and len(shape) == array.ndim == 1:
         raise ScenarioError(f"must have {shape[0]} numbers, got {array.size}", path)
     if not fits:
-        raise ScenarioError(f"must have shape {wanted}, got {array.shape}", path)
+        raise ScenarioError(f"must have shape {expected}, got {array.shape}", path)
     if not np.all(np.isfinite(array)):
         raise ScenarioError("must be finite numbers, got nan or inf", path)
     return frozen(array)
@@ -82,6 +82,15 @@ def as_vector(
     value: npt.ArrayLike, size: int | None = None, path: tuple[str | int, ...] = ()
 ) -> Vector:
     """Return a frozen vector; see `as_array`.
+
+    Parameters
+    ----------
+    value : array_like
+        What was given.
+    size : int or None
+        Its length; None is any.
+    path : tuple of str or int
+        Where it stands, for the message.
 
     Raises
     ------
@@ -97,6 +106,15 @@ def as_matrix(
     path: tuple[str | int, ...] = (),
 ) -> Matrix:
     """Return a frozen matrix; see `as_array`.
+
+    Parameters
+    ----------
+    value : array_like
+        What was given.
+    shape : tuple of (int or None)
+        Rows and columns; None is any number.
+    path : tuple of str or int
+        Where it stands, for the message.
 
     Raises
     ------
@@ -122,6 +140,15 @@ def _numbers(value: npt.ArrayLike, path: tuple[str | int, ...]) -> npt.NDArray[n
 def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vector:
     """Return a vector from one, or from a number for all axes.
 
+    Parameters
+    ----------
+    value : array_like
+        A number, or a vector.
+    size : int
+        Number of axes d.
+    path : tuple of str or int
+        Where it stands, for the message.
+
     Raises
     ------
     ScenarioError
@@ -134,6 +161,15 @@ def as_axes(value: npt.ArrayLike, size: int, path: tuple[str | int, ...]) -> Vec
 
 def as_covariance(value: object, size: int, path: tuple[str | int, ...]) -> Matrix:
     """Return a covariance matrix from a scalar, a diagonal or a matrix.
+
+    Parameters
+    ----------
+    value : array_like
+        A number, n numbers or n by n.
+    size : int
+        Number of states n.
+    path : tuple of str or int
+        Where it stands, for the message.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Everything that can go wrong, by who has to act on it."""
+"""The package's exceptions, by who has to act on them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ __all__ = [
 
 
 class RadmpcError(Exception):
-    """Root of all errors raised on purpose by this package."""
+    """Base class of all exceptions that this package raises itself."""
 
 
 class ScenarioError(RadmpcError, ValueError):
-    """A scenario that cannot be meant: a wrong value, shape or combination.
+    """An invalid scenario: a value, a shape or a combination that is not allowed.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class ScenarioError(RadmpcError, ValueError):
     path : tuple of str or int
         Where in the scenario, as keys and indices: ``("vehicles", 2, "radius")``.
     more : tuple of ScenarioError
-        What else is wrong, found in one go; none of them has more.
+        Further errors in the same scenario; none of them has more.
     """
 
     def __init__(
@@ -52,12 +52,12 @@ class ScenarioError(RadmpcError, ValueError):
         return f"{place}: {self.message}" if place else self.message
 
     def under(self, *prefix: str | int) -> ScenarioError:
-        """Return the same error seen from a larger value that holds this one.
+        """Return the same error with its path seen from an enclosing value.
 
         Parameters
         ----------
         *prefix : str or int
-            Where this value stands in the larger one, from the outside in.
+            Keys and indices of this value in the enclosing one, outermost first.
 
         Returns
         -------
@@ -69,34 +69,34 @@ class ScenarioError(RadmpcError, ValueError):
 
 
 class ArgumentError(RadmpcError, ValueError):
-    """An argument of a function that it cannot be called with: a value out of range."""
+    """An argument whose value is not allowed."""
 
 
 class ArgumentTypeError(ArgumentError, TypeError):
-    """An argument of another kind than the function takes."""
+    """An argument whose type is not allowed."""
 
 
 class RiskError(RadmpcError, ValueError):
-    """A risk outside the range in which its formula holds."""
+    """A risk outside the range for which its formula is valid."""
 
 
 class FileFormatError(RadmpcError, ValueError):
-    """A file that is not what its format says it should be."""
+    """A file that does not conform to its format."""
 
 
 class SolverError(RadmpcError):
-    """An optimizer failed for a reason that is not the program's."""
+    """An optimizer that is missing, refuses the program or fails."""
 
 
 class NoPlanError(RadmpcError):
-    """A plan was required but planning ended without one."""
+    """Planning ended without the plan that was required."""
 
 
 def raise_together(errors: Iterable[ScenarioError]) -> None:
-    """Raise the first of some errors, the others with it; nothing where there is none.
+    """Raise the first of some errors with the others attached; do nothing if there is none.
 
-    Of several at one place the first is told: what is wrong with all vehicles' defaults shows with
-    each of them.
+    Of several errors at one path only the first is kept: a wrong default would show once per
+    vehicle.
 
     Raises
     ------
@@ -113,12 +113,12 @@ def raise_together(errors: Iterable[ScenarioError]) -> None:
 
 
 def all_checked(*checks: Callable[[], object]) -> None:
-    """Run checks, all of them whatever the first ones find.
+    """Run all checks, even if early ones fail.
 
     Raises
     ------
     ScenarioError
-        What they raised, together.
+        With all errors raised, the first of them in front.
     """
     found = []
     for check in checks:

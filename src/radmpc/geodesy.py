@@ -12,8 +12,12 @@ from radmpc.errors import ScenarioError
 
 __all__ = ["Origin", "to_geodetic", "to_local"]
 
-_A = 6378137.0  # semi-major axis [m]
-_F = 1.0 / 298.257223563  # flattening
+_A = 6378137.0
+"""Semi-major axis of WGS 84 [m]."""
+
+_F = 1.0 / 298.257223563
+"""Flattening of WGS 84 [-]."""
+
 _B = _A * (1.0 - _F)  # semi-minor axis [m]
 _E2 = _F * (2.0 - _F)  # first eccentricity, squared
 _EP2 = _E2 / (1.0 - _E2)  # second eccentricity, squared

@@ -1,4 +1,4 @@
-"""What notebooks show of a value: its facts in a table."""
+"""Tables that notebooks show for a value."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from html import escape
 __all__ = ["html_table", "listed"]
 
 _MOST_NAMES = 8
+"""Names that a notebook's table lists; the rest is counted."""
 
 
 def html_table(facts: Sequence[tuple[str, str]]) -> str:

@@ -1,4 +1,4 @@
-"""The front door: a scenario in, a judged plan out."""
+"""The entry point: from a scenario to a certified plan."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def plan(
     Parameters
     ----------
     scenario : Scenario
-        The question.
+        The scenario to plan.
     planner : str or Planner
         A preset's name, with an argument where it takes one, or a record of choices.
     rng : Generator or int or None
@@ -109,7 +109,15 @@ def plan(
 
 
 def seconds_granted(planner: Planner, time_limit: float | None) -> float | None:
-    """Return the time limit of a planner: the one asked for, or its own; None is none."""
+    """Return the time limit of a planner: the one asked for, or its own; None is none.
+
+    Parameters
+    ----------
+    planner : Planner
+        Whose own limit counts by default.
+    time_limit : float or None
+        What was asked for [s]; None is the planner's own.
+    """
     return planner.decomposition.default_seconds if time_limit is None else time_limit
 
 
@@ -146,7 +154,7 @@ def _silent_best(cost: float, bound: float | None) -> None:
 
 
 def _verdict(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
-    """Return what the referee says of controls, as planners ask on the way."""
+    """Return the referee's verdict on controls, for planners to ask for while they search."""
     trajectories = _trajectories(scenario, controls)
     everyone = (tuple(range(scenario.num_vehicles)),)
     draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})

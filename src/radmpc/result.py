@@ -18,7 +18,10 @@ from radmpc.referee import Certificate
 __all__ = ["Result"]
 
 _MOST_SETS = 6
+"""Sets of vehicles that a notebook names; the rest is counted."""
+
 _DPI = 150
+"""Resolution of the picture in a notebook [dots/in]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -196,7 +196,7 @@ def test_the_report_says_what_more_risk_would_save(
     capsys: pytest.CaptureFixture[str], price: float, text: str
 ) -> None:
     assert text in shown(capsys, make_plan(risk=Risk(0.05, 0.042, (), price)))
-    assert "price of risk" not in shown(capsys, make_plan())
+    assert "shadow price" not in shown(capsys, make_plan())
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_a_cost_below_its_lower_bound_comes_with_the_reason(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     text = shown(capsys, make_plan(cost=9.5))
-    assert "9.5 (below 9.9, the least of plans whose simple bounds sum to the risk bound" in text
+    assert "9.5 (below 9.9, the least of plans whose union bound is within the risk bound" in text
     assert ", gap" not in text
 
 
@@ -277,7 +277,7 @@ def test_a_cost_below_its_lower_bound_comes_with_the_reason(
     ("price", "status", "told"),
     [
         (0.0, Status.FEASIBLE, "80 % of the bound: spending it would not make the plan cheaper"),
-        (None, Status.OPTIMAL, "80 % of the bound: the planner counts by simple bounds"),
+        (None, Status.OPTIMAL, "80 % of the bound: the planner counts by union bounds"),
     ],
 )
 def test_an_optimal_plan_that_leaves_risk_over_says_why(

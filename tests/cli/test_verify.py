@@ -38,7 +38,7 @@ def test_a_good_plan_holds(run: Run, plan_file: Path) -> None:
     result = run("verify", plan_file, "--samples", 2000)
     assert result.exit_code == 0
     assert "within the bound 0.05" in result.stdout
-    assert "2000 missions" in result.stdout
+    assert "2000 samples" in result.stdout
     assert result.stdout.splitlines()[-1].split() == ["the", "plan", "holds"]
 
 
@@ -145,7 +145,7 @@ def test_a_rate_above_the_certificate_speaks_against_both(
     assert result.exit_code == 1
     [problem] = json.loads(result.stdout)["problems"]
     assert "collision rate is at least 0.4" in problem
-    assert "controls saturate in 30 % of missions" in problem
+    assert "controls saturate in 30 % of samples" in problem
 
 
 def test_collisions_are_counted_in_whole_missions(
@@ -156,7 +156,7 @@ def test_collisions_are_counted_in_whole_missions(
         saturation_rate = 0.0
 
     monkeypatch.setattr("radmpc.console.commands.verifying.simulate", lambda *a, **k: Counted())
-    expected = "204 of 100000 missions collide: 0.00204 (0.00177 to 0.00234 with 95 % confidence)"
+    expected = "204 of 100000 samples collide: 0.00204 (0.00177 to 0.00234 with 95 % confidence)"
     assert expected in run("verify", plan_file).stdout
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from comparing import differences
 
+from comparing import differences
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.importing.dynobench import import_dynobench
 from radmpc.importing.formats import ImportOptions, import_scenario

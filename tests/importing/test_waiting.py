@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc.importing.free_space import lattice_of
+from radmpc.importing.free_space import free_space_of
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.importing.waiting import waiting_times
 from radmpc.model.obstacle import Obstacle
@@ -43,9 +43,9 @@ WEST = vehicle("west", [37.0, 0.0], [3.0, 0.0])
 
 
 def waits(problem: ForeignProblem) -> list[float]:
-    lattice = lattice_of(problem)
-    assert lattice is not None
-    return waiting_times(lattice, problem.vehicles, [0.2] * len(problem.vehicles))
+    space = free_space_of(problem)
+    assert space is not None
+    return waiting_times(space, problem.vehicles, [0.2] * len(problem.vehicles))
 
 
 def test_in_a_narrow_lane_each_waits_as_long_as_the_other_takes() -> None:

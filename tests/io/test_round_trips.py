@@ -3,11 +3,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from comparing import differences
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scenario_strategies import plans, scenarios
 
+from comparing import differences
 from radmpc.io.native.plan_file import decode_plan, encode_plan, load_plan, save_plan
 from radmpc.io.native.scenario_file import (
     decode_scenario,

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from comparing import differences
 
+from comparing import differences
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.scenario_file import (
     decode_scenario,

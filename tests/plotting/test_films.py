@@ -20,7 +20,7 @@ from radmpc.errors import FileFormatError
 from radmpc.model.plan import Plan
 from radmpc.planners.paper.temporal import make_temporal_obstacle
 from radmpc.plotting import animate_plan, save_animation
-from radmpc.plotting.interpolation import moving_outline, way_of
+from radmpc.plotting.interpolation import interpolated_path, moving_outline
 
 from .conftest import HORIZON
 
@@ -60,7 +60,7 @@ def test_the_regions_are_the_three_sigma_ellipses(flat_plan: Plan) -> None:
 @pytest.mark.parametrize("intervals", [False, True])
 def test_temporal_obstacles_are_those_of_the_planner(flat_plan: Plan, intervals: bool) -> None:
     vehicle, trajectory = flat_plan.scenario.vehicles[0], flat_plan.trajectories[0]
-    way = way_of(vehicle, trajectory, 1, intervals=intervals)
+    path = interpolated_path(vehicle, trajectory, 1, intervals=intervals)
     planned = make_temporal_obstacle(
         vehicle,
         trajectory.means,
@@ -73,7 +73,7 @@ def test_temporal_obstacles_are_those_of_the_planner(flat_plan: Plan, intervals:
     assert sagitta.max() > 0.1
     for step in range(0 if intervals else 1, HORIZON):
         normals, offsets = planned.at(step)
-        reach = (normals @ way.boxes[step].T).max(axis=1)
+        reach = (normals @ path.boxes[step].T).max(axis=1)
         assert np.all(reach <= offsets + 1e-9)
         # Ten points of the curve per step miss its outermost by a hundredth of the sagitta at most.
         missed = 0.01 * sagitta[step] if intervals else 0.0

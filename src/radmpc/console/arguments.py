@@ -89,7 +89,7 @@ PlanningSeconds = Annotated[
 PlannerSeconds = Annotated[
     float | None, typer.Option("--time-limit", min=0.0, help="Seconds for each planner.")
 ]
-Samples = Annotated[int, typer.Option("--samples", min=1, help="Simulated missions.")]
+Samples = Annotated[int, typer.Option("--samples", min=1, help="Samples to simulate.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes for separate parts.")]
 DaskAddress = Annotated[
     str | None, typer.Option("--dask", help="Address of a Dask scheduler to plan on.")

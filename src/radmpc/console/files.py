@@ -41,6 +41,13 @@ def check_output(path: Path | None) -> None:
 def check_separate(source: Path | None, *outputs: Path | None) -> None:
     """Refuse outputs that would replace what is read, or one another.
 
+    Parameters
+    ----------
+    source : Path or None
+        What is read.
+    *outputs : Path or None
+        What is written; None is nothing.
+
     Raises
     ------
     OutputError

@@ -18,7 +18,7 @@ def read_plan(path: Path) -> Plan:
     Raises
     ------
     FileFormatError
-        As of `load_plan`; of a scenario it says which command plans it.
+        As in `load_plan`; for a scenario it names the command that plans it.
     """
     try:
         return load_plan(path)

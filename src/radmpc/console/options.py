@@ -11,7 +11,15 @@ __all__ = ["is_option", "named_options"]
 
 
 def is_option(error: ScenarioError, options: tuple[str, ...]) -> bool:
-    """Whether an error is about one of some options, rather than about a part of a file."""
+    """Whether an error is about one of some options, rather than about a part of a file.
+
+    Parameters
+    ----------
+    error : ScenarioError
+        Whose path begins with an option or a part of a file.
+    options : tuple of str
+        As the library calls them.
+    """
     return bool(error.path) and error.path[0] in options
 
 

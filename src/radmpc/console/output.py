@@ -1,4 +1,4 @@
-"""Words to stdout and stderr; a reader who has gone is no error."""
+"""Output to stdout and stderr; a closed pipe is no error."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["note", "show", "show_json", "silence_closed_pipe", "width"]
 
-_PIPED_WIDTH = 5000  # letters; no line of a report is broken
+_PIPED_WIDTH = 5000
+"""Width of a line into a pipe or a file [letters]: no line of a report is broken there."""
 
 
 def show(*parts: RenderableType) -> None:
@@ -73,7 +74,7 @@ def note(text: str) -> None:
 
 @contextmanager
 def silence_closed_pipe() -> Iterator[None]:
-    """Keep the interpreter from complaining at exit about a stdout nobody reads."""
+    """Keep the interpreter from complaining at exit about a closed stdout."""
     yield
     try:
         sys.stdout.flush()

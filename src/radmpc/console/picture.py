@@ -47,7 +47,15 @@ def check_picture(path: Path | None) -> None:
 
 
 def write_ledger(plan: Plan, path: Path) -> None:
-    """Draw where a plan's risk goes into a file."""
+    """Draw where a plan's risk goes into a file.
+
+    Parameters
+    ----------
+    plan : Plan
+        Whose ledger is drawn.
+    path : Path
+        The file; its ending chooses the format.
+    """
     from radmpc.plotting import save_ledger  # noqa: PLC0415 - see the file's first line
 
     with writing(path):
@@ -55,7 +63,15 @@ def write_ledger(plan: Plan, path: Path) -> None:
 
 
 def write_picture(plan: Plan, path: Path) -> None:
-    """Draw a plan, or what there is without one, into a file."""
+    """Draw a plan, or what there is without one, into a file.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is drawn.
+    path : Path
+        The file; its ending chooses the format.
+    """
     from radmpc.plotting import save_figure  # noqa: PLC0415 - see the file's first line
 
     with writing(path):
@@ -63,7 +79,15 @@ def write_picture(plan: Plan, path: Path) -> None:
 
 
 def write_film(plan: Plan, path: Path) -> None:
-    """Draw a plan as a film into a file."""
+    """Draw a plan as a film into a file.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is drawn.
+    path : Path
+        The file; its ending chooses the format.
+    """
     from radmpc.plotting import save_animation  # noqa: PLC0415 - see the file's first line
 
     with writing(path):

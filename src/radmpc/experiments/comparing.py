@@ -1,4 +1,4 @@
-"""Several planners on one scenario, judged alike."""
+"""Several planners on one scenario, judged by the same referee."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def compare(
     Parameters
     ----------
     scenario : Scenario
-        The question.
+        The scenario to plan.
     planners : sequence of str
         Names, with arguments where they take one.
     rng : int
@@ -70,7 +70,7 @@ def compare(
     time_limit : float or None
         Seconds for each planner.
     samples : int
-        Flights per plan.
+        Samples per plan.
     executor : Executor or None
         Where separate sets are planned.
     progress : callable or None
@@ -134,6 +134,6 @@ def _compared(
             continue
         flown = None
         if result.plan is not None:
-            told("flights", 0, None)
+            told("samples", 0, None)
             flown = simulate(result.plan, samples, rng=rng)
         yield Comparison(name, result, flown)

@@ -206,7 +206,17 @@ def _check_size(num_vehicles: object, seed: object = 0) -> None:
 
 
 def paper_vehicle(name: str, start: Matrix, goal: Matrix) -> Vehicle:
-    """Return the double integrator that all of the paper's problems use."""
+    """Return the double integrator that all of the paper's problems use.
+
+    Parameters
+    ----------
+    name : str
+        Unique within its scenario.
+    start : (2,) array
+        Where it starts, at rest [m].
+    goal : (2,) array
+        Center of its goal [m].
+    """
     noise = np.diag([0.001, 0.001, 0.0001, 0.0001])
     return Vehicle(
         name=name,
@@ -222,7 +232,17 @@ def paper_vehicle(name: str, start: Matrix, goal: Matrix) -> Vehicle:
 
 
 def regular_polygon(sides: int, center: tuple[float, float], circumradius: float) -> Matrix:
-    """Return the corners of a regular polygon, the first straight right of the center [m]."""
+    """Return the corners of a regular polygon, the first straight right of the center [m].
+
+    Parameters
+    ----------
+    sides : int
+        Number of corners, >= 3.
+    center : (float, float)
+        Its center [m].
+    circumradius : float
+        From the center to the corners [m].
+    """
     angles = 2.0 * np.pi * np.arange(sides) / sides
     return np.asarray(center) + circumradius * np.column_stack([np.cos(angles), np.sin(angles)])
 

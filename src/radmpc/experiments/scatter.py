@@ -15,6 +15,7 @@ from radmpc.errors import ScenarioError
 __all__ = ["Room"]
 
 _DRAWS_EACH = 20_000
+"""Draws of one point before it is given up."""
 
 
 def _anywhere(number: int, point: Vector) -> bool:
@@ -61,7 +62,7 @@ class Room:
         rng : Generator
             Source of the draws.
         count : int
-            How many.
+            Number of points.
         accept : callable
             Further condition on the i-th point.
 

@@ -1,4 +1,4 @@
-"""Problems of other groups as scenarios: what their files do not say is chosen, and told."""
+"""Problems of other groups as scenarios: what their files leave open is chosen, and reported."""
 
 from radmpc.importing.formats import ImportedScenario, import_scenario
 from radmpc.importing.options import ImportOptions

@@ -1,4 +1,4 @@
-"""What published problems lack: steps, noise, feedback, a risk bound. Chosen here, and told."""
+"""What published problems lack: steps, noise, feedback, a risk bound. Chosen here, and reported."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.errors import ScenarioError
-from radmpc.importing.free_space import Lattice, Way, lattice_of
-from radmpc.importing.noise import Noise, choose_noise, rounded_up, told_feedback, told_noise
+from radmpc.importing.clearance import fit_hulls, free_paths
+from radmpc.importing.free_space import FreePath, free_space_of
+from radmpc.importing.noise import Noise, choose_noise, describe_feedback, describe_noise
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.importing.rounding import rounded
-from radmpc.importing.waiting import waiting_times
+from radmpc.importing.timing import choose_steps
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
@@ -22,19 +23,20 @@ from radmpc.model.vehicle import Goal, Vehicle
 
 __all__ = ["ImportedScenario", "overlay"]
 
-_TIME_FACTOR = 1.5  # of the least time with nothing in the way: room for detours and waiting
-_WAY_FACTOR = 1.3  # of the least time around obstacles: room for waiting
-_TIGHT_FACTOR = 1.5  # the same where ways are narrow or vehicles take turns
-_FEWEST_STEPS, _MOST_STEPS = 10, 30
-_STRIDE = 4.0  # radii per step at full speed: finer steps multiply the choices, not the room
 _RISK_BOUND = 0.05
-_GOAL_HALF_WIDTH = 0.25  # in radii
-_GOAL_SPEED = 0.1  # of the speed limit
-_BORDER_SIGMAS = 4.0  # between starts or goals and the border: 3e-5 per step
-_ROOM_SIGMAS = 4.0  # between a vehicle and what stands beside its way, the same
-_WANTED_ROOM = 0.8  # radii: four standard deviations of the usual noise
-_LEAST_ROOM = 0.05  # radii: less is none
-_FITTING = 0.8  # of the widest radius that passes: some room is left beside it
+"""Risk bound where none is asked for [-]."""
+
+_GOAL_HALF_WIDTH = 0.25
+"""Half width of a goal around a published point, per axis [radii]."""
+
+_GOAL_SPEED = 0.1
+"""Largest mean speed at the goal, as a share of the speed limit [-]."""
+
+_BORDER_SIGMAS = 4.0
+"""Distance of starts and goals from the border [standard deviations]: 3e-5 per step."""
+
+_CLEARANCE_SIGMAS = 4.0
+"""Standard deviations that the clearance of a path must hold: 3e-5 per step."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,18 +81,18 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     choices = dict(problem.reasons)
     warnings = list(problem.warnings)
     problem = _chosen(problem, options, choices)
-    lattice = lattice_of(problem)
-    if lattice is not None and options.radius is None:
-        problem = _fitting(problem, lattice, choices, warnings)
-    ways = _ways(problem, lattice, warnings)
-    dt, horizon = _steps(problem.vehicles, ways, options, choices, warnings)
-    noises = _noises(problem, ways, dt, horizon, options, choices)
+    space = free_space_of(problem)
+    if space is not None and options.radius is None:
+        problem = fit_hulls(problem, space, choices, warnings)
+    paths = free_paths(problem, space, warnings)
+    dt, horizon = choose_steps(problem.vehicles, paths, options, choices, warnings)
+    noises = _noises(problem, paths, dt, horizon, options, choices)
     workspace = _workspace(problem, noises, choices, warnings)
     risk_bound = _RISK_BOUND if options.risk_bound is None else float(options.risk_bound)
     choices["risk bound"] = f"{risk_bound:g}" + (" (as asked)" if options.risk_bound else "")
     avoidance = options.chosen_avoidance
     choices["avoidance"] = avoidance
-    choices["goals"] = _told_goals(problem.vehicles, choices.get("goals"))
+    choices["goals"] = _describe_goals(problem.vehicles, choices.get("goals"))
     origin = {} if problem.origin is None else {"origin": dict(problem.origin)}
     scenario = Scenario(
         name=problem.name,
@@ -117,7 +119,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
 def _chosen(
     problem: ForeignProblem, options: ImportOptions, choices: dict[str, str]
 ) -> ForeignProblem:
-    """Return the problem with as many vehicles as wanted, of the radius that is asked for."""
+    """Return the problem with as many vehicles, and of the radius, as are asked for."""
     vehicles = problem.vehicles
     check_count(len(problem.obstacles), MOST_OBSTACLES, ("obstacles",))
     count = problem.usual_vehicles if options.agents is None else options.agents
@@ -135,116 +137,31 @@ def _chosen(
     return replace(problem, vehicles=vehicles)
 
 
-def _fitting(
-    problem: ForeignProblem, lattice: Lattice, choices: dict[str, str], warnings: list[str]
-) -> ForeignProblem:
-    """Return the problem with hulls that leave room for noise where the published ones do not."""
-    share = 1.0
-    for v in problem.vehicles:
-        way = lattice.way(v, _WANTED_ROOM * v.radius)
-        if way is None or way.room < _LEAST_ROOM * v.radius:
-            share = min(share, _FITTING * lattice.widest(v) / v.radius)
-    if share <= 0.0 or share >= 1.0:
-        return problem
-    radii = {v.radius: float(f"{share * v.radius:.2g}") for v in problem.vehicles}
-    told = ", ".join(f"{old:g} m to {new:g} m" for old, new in radii.items())
-    warnings.append(
-        f"hulls were reduced from {told}: some way is so narrow that the published ones leave no "
-        "room for noise (a radius that is asked for is kept)"
-    )
-    choices["radius"] = f"reduced from {told}, so that noise has room beside the narrowest way"
-    vehicles = tuple(replace(v, radius=radii[v.radius]) for v in problem.vehicles)
-    return replace(problem, vehicles=vehicles)
-
-
-def _ways(problem: ForeignProblem, lattice: Lattice | None, warnings: list[str]) -> list[Way]:
-    """Return the vehicles' ways around obstacles; straight ones where there is none to be found."""
-    ways = []
-    for v in problem.vehicles:
-        straight = Way(0.0, wanted := _WANTED_ROOM * v.radius)
-        way = straight if lattice is None else lattice.way(v, wanted)
-        if lattice is not None and (way is None or way.room < _LEAST_ROOM * v.radius):
-            widest = lattice.widest(v)
-            hint = f", of {_FITTING * widest:.2g} m it might" if widest > 0.0 else ""
-            warnings.append(
-                f"between start and goal of {v.name!r} a hull of {v.radius:g} m finds no way "
-                f"with room for noise{hint}"
-            )
-            way = Way(0.0 if way is None else way.detour, wanted)
-        ways.append(straight if way is None else way)
-    if lattice is not None:
-        waits = waiting_times(lattice, problem.vehicles, [way.room for way in ways])
-        ways = [replace(way, waiting=wait) for way, wait in zip(ways, waits, strict=True)]
-    return ways
-
-
-def _steps(
-    vehicles: tuple[ForeignVehicle, ...],
-    ways: list[Way],
-    options: ImportOptions,
-    choices: dict[str, str],
-    warnings: list[str],
-) -> tuple[float, int]:
-    """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow.
-
-    Steps are half as long where ways are narrow or vehicles take turns: corners, and places to
-    wait, must fall on some.
-    """
-    is_tight = any(
-        way.waiting > 0.0 or way.room < 0.99 * _WANTED_ROOM * v.radius
-        for v, way in zip(vehicles, ways, strict=True)
-    )
-    stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles) * (0.5 if is_tight else 1.0)
-    straight = max(v.minimum_time() for v in vehicles)
-    least = max(
-        v.minimum_time() + way.detour / v.speed_limit + way.waiting
-        for v, way in zip(vehicles, ways, strict=True)
-    )
-    factor = _TIGHT_FACTOR if is_tight else _WAY_FACTOR
-    wanted = max(_TIME_FACTOR * straight, factor * least) or _FEWEST_STEPS * stride
-    if options.horizon is not None:
-        horizon = int(options.horizon)
-    elif options.dt is not None:
-        horizon = min(max(math.ceil(wanted / options.dt - 1e-9), 1), 1000)
-    else:
-        horizon = min(max(math.ceil(wanted / stride - 1e-9), _FEWEST_STEPS), _MOST_STEPS)
-    dt = rounded_up(wanted / horizon) if options.dt is None else float(options.dt)
-    asked = " (as asked)"
-    choices["dt"] = f"{dt:g} s" + (asked if options.dt else "")
-    choices["horizon"] = (
-        f"{horizon} steps{asked if options.horizon else ''}: {dt * horizon:g} s, "
-        f"the least time being {least:.4g} s"
-    )
-    if dt * horizon < least:
-        warnings.append(f"{dt * horizon:g} s are too short: a vehicle needs at least {least:.4g} s")
-    return dt, horizon
-
-
 def _noises(
     problem: ForeignProblem,
-    ways: list[Way],
+    paths: list[FreePath],
     dt: float,
     horizon: int,
     options: ImportOptions,
     choices: dict[str, str],
 ) -> list[Noise]:
-    """Return the vehicles' noise: the usual one, or less where the way is narrow."""
+    """Return the vehicles' noise: the usual one, or less where the path is narrow."""
     noises, narrowest = [], math.inf
-    for vehicle, way in zip(problem.vehicles, ways, strict=True):
+    for vehicle, path in zip(problem.vehicles, paths, strict=True):
         noise = choose_noise(vehicle, dt, horizon, options)
-        most = way.room / _ROOM_SIGMAS
+        most = path.clearance / _CLEARANCE_SIGMAS
         if options.noise is None and noise.final > 1.02 * most:
             std = _rounded_down(noise.std * most / noise.final)
             noise = choose_noise(vehicle, dt, horizon, replace(options, noise=std))
-            narrowest = min(narrowest, way.room)
+            narrowest = min(narrowest, path.clearance)
         noises.append(noise)
-    choices["noise"] = told_noise(problem.vehicles, noises, options)
+    choices["noise"] = describe_noise(problem.vehicles, noises, options)
     if narrowest < math.inf:
         choices["noise"] += (
             f": the narrowest way leaves {narrowest:.3g} m beside a hull, "
-            f"{_ROOM_SIGMAS:g} standard deviations"
+            f"{_CLEARANCE_SIGMAS:g} standard deviations"
         )
-    choices["feedback"] = told_feedback(noises, horizon)
+    choices["feedback"] = describe_feedback(noises, horizon)
     return noises
 
 
@@ -254,7 +171,7 @@ def _rounded_down(value: float) -> float:
     return round(math.floor(value * 10.0**digits + 1e-9) / 10.0**digits, digits)
 
 
-def _told_goals(vehicles: tuple[ForeignVehicle, ...], regions: str | None) -> str:
+def _describe_goals(vehicles: tuple[ForeignVehicle, ...], regions: str | None) -> str:
     """Return what the goals are, in words."""
     place = f"within {_GOAL_HALF_WIDTH:g} radius of the published point per axis"
     if regions is not None:

@@ -25,13 +25,17 @@ from radmpc.model.scenario import Workspace
 
 __all__ = ["import_dynobench", "is_dynobench", "read_dynobench"]
 
-# db-CBS, RobotDoubleIntegrator2D: |v| <= 0.5 m/s, |a| <= 2 m/s² per axis.
 _SPEED_LIMIT = 0.5
+"""Largest mean speed per axis [m/s], of RobotDoubleIntegrator2D in db-CBS."""
+
 _CONTROL_LIMIT = 2.0
+"""Largest acceleration per axis [m/s²], of the same."""
 
 # dynobench's models; only these two of its types are discs.
 _RADII: Mapping[str, float] = {"double_integrator_0": 0.1, "unicycle_first_order_0_sphere": 0.4}
+
 _OTHER_RADIUS = 0.1
+"""Hull radius of a type that is no disc in dynobench's models [m]."""
 
 
 class _Obstacle(FileModel):

@@ -56,7 +56,9 @@ _REFUSALS: Mapping[str, Callable[[str | os.PathLike[str]], FileFormatError]] = {
     ".map": map_refusal,
     ".kmz": kmz_refusal,
 }
+
 _MOST_BYTES = 8 * 2**20
+"""Size of a file that is imported [bytes]."""
 
 
 def import_scenario(

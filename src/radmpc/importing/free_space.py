@@ -1,4 +1,4 @@
-"""Ways around what stands in the way, on a lattice: how long they are, and how much room is left.
+"""Paths around obstacles, on a grid of points: how long they are, and what clearance they keep.
 
 For choosing times and noise only: no plan comes from here.
 """
@@ -18,39 +18,49 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import planar
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 
-__all__ = ["Lattice", "Way", "lattice_of"]
+__all__ = ["FreePath", "FreeSpace", "free_space_of"]
 
-# In radii; of 0.25 m they divide a meter, so that a point lies in the middle of every cell.
 _SPACINGS = (0.2, 0.4, 0.8, 2.0, 4.0)
+"""Spacings that are tried, finest first [radii]. Of 0.25 m they divide a meter, so that a point
+lies in the middle of every cell of a grid."""
+
 _MOST_POINTS = 60_000
-_MOST_POINTS_OF_ALL = 3_000_000  # one vehicle's way after the other is looked for
-_BORDER = 10.0  # radii around everything, where there are no bounds
+"""Points of a grid: more would be finer and take longer in proportion."""
+
+_MOST_POINTS_OF_ALL = 3_000_000
+"""Points times vehicles: their paths are searched one after the other."""
+
+_BORDER = 10.0
+"""Width of the border around everything where there are no bounds [radii]."""
+
 _HALVINGS = 7
+"""Bisections of the clearance: it is known to 1/128 of the range searched."""
+
 _NEIGHBORS = ((0, 1), (1, 0), (1, 1), (1, -1))
 _TOUCHING = np.ones((3, 3))
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """The shortest way of one vehicle that keeps as much room as there is, up to what is wanted.
+class FreePath:
+    """The shortest path of one vehicle that keeps the largest clearance up to what is asked for.
 
     Attributes
     ----------
     detour : float
-        What it is longer than the straight way, in the norm of the longest axis [m].
-    room : float
-        Least distance of the hull from obstacles along it, at most the wanted one [m].
+        What it is longer than the straight line, in the norm of the longest axis [m].
+    clearance : float
+        Least distance of the hull from obstacles along it, at most what is asked for [m].
     waiting : float
         How long it waits for vehicles that come toward it where none can pass [s].
     """
 
     detour: float
-    room: float
+    clearance: float
     waiting: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lattice:
+class FreeSpace:
     """Points in rows and columns, and how far obstacles are from them.
 
     Attributes
@@ -67,42 +77,42 @@ class Lattice:
     spacing: float
     distances: Matrix
 
-    def way(self, vehicle: ForeignVehicle, wanted: float) -> Way | None:
-        """Return the shortest way that keeps the wanted room, or the most there is.
+    def shortest_path(self, vehicle: ForeignVehicle, target: float) -> FreePath | None:
+        """Return the shortest path that keeps the target clearance, or the largest there is.
 
         Parameters
         ----------
         vehicle : ForeignVehicle
             In the plane.
-        wanted : float
-            Between its hull and obstacles [m].
+        target : float
+            Clearance between its hull and obstacles [m].
 
         Returns
         -------
-        Way or None
+        FreePath or None
             None if the hull does not fit through at this spacing.
         """
-        room = self._most_room(vehicle, wanted)
-        if room is None:
+        clearance = self._largest_clearance(vehicle, target)
+        if clearance is None:
             return None
-        steps = self._num_steps(vehicle, room)
+        steps = self._num_steps(vehicle, clearance)
         straight = float(np.abs(vehicle.goal - vehicle.start).max())
-        return Way(max(steps * self.spacing - straight, 0.0), room)
+        return FreePath(max(steps * self.spacing - straight, 0.0), clearance)
 
-    def widest(self, vehicle: ForeignVehicle) -> float:
-        """Return the radius of the widest hull, up to the vehicle's own, with a way to its goal."""
-        room = self._most_room(vehicle, 0.0, -vehicle.radius)
-        return 0.0 if room is None else vehicle.radius + room
+    def widest_radius(self, vehicle: ForeignVehicle) -> float:
+        """Return the largest radius, up to the vehicle's own, with a path to its goal [m]."""
+        clearance = self._largest_clearance(vehicle, 0.0, -vehicle.radius)
+        return 0.0 if clearance is None else vehicle.radius + clearance
 
-    def _most_room(
-        self, vehicle: ForeignVehicle, wanted: float, least: float = 0.0
+    def _largest_clearance(
+        self, vehicle: ForeignVehicle, target: float, least: float = 0.0
     ) -> float | None:
-        """Return the largest room up to the wanted one with a way left, by halving."""
-        if self._is_connected(vehicle, wanted):
-            return wanted
+        """Return the largest clearance up to the target with a path left, by bisection."""
+        if self._is_connected(vehicle, target):
+            return target
         if not self._is_connected(vehicle, least):
             return None
-        low, high = least, wanted
+        low, high = least, target
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             if self._is_connected(vehicle, middle):
@@ -111,40 +121,50 @@ class Lattice:
                 high = middle
         return low
 
-    def _free(self, vehicle: ForeignVehicle, room: float) -> np.ndarray:
+    def _free(self, vehicle: ForeignVehicle, clearance: float) -> np.ndarray:
         """Return which points the vehicle may be at, (p, q) of bool."""
-        return self.distances >= vehicle.radius + room - 1e-9
+        return self.distances >= vehicle.radius + clearance - 1e-9
 
-    def _is_connected(self, vehicle: ForeignVehicle, room: float) -> bool:
-        """Whether start and goal are joined by points with this room."""
-        marks, _ = ndimage.label(self._free(vehicle, room), structure=_TOUCHING)
+    def _is_connected(self, vehicle: ForeignVehicle, clearance: float) -> bool:
+        """Whether points with this clearance join start and goal."""
+        marks, _ = ndimage.label(self._free(vehicle, clearance), structure=_TOUCHING)
         start = marks[self._nearest(vehicle.start)]
         return bool(start and np.any(marks[self._goal_box(vehicle)] == start))
 
-    def path(self, vehicle: ForeignVehicle, room: float) -> Indices:
-        """Return the points of a shortest way with this room, (k, 2) indices, from start to goal.
+    def path(self, vehicle: ForeignVehicle, clearance: float) -> Indices:
+        """Return the points of a shortest path with this clearance, from start to goal.
 
-        Empty where there is none.
+        Parameters
+        ----------
+        vehicle : ForeignVehicle
+            In the plane.
+        clearance : float
+            Between its hull and obstacles [m].
+
+        Returns
+        -------
+        (k, 2) int array
+            Indices of the points; empty where there is no such path.
         """
-        moves, before = self._moves(vehicle, room)
+        moves, before = self._moves(vehicle, clearance)
         box = self._goal_box(vehicle)
         ends = np.arange(moves.size).reshape(moves.shape)[box].ravel()
         last = int(ends[moves[box].argmin()])
         if not np.isfinite(moves.ravel()[last]):
             return np.zeros((0, 2), dtype=np.int64)
-        found = [last]
-        while before[found[-1]] >= 0:
-            found.append(int(before[found[-1]]))
-        return np.column_stack(np.unravel_index(found[::-1], moves.shape)).astype(np.int64)
+        points = [last]
+        while before[points[-1]] >= 0:
+            points.append(int(before[points[-1]]))
+        return np.column_stack(np.unravel_index(points[::-1], moves.shape)).astype(np.int64)
 
-    def _num_steps(self, vehicle: ForeignVehicle, room: float) -> int:
+    def _num_steps(self, vehicle: ForeignVehicle, clearance: float) -> int:
         """Return the least number of moves to a neighbor from start to goal."""
-        moves, _ = self._moves(vehicle, room)
+        moves, _ = self._moves(vehicle, clearance)
         return int(moves[self._goal_box(vehicle)].min())
 
-    def _moves(self, vehicle: ForeignVehicle, room: float) -> tuple[Matrix, Indices]:
+    def _moves(self, vehicle: ForeignVehicle, clearance: float) -> tuple[Matrix, Indices]:
         """Return how many moves from the start each point is away, and the point before it."""
-        free = self._free(vehicle, room)
+        free = self._free(vehicle, clearance)
         index = np.arange(free.size).reshape(free.shape)
         ends: list[tuple[np.ndarray, np.ndarray]] = []
         for down, right in _NEIGHBORS:
@@ -164,10 +184,10 @@ class Lattice:
         return np.asarray(moves).reshape(free.shape), np.asarray(before, dtype=np.int64)
 
     def _nearest(self, point: Vector) -> tuple[int, int]:
-        """Return the index of the lattice's point nearest to a point."""
-        found = np.rint((point - self.origin) / self.spacing).astype(int)
+        """Return the index of the grid point nearest to a point."""
+        index = np.rint((point - self.origin) / self.spacing).astype(int)
         last = np.array(self.distances.shape) - 1
-        row, column = np.clip(found, 0, last).tolist()
+        row, column = np.clip(index, 0, last).tolist()
         return row, column
 
     def _goal_box(self, vehicle: ForeignVehicle) -> tuple[slice, slice]:
@@ -177,10 +197,10 @@ class Lattice:
         return slice(low[0], high[0] + 1), slice(low[1], high[1] + 1)
 
 
-def lattice_of(problem: ForeignProblem) -> Lattice | None:
-    """Return the lattice of a problem in the plane with obstacles; None for any other.
+def free_space_of(problem: ForeignProblem) -> FreeSpace | None:
+    """Return the free space of a problem in the plane with obstacles; None for any other.
 
-    A point of it lies on the first vehicle's start; it grows coarser with the problem's size.
+    A grid point lies on the first vehicle's start; the grid grows coarser with the problem's size.
     """
     vehicles = problem.vehicles
     if vehicles[0].start.size != 2 or not problem.obstacles:
@@ -211,11 +231,11 @@ def lattice_of(problem: ForeignProblem) -> Lattice | None:
         for axis, values in enumerate(np.meshgrid(*axes, indexing="ij")):
             distances = np.minimum(distances, values - problem.workspace.lower[axis])
             distances = np.minimum(distances, problem.workspace.upper[axis] - values)
-    return Lattice(origin, spacing, distances)
+    return FreeSpace(origin, spacing, distances)
 
 
 def _bounds(problem: ForeignProblem, pieces: Sequence[shapely.Geometry]) -> tuple[Vector, Vector]:
-    """Return the corners of what a way may use, starts and goals included."""
+    """Return the corners of what a path may use, starts and goals included."""
     points = np.array([p for v in problem.vehicles for p in (v.start, v.goal)])
     low, high = points.min(axis=0), points.max(axis=0)
     if problem.workspace is not None:

@@ -22,6 +22,7 @@ from radmpc.model.scenario import Workspace
 __all__ = ["is_lsc", "read_lsc"]
 
 _DIMENSION = 3
+"""Coordinates of the format's positions."""
 
 
 class _Quadrotor(ForeignModel):

@@ -14,12 +14,19 @@ from radmpc.importing.problem import ForeignVehicle
 from radmpc.importing.rounding import rounded
 from radmpc.model.dynamics import covariances, double_integrator
 
-__all__ = ["Noise", "choose_noise", "rounded_up", "told_feedback", "told_noise"]
+__all__ = ["Noise", "choose_noise", "describe_feedback", "describe_noise", "rounded_up"]
 
-_LONG_HORIZON = 12  # steps up to which no feedback is needed
-_SPREAD = 0.2  # least standard deviation at the end, in radii
-_GAIN = (-0.3, -0.9)  # on position and velocity, for steps of 1 s
-_MOST_RESERVE = 0.25  # of the control limit, for the feedback
+_LONG_HORIZON = 12
+"""Steps up to which the noise stays small enough without feedback."""
+
+_SPREAD = 0.2
+"""Standard deviation of the position at the end that the noise is chosen for [radii]."""
+
+_GAIN = (-0.3, -0.9)
+"""Feedback on position and velocity, for steps of 1 s [1/s², 1/s]."""
+
+_MOST_RESERVE = 0.25
+"""Share of the control limit [-] that three standard deviations of the feedback may take."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +52,19 @@ class Noise:
 
 
 def choose_noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: ImportOptions) -> Noise:
-    """Return the noise whose spread at the end is wanted, with feedback on long horizons."""
+    """Return the noise of the usual spread at the end, with feedback on long horizons.
+
+    Parameters
+    ----------
+    vehicle : ForeignVehicle
+        Whose radius and limits count.
+    dt : float
+        Step [s].
+    horizon : int
+        Number of steps.
+    options : ImportOptions
+        A standard deviation that is asked for.
+    """
     system = double_integrator(dt, vehicle.start.size)
     d = system.dimension
     # Like the paper's at dt = 1 s: a tenth of the variance on the velocity.
@@ -68,10 +87,20 @@ def choose_noise(vehicle: ForeignVehicle, dt: float, horizon: int, options: Impo
     return Noise(rounded(std**2 * shape), gain, std, std * spread)
 
 
-def told_noise(
+def describe_noise(
     vehicles: Sequence[ForeignVehicle], noises: Sequence[Noise], options: ImportOptions
 ) -> str:
-    """Return how large the noise is, in words."""
+    """Return how large the noise is, in words.
+
+    Parameters
+    ----------
+    vehicles : sequence of ForeignVehicle
+        At least one.
+    noises : sequence of Noise
+        Theirs, in the same order.
+    options : ImportOptions
+        A standard deviation that is asked for.
+    """
     stds = " or ".join(f"{std:g}" for std in sorted({noise.std for noise in noises}))
     spread = min(n.final / v.radius for v, n in zip(vehicles, noises, strict=True))
     asked = " (as asked)" if options.noise else ""
@@ -81,8 +110,16 @@ def told_noise(
     )
 
 
-def told_feedback(noises: Sequence[Noise], horizon: int) -> str:
-    """Return what feedback there is, or why there is none, in words."""
+def describe_feedback(noises: Sequence[Noise], horizon: int) -> str:
+    """Return what feedback there is, or why there is none, in words.
+
+    Parameters
+    ----------
+    noises : sequence of Noise
+        Of all vehicles.
+    horizon : int
+        Number of steps.
+    """
     if any(noise.gain is not None for noise in noises):
         return f"gain {_GAIN[0]:g}/dt² on position, {_GAIN[1]:g}/dt on velocity"
     if horizon <= _LONG_HORIZON:
@@ -91,6 +128,14 @@ def told_feedback(noises: Sequence[Noise], horizon: int) -> str:
 
 
 def rounded_up(value: float, num_digits: int = 2) -> float:
-    """Return the next larger number of so many digits; the value is > 0."""
+    """Return the next larger number of so many digits; the value is > 0.
+
+    Parameters
+    ----------
+    value : float
+        What is rounded, > 0.
+    num_digits : int
+        Significant digits that are kept.
+    """
     digits = num_digits - 1 - math.floor(math.log10(value))
     return round(math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits, digits)

@@ -1,4 +1,4 @@
-"""What the user of an import decides."""
+"""Options of an import."""
 
 from __future__ import annotations
 

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 __all__ = ["rounded"]
 
-_DIGITS = 12  # a kilometer to the nanometer; sums and products of short numbers come out short
+_DIGITS = 12
+"""Decimals: a kilometer to the nanometer, and sums and products of short numbers stay short."""
 
 
 def rounded(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

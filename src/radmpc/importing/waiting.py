@@ -1,4 +1,4 @@
-"""How long vehicles wait for each other where a way is too narrow for two abreast."""
+"""How long vehicles wait for each other where a passage is too narrow for two abreast."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from radmpc.arrays import Indices
-from radmpc.importing.free_space import Lattice
+from radmpc.importing.free_space import FreeSpace
 from radmpc.importing.problem import ForeignVehicle
 
 __all__ = ["waiting_times"]
 
 _MOST_VEHICLES = 30
+"""Vehicles up to which all pairs are compared; more are taken not to wait."""
+
 _ABREAST = 1.6
-"""Half the width that two hulls need abreast with room for noise, over the sum of their radii."""
+"""Half the width that two hulls abreast need, noise included, over the sum of their radii [-]."""
 
 _HEADWAY = 2.0
 """Sums of radii between the middles of two, one behind the other."""
@@ -27,18 +29,18 @@ _LEAST_LENGTH = 2.0
 
 
 def waiting_times(
-    lattice: Lattice, vehicles: Sequence[ForeignVehicle], rooms: Sequence[float]
+    space: FreeSpace, vehicles: Sequence[ForeignVehicle], clearances: Sequence[float]
 ) -> list[float]:
-    """Return how long each vehicle waits until one that comes toward it has left a narrow way.
+    """Return how long each vehicle waits until one that comes toward it has left a narrow passage.
 
     Parameters
     ----------
-    lattice : Lattice
+    space : FreeSpace
         Of their problem.
     vehicles : sequence of ForeignVehicle
         In the plane.
-    rooms : sequence of float
-        What each keeps beside its hull on its way [m].
+    clearances : sequence of float
+        What each keeps beside its hull on its path [m].
 
     Returns
     -------
@@ -48,10 +50,10 @@ def waiting_times(
     waits: list[list[tuple[float, float]]] = [[] for _ in vehicles]
     if len(vehicles) > _MOST_VEHICLES:
         return [0.0] * len(vehicles)
-    paths = [lattice.path(v, room) for v, room in zip(vehicles, rooms, strict=True)]
+    paths = [space.path(v, clearance) for v, clearance in zip(vehicles, clearances, strict=True)]
     for i, j in combinations(range(len(vehicles)), 2):
         one, two = vehicles[i], vehicles[j]
-        length = _shared_length(lattice, paths[i], paths[j], one.radius + two.radius)
+        length = _shared_length(space, paths[i], paths[j], one.radius + two.radius)
         if length > 0.0:
             gap = _HEADWAY * (one.radius + two.radius)
             waits[i].append((length / two.speed_limit, gap / two.speed_limit))
@@ -66,19 +68,19 @@ def _longest(met: Sequence[tuple[float, float]]) -> float:
     return max(time for time, _ in met) + sum(sorted(gap for _, gap in met)[1:])
 
 
-def _shared_length(lattice: Lattice, one: Indices, two: Indices, radii: float) -> float:
+def _shared_length(space: FreeSpace, one: Indices, two: Indices, radii: float) -> float:
     """Return how far two go against each other where they cannot pass [m]."""
     if not len(one) or not len(two):
         return 0.0
-    found = cKDTree(two * lattice.spacing).query(one * lattice.spacing)
+    found = cKDTree(two * space.spacing).query(one * space.spacing)
     distances, nearest = np.asarray(found[0]), np.asarray(found[1])
-    cells = max(1, round(radii / lattice.spacing))
-    widths = ndimage.maximum_filter(lattice.distances, size=2 * cells + 1)
+    cells = max(1, round(radii / space.spacing))
+    widths = ndimage.maximum_filter(space.distances, size=2 * cells + 1)
     is_narrow = widths[one[:, 0], one[:, 1]] < _ABREAST * radii
     shared = np.flatnonzero((distances < radii) & is_narrow)
     if shared.size < 2 or nearest[shared[-1]] >= nearest[shared[0]]:
         return 0.0
     # What lies between two narrow places is wide enough to wait in.
     runs = np.split(shared, np.flatnonzero(np.diff(shared) > cells) + 1)
-    length = max(float(run[-1] - run[0]) for run in runs) * lattice.spacing
+    length = max(float(run[-1] - run[0]) for run in runs) * space.spacing
     return length if length >= _LEAST_LENGTH * radii else 0.0

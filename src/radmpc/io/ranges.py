@@ -22,6 +22,15 @@ _LEAST, _MOST = 1e-6, 1e6
 def check_range(value: float, unit: str, path: tuple[str | int, ...]) -> None:
     """Refuse what no vehicle has: sizes, speeds and times below 1e-6 or above 1e6.
 
+    Parameters
+    ----------
+    value : float
+        What was given.
+    unit : str
+        Its unit, for the message.
+    path : tuple of str or int
+        Where it stands.
+
     Raises
     ------
     ScenarioError
@@ -36,6 +45,15 @@ def check_range(value: float, unit: str, path: tuple[str | int, ...]) -> None:
 
 def check_count(count: int, most: int, path: tuple[str | int, ...]) -> None:
     """Refuse more of something than a scenario file may have.
+
+    Parameters
+    ----------
+    count : int
+        How many there are.
+    most : int
+        How many are allowed.
+    path : tuple of str or int
+        Where they stand.
 
     Raises
     ------

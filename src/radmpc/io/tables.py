@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,7 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
     plan : Plan
         Any; without trajectories the table has no rows.
     table : {'trajectories', 'ledger'}
-        Which.
+        Which table.
 
     Returns
     -------
@@ -120,6 +121,11 @@ def to_xarray(plan: Plan) -> xarray.Dataset:
             "to_xarray needs a plan whose vehicles have equally many states and controls, got "
             f"{len(shapes)} kinds"
         )
+    return _dataset(xr, plan)
+
+
+def _dataset(xr: ModuleType, plan: Plan) -> xarray.Dataset:
+    """Return trajectories of one shape as arrays, by the extra's module."""
     scenario, trajectories = plan.scenario, plan.trajectories
     last = np.full((1, trajectories[0].controls.shape[1]), np.nan)
     places = [
@@ -127,7 +133,7 @@ def to_xarray(plan: Plan) -> xarray.Dataset:
         for v, t in zip(scenario.vehicles, trajectories, strict=True)
     ]
     dims = ("vehicle", "step")
-    return xr.Dataset(
+    dataset: xarray.Dataset = xr.Dataset(
         {
             "position": ((*dims, "axis"), np.array(places), {"units": "m"}),
             "mean": ((*dims, "state"), np.array([t.means for t in trajectories])),
@@ -152,3 +158,4 @@ def to_xarray(plan: Plan) -> xarray.Dataset:
             "certified": plan.risk.certified,
         },
     )  # fmt: skip
+    return dataset

@@ -1,1 +1,1 @@
-"""What is asked and what an answer is."""
+"""The data model: scenarios and plans."""

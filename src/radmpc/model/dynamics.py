@@ -12,11 +12,9 @@ import numpy.typing as npt
 from radmpc.arguments import check_kind, field_integer, field_number, field_parts
 from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
+from radmpc.model.integrator import integrator_rates
 
 __all__ = ["LinearSystem", "covariances", "double_integrator", "growth", "lqr_gain", "rollout"]
-
-_SAME = 1e-9
-"""Relative difference below which two matrix entries are one: what files lose to rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +72,7 @@ class LinearSystem(Frozen):
                 f"got {len(self.velocity)}",
                 ("velocity",),
             )
-        rates = _rates(self.A, self.B, self.position)
+        rates = integrator_rates(self.A, self.B, self.position)
         if self.is_double_integrator and rates is None:
             raise ScenarioError(
                 "A and B are not those of a double integrator: positions must be carried by their "
@@ -86,11 +84,11 @@ class LinearSystem(Frozen):
     @property
     def rates(self) -> tuple[tuple[int, ...], float] | None:
         """State indices of the velocities and the step [s] of a double integrator, else None."""
-        return _rates(self.A, self.B, self.position)
+        return integrator_rates(self.A, self.B, self.position)
 
     @property
     def sagitta(self) -> Matrix:
-        """How far the path hangs off its chord at mid-step, per control, (d, m).
+        """Deviation of the path from its chord at mid-step, per control, (d, m).
 
         Under a control u held over the step, a double integrator is at a share s of it at
         ``chord(s) − 4 s (1 − s) sagitta @ u`` (``a dt²/8`` at s = ½); 0 for all other systems.
@@ -158,27 +156,6 @@ def double_integrator(dt: float, dimension: int) -> LinearSystem:
         velocity=tuple(range(dimension, 2 * dimension)),
         is_double_integrator=True,
     )
-
-
-def _rates(A: Matrix, B: Matrix, position: tuple[int, ...]) -> tuple[tuple[int, ...], float] | None:
-    """Return velocity indices and step of a double integrator in any order of its states."""
-    place = list(position)
-    rest = [i for i in range(len(A)) if i not in place]
-    if len(rest) != len(place):
-        return None
-    link = A[np.ix_(place, rest)]
-    step = float(np.abs(link).max())
-    order = np.abs(link).argmax(axis=1)
-    velocity = [rest[i] for i in order]
-    wanted = np.eye(len(A))
-    wanted[place, velocity] = step
-    if step <= 0.0 or len(set(velocity)) < len(rest):
-        return None
-    is_same = np.allclose(A, wanted, rtol=_SAME, atol=_SAME * max(step, 1.0))
-    half = 0.5 * step * B[velocity]
-    if not is_same or not np.allclose(B[place], half, rtol=_SAME, atol=_SAME * np.abs(half).max()):
-        return None
-    return tuple(velocity), step
 
 
 def lqr_gain(system: LinearSystem, Q: npt.ArrayLike, R: npt.ArrayLike) -> Matrix:

@@ -1,4 +1,4 @@
-"""Scenarios and plans given to public functions, and what to do with what is neither."""
+"""Checks of scenarios and plans that are passed to public functions."""
 
 from __future__ import annotations
 
@@ -48,6 +48,13 @@ def check_scenario(value: object, name: str = "scenario") -> None:
 
 def check_plan(value: object, name: str = "plan") -> None:
     """Refuse what is no plan, as `check_scenario` does.
+
+    Parameters
+    ----------
+    value : object
+        The argument.
+    name : str
+        Its name, for the message.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A risk ledger added up: by vehicle, and by what may be hit."""
+"""A risk ledger summed by vehicle, and by hazard."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Hazard:
     cause : {'obstacle', 'pair', 'workspace'}
         What may be hit or left.
     vehicle : str
-        Who.
+        The vehicle.
     other : str or None
         The obstacle or the other vehicle; None for the workspace and for all that is far away.
     risks : dict
@@ -83,7 +83,7 @@ def risk_by_vehicle(
     }
     for row in ledger:
         bearers = [row.vehicle]
-        # A pair's partner may be missing: all that is far away is booked with one vehicle.
+        # A pair's partner may be missing: all that is far away is charged to one vehicle.
         if row.cause == "pair" and row.other is not None:
             bearers.append(row.other)
         for name in bearers:

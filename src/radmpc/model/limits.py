@@ -24,7 +24,7 @@ class TightLimit:
     Attributes
     ----------
     vehicle : str
-        Whose.
+        The vehicle.
     limit : {'control', 'speed'}
         Which: the control limit less the feedback's reserve, or the speed limit.
     num_steps : int

@@ -1,4 +1,4 @@
-"""Ranges of the numbers of scenarios and vehicles, all checked in one go."""
+"""Ranges of the numbers of scenarios and vehicles, all checked together."""
 
 from __future__ import annotations
 
@@ -12,6 +12,15 @@ __all__ = ["check_positive", "check_scenario_numbers", "check_vehicle_numbers"]
 
 def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
     """Refuse numbers that no scenario has.
+
+    Parameters
+    ----------
+    dt : float
+        Step [s].
+    horizon : int
+        Number of steps T.
+    risk_bound : float
+        Risk bound Δ.
 
     Raises
     ------
@@ -31,6 +40,15 @@ def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
 
 def check_vehicle_numbers(radius: float, control_sigmas: float, cost_weight: float) -> None:
     """Refuse numbers that no vehicle has.
+
+    Parameters
+    ----------
+    radius : float
+        Hull radius [m].
+    control_sigmas : float
+        Standard deviations of the feedback held in reserve.
+    cost_weight : float
+        Factor in the cost.
 
     Raises
     ------
@@ -52,6 +70,15 @@ def _check_not_negative(value: float, name: str) -> None:
 
 def check_positive(values: Vector, name: str, unit: str) -> None:
     """Refuse values that are not above zero.
+
+    Parameters
+    ----------
+    values : (d,) array
+        What must be above zero.
+    name : str
+        Its field.
+    unit : str
+        Its unit, for the message.
 
     Raises
     ------

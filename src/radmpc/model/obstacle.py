@@ -1,4 +1,4 @@
-"""What stands or moves in the way, as convex pieces: bodies, plates, walls, wires and posts."""
+"""Fixed and moving obstacles as convex pieces: bodies, plates, walls, wires and posts."""
 
 from __future__ import annotations
 
@@ -26,21 +26,39 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolygonShape(Frozen):
-    """A simple polygon (2-D, convex or not) or the hull of points (3-D); vertices (v, d) [m]."""
+    """A simple polygon (2-D, convex or not) or the hull of points (3-D).
+
+    Attributes
+    ----------
+    vertices : (v, d) array
+        Corners in order, or points [m].
+    """
 
     vertices: Matrix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LineShape(Frozen):
-    """A wall or wire without thickness along an open line through points (p, d) [m]."""
+    """A wall or wire without thickness along an open line.
+
+    Attributes
+    ----------
+    points : (p, d) array
+        Points that the line runs through, in order [m].
+    """
 
     points: Matrix
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoxShape(Frozen):
-    """An axis-parallel box between two corners, each (d,) [m]; it may be flat."""
+    """An axis-parallel box; it may be flat.
+
+    Attributes
+    ----------
+    lower, upper : (d,) array
+        Opposite corners, ``lower <= upper`` [m].
+    """
 
     lower: Vector
     upper: Vector
@@ -48,7 +66,15 @@ class BoxShape(Frozen):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HalfspaceShape(Frozen):
-    """The set ``normals @ x <= offsets``, (f, d) and (f,) [m], as given."""
+    """The set ``normals @ x <= offsets``, as given.
+
+    Attributes
+    ----------
+    normals : (f, d) array
+        Outward normals, of any length.
+    offsets : (f,) array
+        In meters where normals have length one.
+    """
 
     normals: Matrix
     offsets: Vector
@@ -56,7 +82,13 @@ class HalfspaceShape(Frozen):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MovingShape(Frozen):
-    """One convex outline (the hull of its points) per step, each (v, d) [m]."""
+    """One convex outline per step.
+
+    Attributes
+    ----------
+    outlines : tuple of (v, d) array
+        Points whose hull is the outline at k = 0..T [m].
+    """
 
     outlines: tuple[Matrix, ...]
 

@@ -1,4 +1,4 @@
-"""The whole answer: what a plan file holds. No optimizer objects, no file format."""
+"""A plan: what a plan file holds. No optimizer objects, no file format."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Status(Enum):
     def sentence(self) -> str:
         """What a user needs to know, advice included."""
         return {
-            Status.OPTIMAL: "plan found, proven optimal by simple bounds, within the gap",
+            Status.OPTIMAL: "plan found, proven optimal for the union bound, within the gap",
             Status.FEASIBLE: "plan found, without a proof that it is the best",
             Status.INFEASIBLE: "no plan found",
             Status.LIMIT: "ended before any plan was found (time limit, node limit or Ctrl-C)",
@@ -112,7 +112,7 @@ class LedgerRow:
     cause : {'obstacle', 'pair', 'workspace'}
         What may be hit or left.
     vehicle : str
-        Who.
+        The vehicle.
     other : str or None
         The obstacle or the other vehicle; None for the workspace.
     step : int
@@ -130,7 +130,7 @@ class LedgerRow:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Risk:
-    """What was granted and what the certificate says was spent.
+    """The risk bound, and the risk that the certificate charges against it.
 
     Attributes
     ----------
@@ -141,11 +141,12 @@ class Risk:
     ledger : tuple of LedgerRow
         Where it goes; sums to ``certified``.
     price : float or None
-        What a little more Δ would save, cost per unit of probability; None where nobody knows.
+        Shadow price of risk: what a little more Δ would save, cost per unit of probability; None
+        if unknown.
     saturation : float or None
         Upper bound on the probability that feedback ever asks for more control than there is,
-        beside ``certified``: that one speaks of missions in which it does not. None where nobody
-        knows.
+        beside ``certified``: that one speaks of missions in which it does not. None if
+        unknown.
     """
 
     bound: float
@@ -162,10 +163,10 @@ class Coupling:
     Attributes
     ----------
     vehicle, other : str
-        The two.
+        The two vehicles.
     reason : {'collision', 'risk', 'blocked', 'distance', 'share'}
         Their plans made apart collide; their risk in the approximation exceeds Ψ (paper, section
-        Identifying Couplings); one had no way past the other there; their ways alone come close;
+        Identifying Couplings); one had no path past the other there; their paths alone come close;
         their shares of Δ by head count were too small.
     value : float or None
         Estimated probability of collision [-] for ``collision`` and ``risk``, closest approach
@@ -186,7 +187,7 @@ class Plan:
     Attributes
     ----------
     scenario : Scenario
-        The question.
+        The scenario planned.
     planner : str
         The planner's record in one line.
     seed : int or None

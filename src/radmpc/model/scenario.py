@@ -1,17 +1,22 @@
-"""The whole question: vehicles, what is in their way, and one risk bound."""
+"""A planning problem: vehicles, obstacles, a workspace and one risk bound."""
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-import numpy as np
-
 from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, told
 from radmpc.errors import ScenarioError
-from radmpc.model.dynamics import growth
+from radmpc.model.consistency import (
+    check_dimensions,
+    check_distinct,
+    check_growth,
+    check_moving,
+    check_printable,
+    check_step,
+    check_workspace,
+)
 from radmpc.model.numbers import check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
@@ -20,8 +25,6 @@ from radmpc.notebook import html_table, listed
 
 __all__ = ["Avoidance", "Scenario", "Workspace"]
 
-_MOST_GROWTH = 1e12  # solvers refuse coefficients from 1e15 on
-
 _Part = TypeVar("_Part")
 
 Avoidance = Literal["steps", "intervals"]
@@ -29,7 +32,7 @@ Avoidance = Literal["steps", "intervals"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenario:
-    """A fleet, its surroundings and the chance of any collision it is granted.
+    """A fleet, its surroundings and the bound on its joint risk of collision.
 
     Attributes
     ----------
@@ -88,17 +91,17 @@ class Scenario:
         self._check_numbers()
         if not self.vehicles:
             raise ScenarioError("needs at least one vehicle, got none", ("vehicles",))
-        _check_printable(self.name, ("name",))
-        _check_distinct([v.name for v in self.vehicles], "vehicles")
-        _check_distinct([o.name for o in self.obstacles], "obstacles")
-        self._check_dimensions()
-        self._check_growth()
-        self._check_workspace()
-        self._check_moving()
-        self._check_step()
+        check_printable(self.name, ("name",))
+        check_distinct([v.name for v in self.vehicles], "vehicles")
+        check_distinct([o.name for o in self.obstacles], "obstacles")
+        check_dimensions(self.vehicles, self.obstacles, self.pair_faces)
+        check_growth(self.vehicles, self.horizon, self.dt)
+        check_workspace(self.vehicles, self.workspace)
+        check_moving(self.obstacles, self.horizon)
+        check_step(self.vehicles, self.dt)
 
     def __repr__(self) -> str:
-        """Return the question in one line."""
+        """Return the scenario in one line."""
         return (
             f"Scenario({self.name!r}, {len(self.vehicles)} vehicles, {len(self.obstacles)} "
             f"obstacles, {self.horizon} steps of {self.dt:g} s, risk bound {self.risk_bound:g})"
@@ -154,90 +157,6 @@ class Scenario:
                 f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
             )
 
-    def _check_step(self) -> None:
-        """Check that double integrators, whose path between steps counts, belong to this dt."""
-        checked: set[int] = set()
-        for i, vehicle in enumerate(self.vehicles):
-            system = vehicle.system
-            if id(system) in checked:
-                continue
-            checked.add(id(system))
-            rates = system.rates
-            if rates is not None and abs(rates[1] - self.dt) > 1e-9 * self.dt:
-                raise ScenarioError(
-                    f"is a double integrator of step {rates[1]:g} s, must be that of "
-                    f"dt = {self.dt:g} s",
-                    ("vehicles", i, "dynamics"),
-                )
-
-    def _check_dimensions(self) -> None:
-        """Check that all parts live in one plane or space."""
-        d = self.dimension
-        for i, vehicle in enumerate(self.vehicles):
-            if vehicle.system.dimension != d:
-                raise ScenarioError(
-                    f"must be {d}-D like vehicle {self.vehicles[0].name!r}, "
-                    f"got {vehicle.system.dimension}-D",
-                    ("vehicles", i, "goal"),
-                )
-        for i, obstacle in enumerate(self.obstacles):
-            if any(p.dimension != d for pieces in obstacle.steps for p in pieces):
-                raise ScenarioError(
-                    f"must be {d}-D like the vehicles, got {obstacle.dimension}-D",
-                    ("obstacles", i),
-                )
-        least = 3 if d == 2 else 6
-        if self.pair_faces is not None and (
-            self.pair_faces < least or (d == 3 and self.pair_faces % 2)
-        ):
-            kind = "an even number of at least 6" if d == 3 else "at least 3"
-            raise ScenarioError(f"must be {kind} in {d}-D, got {self.pair_faces}", ("pair_faces",))
-
-    def _check_growth(self) -> None:
-        """Refuse dynamics whose numbers no solver takes any more."""
-        known: dict[tuple[int, int], bool] = {}
-        for i, vehicle in enumerate(self.vehicles):
-            for gain, field in ((None, "dynamics"), (vehicle.gain, "feedback")):
-                key = (id(vehicle.system), id(gain))
-                if key not in known:
-                    known[key] = growth(vehicle.system, gain, self.horizon) <= _MOST_GROWTH
-                if not known[key]:
-                    raise ScenarioError(
-                        f"must not let a state grow more than {_MOST_GROWTH:g} times within "
-                        f"{self.horizon} steps of {self.dt:g} s",
-                        ("vehicles", i, field),
-                    )
-
-    def _check_workspace(self) -> None:
-        """Check that every goal can be reached without leaving the workspace."""
-        if self.workspace is None:
-            return
-        if self.workspace.lower.size != self.dimension:
-            raise ScenarioError(
-                f"must have {self.dimension} coordinates like the vehicles, "
-                f"got {self.workspace.lower.size}",
-                ("workspace",),
-            )
-        low, high = self.workspace.lower, self.workspace.upper
-        for i, vehicle in enumerate(self.vehicles):
-            goal = vehicle.goal
-            if np.any(goal.lower > high) or np.any(goal.upper < low):
-                raise ScenarioError(
-                    f"must touch the workspace {low.tolist()} to {high.tolist()}, "
-                    f"got {goal.lower.tolist()} to {goal.upper.tolist()}",
-                    ("vehicles", i, "goal"),
-                )
-
-    def _check_moving(self) -> None:
-        """Check that moving obstacles are given at every step."""
-        for i, obstacle in enumerate(self.obstacles):
-            if obstacle.is_moving and len(obstacle.steps) != self.horizon + 1:
-                raise ScenarioError(
-                    f"must have {self.horizon + 1} outlines, one per step 0..{self.horizon}, "
-                    f"got {len(obstacle.steps)}",
-                    ("obstacles", i, "moving"),
-                )
-
     @property
     def dimension(self) -> int:
         """Number of coordinates, 2 or 3."""
@@ -291,21 +210,3 @@ def _all_of(kind: type[_Part], given: object, field: str) -> tuple[_Part, ...]:
             raise ScenarioError(f"must be {one(kind)}, got {told(part)}", (field, i))
         parts.append(part)
     return tuple(parts)
-
-
-def _check_printable(name: str, path: tuple[str | int, ...]) -> None:
-    """Refuse a name that a terminal would take for commands."""
-    if any(unicodedata.category(letter) == "Cc" for letter in name):
-        raise ScenarioError(f"must not hold control characters, got {name!r}", path)
-
-
-def _check_distinct(names: list[str], field: str) -> None:
-    """Refuse a name that stands twice."""
-    seen: set[str] = set()
-    for i, name in enumerate(names):
-        if not name:
-            raise ScenarioError("must not be empty", (field, i, "name"))
-        _check_printable(name, (field, i, "name"))
-        if name in seen:
-            raise ScenarioError(f"must be unique, got {name!r} twice", (field, i, "name"))
-        seen.add(name)

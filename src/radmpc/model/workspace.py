@@ -1,4 +1,4 @@
-"""Where vehicles may be."""
+"""The box that vehicles must stay in."""
 
 from __future__ import annotations
 

@@ -22,7 +22,9 @@ from radmpc.plotting.canvas.style import (
 
 __all__ = ["Chart", "Spread", "plot_chart"]
 
-_HEIGHT = 2.5  # [in]
+_HEIGHT = 2.5
+"""Height of a chart [in]."""
+
 _SIDESTEP = 0.08
 """How far apart the methods stand at one number, so that their bars do not hide each other."""
 
@@ -38,7 +40,7 @@ class Spread:
     label : str
         In the legend.
     x : sequence of float
-        Where.
+        Fleet sizes, or other numbers along the axis.
     low, middle, high : sequence of float
         The bar's ends and the marker.
     is_bound : sequence of bool

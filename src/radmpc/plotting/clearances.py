@@ -1,4 +1,4 @@
-"""How far hulls stay from what they must not touch, over time. No matplotlib."""
+"""Clearances between hulls and obstacles over time. No matplotlib."""
 
 from __future__ import annotations
 
@@ -80,13 +80,13 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
     """
     scenario = plan.scenario
     count = _points_per_step(plan)
-    ways = np.array([_fine_path(plan, i, count) for i in range(len(plan.trajectories))])
+    paths = np.array([_fine_path(plan, i, count) for i in range(len(plan.trajectories))])
     noise = np.array([_fine_noise(plan, i, count) for i in range(len(plan.trajectories))])
-    times = np.linspace(0.0, scenario.dt * scenario.horizon, ways.shape[1])
-    found = [_of_pair(plan, i, j, ways, noise, times) for i, j in _near_pairs(plan, ways, noise)]
+    times = np.linspace(0.0, scenario.dt * scenario.horizon, paths.shape[1])
+    found = [_of_pair(plan, i, j, paths, noise, times) for i, j in _near_pairs(plan, paths, noise)]
     for obstacle in scenario.obstacles:
-        for i in range(len(ways)):
-            found.append(_of_obstacle(plan, i, obstacle, ways[i], noise[i], times))
+        for i in range(len(paths)):
+            found.append(_of_obstacle(plan, i, obstacle, paths[i], noise[i], times))
     at_steps = scenario.avoidance == "steps"
     return tuple(sorted(found, key=lambda c: c.least(at_steps=at_steps))[:most])
 
@@ -118,7 +118,17 @@ def _fine_noise(plan: Plan, index: int, count: int) -> Tensor:
 
 
 def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
-    """Return the distances between a vehicle's hull and an obstacle at the steps, (T+1,) [m]."""
+    """Return the distances between a vehicle's hull and an obstacle at the steps, (T+1,) [m].
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    i : int
+        Number of the vehicle.
+    obstacle : Obstacle
+        Of its scenario.
+    """
     vehicle = plan.scenario.vehicles[i]
     places = positions(vehicle, plan.trajectories[i])
     found = [_nearest(places[k : k + 1], obstacle.at(k))[0][0] for k in range(len(places))]
@@ -126,7 +136,17 @@ def distances_at_steps(plan: Plan, i: int, obstacle: Obstacle) -> Vector:
 
 
 def touches_way(plan: Plan, i: int, obstacle: Obstacle) -> bool:
-    """Whether a vehicle's swept hull touches what a moving obstacle sweeps, at whatever times."""
+    """Whether a vehicle's swept hull touches what a moving obstacle sweeps, at whatever times.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    i : int
+        Number of the vehicle.
+    obstacle : Obstacle
+        Of its scenario.
+    """
     vehicle = plan.scenario.vehicles[i]
     path = mean_path(vehicle, plan.trajectories[i])
     # From faces alone: at corners a little early, for pictures near enough.
@@ -137,25 +157,25 @@ def touches_way(plan: Plan, i: int, obstacle: Obstacle) -> bool:
     )
 
 
-def _near_pairs(plan: Plan, ways: Tensor, noise: Tensor) -> list[tuple[int, int]]:
+def _near_pairs(plan: Plan, paths: Tensor, noise: Tensor) -> list[tuple[int, int]]:
     """Return the pairs that come near each other at any time."""
     vehicles = plan.scenario.vehicles
     if len(vehicles) <= 8:
         return list(combinations(range(len(vehicles)), 2))
     spread = float(np.sqrt(np.trace(noise, axis1=2, axis2=3).max()))
     # Two may come together and part again within what both move from point to point.
-    move = float(np.linalg.norm(np.diff(ways, axis=1), axis=2).max(initial=0.0))
+    move = float(np.linalg.norm(np.diff(paths, axis=1), axis=2).max(initial=0.0))
     reach = 6.0 * max(v.radius for v in vehicles) + _NEAR * spread + 2.0 * move
     found: set[tuple[int, int]] = set()
-    for k in range(ways.shape[1]):
-        found |= cKDTree(ways[:, k]).query_pairs(reach)
+    for k in range(paths.shape[1]):
+        found |= cKDTree(paths[:, k]).query_pairs(reach)
     return sorted(found)
 
 
-def _of_pair(plan: Plan, i: int, j: int, ways: Tensor, noise: Tensor, times: Vector) -> Clearance:
+def _of_pair(plan: Plan, i: int, j: int, paths: Tensor, noise: Tensor, times: Vector) -> Clearance:
     """Return the distance between two vehicles' hulls."""
     one, two = plan.scenario.vehicles[i], plan.scenario.vehicles[j]
-    between = ways[j] - ways[i]
+    between = paths[j] - paths[i]
     centers = np.linalg.norm(between, axis=1)
     along = between / np.maximum(centers, 1e-12)[:, None]
     variance = np.einsum("pa,pab,pb->p", along, noise[i] + noise[j], along)
@@ -165,21 +185,21 @@ def _of_pair(plan: Plan, i: int, j: int, ways: Tensor, noise: Tensor, times: Vec
 
 
 def _of_obstacle(
-    plan: Plan, i: int, obstacle: Obstacle, way: Matrix, noise: Tensor, times: Vector
+    plan: Plan, i: int, obstacle: Obstacle, path: Matrix, noise: Tensor, times: Vector
 ) -> Clearance:
     """Return the distance between a vehicle's hull and an obstacle."""
     vehicle = plan.scenario.vehicles[i]
     stride = (len(times) - 1) // plan.scenario.horizon
     if obstacle.is_moving:
-        shares = np.arange(len(way)) / stride
+        shares = np.arange(len(path)) / stride
         at_steps = [
-            _nearest(way[k : k + 1], (hull(moving_outline(obstacle, float(share))),))
+            _nearest(path[k : k + 1], (hull(moving_outline(obstacle, float(share))),))
             for k, share in enumerate(shares)
         ]
         distance = np.concatenate([found[0] for found in at_steps])
         along = np.concatenate([found[1] for found in at_steps])
     else:
-        distance, along = _nearest(way, obstacle.at(0))
+        distance, along = _nearest(path, obstacle.at(0))
     variance = np.einsum("pa,pab,pb->p", along, noise, along)
     name = f"{vehicle.name}, {obstacle.name}"
     return Clearance(name, times, distance - vehicle.radius, np.sqrt(variance), stride)
@@ -218,7 +238,7 @@ def _feet(points: Matrix, piece: Polytope) -> Matrix:
     corners = piece.vertices - piece.vertices.mean(axis=0)
     heavy = _HEAVY * max(float(np.abs(corners).max()), 1.0)
     matrix = np.vstack([corners.T, np.full(len(corners), heavy)])
-    wanted = points - piece.vertices.mean(axis=0)
-    weights = np.array([nnls(matrix, np.append(w, heavy))[0] for w in wanted])
+    offsets = points - piece.vertices.mean(axis=0)
+    weights = np.array([nnls(matrix, np.append(w, heavy))[0] for w in offsets])
     weights /= weights.sum(axis=1, keepdims=True)
     return np.asarray(weights @ piece.vertices)

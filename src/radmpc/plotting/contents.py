@@ -1,4 +1,4 @@
-"""All of a plan within axes that are settled, flat or in space."""
+"""All of a plan within axes whose limits and size are final, flat or in space."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from radmpc.plotting.scenario import draw_surroundings, name_vehicles
 
 __all__ = ["draw_contents"]
 
-_SWEEP = 0.4  # strength of moving obstacles beside their ghosts
+_SWEEP = 0.4
+"""Opacity of moving obstacles beside their ghosts, as a share of the usual [-]."""
 
 
 def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:

@@ -1,4 +1,4 @@
-"""The picture of who was planned together and why."""
+"""The coupling graph: which vehicles were planned together, and why."""
 
 from __future__ import annotations
 
@@ -24,12 +24,23 @@ from radmpc.plotting.risk.ledger_looks import new_column
 
 __all__ = ["plot_couplings"]
 
-_APART = 1.0  # between two vehicles of a set
-_GAP = 0.8  # between two sets
-_ALONE = 0.6  # between two vehicles planned alone
-_BESIDE = 0.14  # from an edge to its number
+_APART = 1.0
+"""Distance between two vehicles of a set, the unit of the diagram."""
+
+_GAP = 0.8
+"""Distance between two sets, in that unit."""
+
+_ALONE = 0.6
+"""Distance between two vehicles planned alone, in that unit."""
+
+_BESIDE = 0.14
+"""Distance from an edge to its number, in that unit."""
+
 _MOST_NUMBERS = 16
-_FRAME = 0.75  # title, facts and margins [in]
+"""Edges up to which each carries its risk as a number."""
+
+_FRAME = 0.75
+"""Height of title, facts and margins [in]."""
 
 
 def plot_couplings(plan: Plan, ax: Axes | None = None) -> Axes:

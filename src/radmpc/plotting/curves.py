@@ -28,11 +28,22 @@ ABOVE: Plane = (0, 1)
 SIDE: Plane = (0, 2)
 
 _POINTS_PER_STEP = 10
+"""Points that a curved path is drawn with per step."""
+
 _POINTS_PER_RING = 48
+"""Points that an ellipse is drawn with."""
 
 
 def positions(vehicle: Vehicle, trajectory: Trajectory) -> Matrix:
-    """Return the mean positions at the steps, (T+1, d) [m]."""
+    """Return the mean positions at the steps, (T+1, d) [m].
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose dynamics.
+    trajectory : Trajectory
+        Its part of the plan.
+    """
     return trajectory.means[:, list(vehicle.system.position)]
 
 
@@ -73,6 +84,17 @@ def confidence_ellipses(
     """Return the outline of the position's confidence ellipse at every step, each (p, 2) [m].
 
     In space it is the outline of the ellipsoid as it is seen along the third coordinate.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose dynamics.
+    trajectory : Trajectory
+        Its part of the plan.
+    sigmas : float
+        Half axes [standard deviations].
+    plane : (int, int)
+        The two coordinates that are drawn.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, _POINTS_PER_RING, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)])
@@ -86,7 +108,17 @@ def confidence_ellipses(
 def ellipsoid_rings(
     vehicle: Vehicle, trajectory: Trajectory, sigmas: float = 3.0
 ) -> tuple[Matrix, ...]:
-    """Return the three principal rings of the confidence ellipsoid at every step [m]."""
+    """Return the three principal rings of the confidence ellipsoid at every step [m].
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose dynamics, in space.
+    trajectory : Trajectory
+        Its part of the plan.
+    sigmas : float
+        Half axes [standard deviations].
+    """
     angles = np.linspace(0.0, 2.0 * np.pi, _POINTS_PER_RING)
     circle = np.stack([np.cos(angles), np.sin(angles)])
     roots = _roots(vehicle, trajectory, (0, 1, 2))
@@ -99,6 +131,13 @@ def ellipsoid_rings(
 
 def point_along(path: Matrix, share: float) -> tuple[Vector, Vector] | None:
     """Return the point at a share of the path's length and the direction there.
+
+    Parameters
+    ----------
+    path : (p, d) array
+        Points of a path [m].
+    share : float
+        Share of its length, from 0 to 1.
 
     Returns
     -------

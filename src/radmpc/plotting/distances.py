@@ -1,4 +1,4 @@
-"""The picture of distances over time against what is allowed."""
+"""The picture of clearances over time."""
 
 from __future__ import annotations
 
@@ -15,9 +15,14 @@ from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing,
 
 __all__ = ["plot_distances"]
 
-_HEIGHT = 2.4  # [in]
+_HEIGHT = 2.4
+"""Height of the figure [in]."""
+
 _SIGMAS = 3.0
-_TALL = 3.0  # of the view, in multiples of what the least distances need
+"""Half width of the bands [standard deviations]."""
+
+_TALL = 3.0
+"""Height of the view, in multiples of what the least distances need [-]."""
 
 
 def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes:

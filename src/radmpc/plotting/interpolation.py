@@ -1,4 +1,4 @@
-"""Where everything is at a moment between steps. No matplotlib."""
+"""Positions of vehicles and obstacles between steps. No matplotlib."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.curves import mean_path, positions
 
-__all__ = ["Way", "moving_outline", "way_of"]
+__all__ = ["InterpolatedPath", "interpolated_path", "moving_outline"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
-    """A vehicle's way, frame by frame.
+class InterpolatedPath:
+    """A vehicle's mean path and spread, frame by frame.
 
     Attributes
     ----------
-    places : (f, d) array
+    positions : (f, d) array
         Mean position at each frame [m].
     roots : (f, d, d) array
         Square root of the position covariance at each frame, principal axes as columns [m].
@@ -33,30 +33,30 @@ class Way:
         curve between where intervals count; at T the square alone.
     """
 
-    places: Matrix
+    positions: Matrix
     roots: Tensor
     boxes: tuple[Matrix, ...]
 
 
-def way_of(
+def interpolated_path(
     vehicle: Vehicle, trajectory: Trajectory, per_step: int, *, intervals: bool = True
-) -> Way:
-    """Return a vehicle's way at ``per_step`` frames per step, and the last one.
+) -> InterpolatedPath:
+    """Return a vehicle's path at ``per_step`` frames per step, and the last one.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Who.
+        The vehicle.
     trajectory : Trajectory
         Its part of a plan.
     per_step : int
         Frames per step.
     intervals : bool
-        Whether the way between steps counts.
+        Whether the path between steps counts.
 
     Returns
     -------
-    Way
+    InterpolatedPath
         Covariances are interpolated between steps.
     """
     axes = list(vehicle.system.position)
@@ -64,8 +64,8 @@ def way_of(
     steps = len(at_steps) - 1
     path = mean_path(vehicle, trajectory)
     frames = np.linspace(0.0, 1.0, steps * per_step + 1)
-    known = np.linspace(0.0, 1.0, len(path))
-    places = np.column_stack([np.interp(frames, known, column) for column in path.T])
+    drawn = np.linspace(0.0, 1.0, len(path))
+    means = np.column_stack([np.interp(frames, drawn, column) for column in path.T])
     coarse = trajectory.covariances[:, axes][:, :, axes]
     share = frames * steps
     low = np.minimum(share.astype(int), steps - 1)
@@ -83,13 +83,20 @@ def way_of(
         hull(np.vstack(squares[k * spaced : (k + 1) * spaced + 1])).vertices
         for k in range(steps + 1)
     )
-    return Way(places, np.asarray(roots), boxes)
+    return InterpolatedPath(means, np.asarray(roots), boxes)
 
 
 def moving_outline(obstacle: Obstacle, time: float) -> Matrix:
     """Return the corners of a moving obstacle at a moment, counted in steps, (c, d) [m].
 
     Between steps it is the Minkowski interpolation of its outlines, as the certificate has it.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        With one convex outline per step.
+    time : float
+        Time since the start [steps].
     """
     last = len(obstacle.steps) - 1
     before = min(int(time), last)

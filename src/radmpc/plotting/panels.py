@@ -23,9 +23,14 @@ from radmpc.plotting.plan import plot_plan
 
 __all__ = ["Panel", "plot_panels"]
 
-_WIDTH = 3.0  # of a panel [in]
-_LINE = 0.135  # of text [in]
+_WIDTH = 3.0
+"""Width of a panel [in]."""
+
+_LINE = 0.135
+"""Height of a line of text [in]."""
+
 _MOST_COLUMNS = 3
+"""Panels side by side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

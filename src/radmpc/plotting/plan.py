@@ -1,4 +1,4 @@
-"""The picture of an answer."""
+"""The picture of a plan."""
 
 from __future__ import annotations
 

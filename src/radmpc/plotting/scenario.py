@@ -1,4 +1,4 @@
-"""The picture of a question: what stands where and who goes where."""
+"""The picture of a scenario: obstacles, starts and goals."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def plot_scenario(scenario: Scenario, ax: Axes | None = None) -> Axes:
 
 
 def _draw(ax: Axes, scenario: Scenario, plane: Plane) -> None:
-    """Draw all of a scenario within axes that are settled."""
+    """Draw all of a scenario within axes whose limits and size are final."""
     colors = vehicle_colors([v.name for v in scenario.vehicles], [])
     board = board_of(ax)
     draw_surroundings(ax, scenario, board, colors, plane=plane)
@@ -83,6 +83,23 @@ def draw_surroundings(
     """Draw everything but trajectories and the names of vehicles.
 
     Moving obstacles on request, with what strength is asked for.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where, flat or in space.
+    scenario : Scenario
+        The scenario to draw.
+    board : LabelBoard or SpaceBoard
+        Where texts stand.
+    colors : dict
+        Color by vehicle.
+    moving : bool
+        Whether moving obstacles are drawn.
+    strength : float
+        Opacity of those, as a share of the usual [-].
+    plane : (int, int)
+        The two coordinates that are drawn.
     """
     pale = {o.name: strength if o.is_moving else 1.0 for o in scenario.obstacles}
     is_named = max(len(scenario.obstacles), scenario.num_vehicles) <= MAX_LABELS
@@ -111,7 +128,19 @@ def draw_surroundings(
 def name_vehicles(
     scenario: Scenario, board: Board, colors: dict[str, Color], plane: Plane = ABOVE
 ) -> None:
-    """Write every vehicle's name beside its start, unless there are too many to read."""
+    """Write every vehicle's name beside its start, unless there are too many to read.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose vehicles.
+    board : LabelBoard or SpaceBoard
+        Where other texts stand.
+    colors : dict
+        Color by vehicle.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     if scenario.num_vehicles > MAX_LABELS:
         return
     for vehicle in scenario.vehicles:

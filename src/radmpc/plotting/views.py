@@ -27,11 +27,21 @@ from radmpc.plotting.curves import ABOVE, SIDE, Plane
 __all__ = ["Views", "new_views", "settle_views"]
 
 _WIDTH = 2.0 * COLUMN_WIDTH  # [in]
-_BESIDE = 0.45  # ticks and label of the y axis, and the gap between the columns [in]
-_BELOW = 0.56  # heading, ticks and label of a flat panel [in]
-_LINE = 0.135  # a line of text [in]
-_EDGES = 0.40  # above the first line and below the last [in]
-_LEAST, _MOST = 0.25, 0.62  # share of the width that the flat panels get
+
+_BESIDE = 0.45
+"""Width of ticks and label of the y axis, and of the gap between the columns [in]."""
+
+_BELOW = 0.56
+"""Height of heading, ticks and label of a flat panel [in]."""
+
+_LINE = 0.135
+"""Height of a line of text [in]."""
+
+_EDGES = 0.40
+"""Empty space above the first line and below the last [in]."""
+
+_LEAST, _MOST = 0.25, 0.62
+"""Least and largest share of the width that the flat panels get [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,8 @@ from radmpc.referee.motion import FleetMotion
 __all__ = ["claim_problems", "cost_of", "limit_problems", "shape_problems"]
 
 _TOL = 1e-6
+"""Difference up to which stated numbers and limits are kept, absolute below one and relative above
+[-]."""
 
 
 def shape_problems(plan: Plan) -> list[str]:
@@ -22,19 +24,21 @@ def shape_problems(plan: Plan) -> list[str]:
     if not plan.trajectories:
         return ["plan: holds no trajectories"]
     problems = []
-    wanted = [v.name for v in plan.scenario.vehicles]
+    expected = [v.name for v in plan.scenario.vehicles]
     given = [t.name for t in plan.trajectories]
-    problems += [f"vehicle {name!r}: missing from the plan" for name in wanted if name not in given]
-    problems += [f"vehicle {name!r}: not in the scenario" for name in given if name not in wanted]
+    problems += [
+        f"vehicle {name!r}: missing from the plan" for name in expected if name not in given
+    ]
+    problems += [f"vehicle {name!r}: not in the scenario" for name in given if name not in expected]
     problems += [
         f"vehicle {name!r}: stands {given.count(name)} times in the plan, allowed is once"
         for name in dict.fromkeys(given)
-        if name in wanted and given.count(name) > 1
+        if name in expected and given.count(name) > 1
     ]
     if problems:
         return problems
-    if given != wanted:
-        problems.append(f"plan: vehicles stand in the order {given}, the scenario's is {wanted}")
+    if given != expected:
+        problems.append(f"plan: vehicles stand in the order {given}, the scenario's is {expected}")
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=True):
         if trajectory.name == vehicle.name:
             problems += _array_problems(plan.scenario.horizon, vehicle, trajectory)
@@ -44,14 +48,14 @@ def shape_problems(plan: Plan) -> list[str]:
 def _array_problems(horizon: int, vehicle: Vehicle, trajectory: Trajectory) -> list[str]:
     """Return which of a vehicle's arrays have the wrong shape or numbers that are not finite."""
     n, m = vehicle.system.num_states, vehicle.system.num_controls
-    wanted = {
+    expected = {
         "controls": (horizon, m),
         "means": (horizon + 1, n),
         "covariances": (horizon + 1, n, n),
         "gain": (m, n),
     }
     problems = []
-    for field, shape in wanted.items():
+    for field, shape in expected.items():
         array: npt.NDArray[np.float64] | None = getattr(trajectory, field)
         if array is not None and array.shape != shape:
             problems.append(
@@ -105,6 +109,13 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     """Return where stated means, covariances, gains, cost or bound are not the true ones.
 
     Numbers may differ by 1e-6, or by 1e-6 of the larger where they exceed one.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    motion : FleetMotion
+        The true one, under the plan's controls.
     """
     problems = statement_problems(plan)
     for i, (vehicle, stated) in enumerate(
@@ -173,6 +184,13 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     """Return which limits and goals the mean does not keep, beyond 1e-6.
 
     Speeds are checked at k = 1..T: the start is the scenario's, not the plan's.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    motion : FleetMotion
+        The true one, under the plan's controls.
     """
     problems = []
     for i, (vehicle, trajectory) in enumerate(

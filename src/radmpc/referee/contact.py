@@ -15,9 +15,9 @@ __all__ = ["Solid", "clipped", "origin_distances", "solid_distances", "solid_of"
 
 Flags = npt.NDArray[np.bool_]
 
-# What a crossing may miss by, per meter of the largest height: a wall without thickness is left
-# where it is entered, and both are rounded.
 _ROUNDING = 1e-14
+"""What a crossing may miss by, per meter of the largest height [-]: a wall without thickness is
+left where it is entered, and both are rounded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

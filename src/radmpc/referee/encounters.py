@@ -1,4 +1,4 @@
-"""Every vehicle with everything it could hit, in batches."""
+"""Encounters of vehicles with each other, obstacles and the workspace, in batches."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from radmpc.referee.sites import Sites
 
 __all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites"]
 
-# Numbers in the largest temporary array of one block.
 _BLOCK = 2_000_000
+"""Numbers in the largest temporary array of one block: memory against the overhead per block."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,16 +120,16 @@ def interval_sites(encounters: Encounters) -> Sites:
     """Return one site per encounter and interval: near end, bent near end if any, far end."""
     count, num_intervals, d = encounters.sagittas.shape
     means, covariances = encounters.means, encounters.covariances
-    places = [means[:, :-1], means[:, 1:]]
+    positions = [means[:, :-1], means[:, 1:]]
     spreads = [covariances[:, :-1], covariances[:, 1:]]
     is_near = [True, False]
     if encounters.bent_covariances is not None:
-        places.insert(1, means[:, :-1])
+        positions.insert(1, means[:, :-1])
         spreads.insert(1, encounters.bent_covariances)
         is_near.insert(1, True)
-    ends = len(places)
+    ends = len(positions)
     return Sites(
-        np.stack(places, axis=2).reshape(-1, ends, d),
+        np.stack(positions, axis=2).reshape(-1, ends, d),
         np.stack(spreads, axis=2).reshape(-1, ends, d, d),
         tuple(is_near),
         encounters.sagittas.reshape(-1, d),

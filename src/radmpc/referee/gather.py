@@ -20,8 +20,8 @@ __all__ = ["Gathered", "gather_obstacles", "gather_pairs"]
 
 Flags = npt.NDArray[np.bool_]
 
-# Fleets up to this many encounters are looked at one by one; beyond, an index skips the far ones.
 _EXPLICIT = 2_000
+"""Encounters up to which all are looked at one by one; beyond, an index skips the far ones."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +53,19 @@ class _Near:
 def gather_pairs(
     scenario: Scenario, motion: FleetMotion, *, intervals: bool, always: Flags | None = None
 ) -> Gathered:
-    """Return all pairs as relative motions against the origin; far ones of nobody in ``always``."""
+    """Return all pairs as relative motions against the origin; far ones are left out.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    motion : FleetMotion
+        Of the fleet.
+    intervals : bool
+        Whether collisions count between steps.
+    always : (N,) bool array or None
+        Vehicles whose encounters are never left out; None is none.
+    """
     count = scenario.num_vehicles
     if count * (count - 1) // 2 <= _EXPLICIT or (always is not None and always.any()):
         pairs = np.column_stack(np.triu_indices(count, 1))
@@ -103,7 +115,19 @@ def _pair_directions(count: int, dimension: int) -> Matrix:
 def gather_obstacles(
     scenario: Scenario, motion: FleetMotion, *, intervals: bool, always: Flags | None = None
 ) -> Gathered:
-    """Return all vehicles against all convex pieces of obstacles; see `gather_pairs`."""
+    """Return all vehicles against all convex pieces of obstacles; see `gather_pairs`.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    motion : FleetMotion
+        Of the fleet.
+    intervals : bool
+        Whether collisions count between steps.
+    always : (N,) bool array or None
+        Vehicles whose encounters are never left out; None is none.
+    """
     count = scenario.num_vehicles
     skipped = np.zeros(count, dtype=np.int64)
     if not scenario.obstacles:

@@ -57,7 +57,7 @@ class FleetMotion:
         Position covariances [m²].
     sagittas : (N, T, d) array
         ``a dt²/8`` for a double integrator under acceleration a, else 0: how far the mean curve
-        hangs off its chord in the middle of each interval, against a [m].
+        deviates from its chord in the middle of each interval, against a [m].
     bends : tuple of (d, n) array or None
         ``G = B_p K`` of those whose path between steps is bent by feedback held over the step: at
         a share s it adds ``−s (1 − s) G δ_k``; None for all others.
@@ -127,7 +127,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         bend = None
         pushes = vehicle.system.B[axes[i]]
         if vehicle.system.is_double_integrator:
-            # The push that shifts the position by B_p u over a step hangs off its chord by a
+            # The push that shifts the position by B_p u over a step deviates from its chord by a
             # quarter of that in the middle.
             sagittas[i] = controls[i] @ pushes.T / 4.0
             bend = None if vehicle.gain is None else pushes @ vehicle.gain

@@ -1,4 +1,4 @@
-"""Who is worth a closer look: everyone else is charged a bound that distance alone gives."""
+"""Encounters near enough to be bounded one by one; all others are charged by distance alone."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ from radmpc.referee.motion import FleetMotion
 
 __all__ = ["CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
 
-# Standard deviations from which an encounter is far, and the risk of one half-space there.
 _CUTOFF = 9.0
-# Vehicles up to which every pair is looked at: a tree is no quicker, and takes long to load.
+"""Distance from which an encounter is far [standard deviations]."""
+
 _FEW = 64
+"""Vehicles up to which every pair is looked at [-]: a tree is no quicker, and slow to load."""
+
 CUTOFF_RISK = float(ndtr(-_CUTOFF))
+"""Risk of one half-space at that distance [-]: what a far encounter is charged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +36,7 @@ class Balls:
     """
 
     centers: Tensor
-    reaches: Vector
+    reaches: Matrix
 
 
 def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
@@ -42,6 +45,13 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     Two vehicles whose balls do not meet in a window are separated there by the half-space across
     the line of centers, with at least 9 standard deviations to spare at every end:
     ``|cᵢ − cⱼ| >= Rᵢ + Rⱼ`` and ``sqrt(a + b) <= sqrt(a) + sqrt(b)``.
+
+    Parameters
+    ----------
+    motion : FleetMotion
+        Of the fleet.
+    intervals : bool
+        Whether windows are intervals, or steps.
     """
     deviations = np.sqrt(np.linalg.eigvalsh(motion.position_covariances)[..., -1].clip(min=0.0))
     radii = motion.radii[:, None]

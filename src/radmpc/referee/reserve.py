@@ -1,4 +1,4 @@
-"""How much of the reserve for the sagitta each end of an interval keeps."""
+"""The reserve for the sagitta, and how the two ends of an interval share it."""
 
 from __future__ import annotations
 
@@ -11,15 +11,24 @@ from radmpc.arrays import Matrix, Tensor, Vector
 
 __all__ = ["CONTACT_TOL", "held", "in_deviations", "reserves"]
 
-# Touching is no collision. Without noise that must not hang on the last bit of a sum.
 CONTACT_TOL = 1e-9
+"""Overlap that counts as touching [m], which is no collision: without noise the verdict must not
+depend on the last bit of a sum."""
 
 _SHARES = (0.5, 0.0, 1.0, 0.25, 0.75)
 """Shares of the reserve that are tried for the near end besides the balanced one; any is valid."""
 
 
 def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
-    """Return margins in standard deviations; ±inf without noise."""
+    """Return margins in standard deviations; ±inf without noise.
+
+    Parameters
+    ----------
+    margins : array
+        Any shape [m].
+    spread : array
+        Standard deviations [m], of the same shape.
+    """
     noisy = spread > 0.0
     with np.errstate(over="ignore"):  # a margin of meters over a deviation of 1e-160
         if noisy.all():
@@ -30,7 +39,17 @@ def in_deviations(margins: Tensor, spread: Tensor) -> Tensor:
 
 
 def reserves(is_near: tuple[bool, ...], sagitta: Matrix, shares: Tensor | float) -> Tensor:
-    """Return what each end keeps in reserve for a sag, (S, C, E), ends first in memory [m]."""
+    """Return what each end keeps in reserve for the sagitta, (S, C, E), ends first in memory [m].
+
+    Parameters
+    ----------
+    is_near : tuple of bool
+        Of each of E ends, whether it is the near one of its interval.
+    sagitta : (S, C) array
+        Of the mean curve across each half-space [m].
+    shares : (S, C) array or float
+        Share θ of the reserve that near ends keep.
+    """
     near, far = (
         4.0 * sagitta * np.square(shares),
         4.0 * sagitta * np.square(1.0 - np.asarray(shares)),
@@ -41,7 +60,7 @@ def reserves(is_near: tuple[bool, ...], sagitta: Matrix, shares: Tensor | float)
 def held(
     is_near: tuple[bool, ...], margins: Matrix, spread: Matrix, sagitta: Vector
 ) -> tuple[Matrix, Vector]:
-    """Return the clearances of half-spaces whose ends share the reserve as costs least.
+    """Return the clearances of half-spaces whose ends share the reserve at the least risk.
 
     Parameters
     ----------
@@ -50,7 +69,7 @@ def held(
     margins, spread : (N, E) array
         Margins without any reserve, and standard deviations along the normals [m].
     sagitta : (N,) array
-        How far the mean curves hang toward the sets in mid-interval, > 0 [m].
+        Deviation of the mean curves from their chords toward the sets in mid-interval, > 0 [m].
 
     Returns
     -------

@@ -42,6 +42,8 @@ class Sampler:
         Rows of the stacked states.
     starts : (N,) int array
         First row of each vehicle's state; −1 where it is not drawn.
+    blocks : tuple
+        Vehicles of one size of state, drawn together.
     """
 
     width: int
@@ -50,7 +52,15 @@ class Sampler:
 
     @classmethod
     def of(cls, motion: FleetMotion, needed: Indices) -> Sampler:
-        """Stack the vehicles that are needed."""
+        """Stack the vehicles that are needed.
+
+        Parameters
+        ----------
+        motion : FleetMotion
+            Of the fleet.
+        needed : int array
+            Numbers of the vehicles to be drawn.
+        """
         starts = np.full(len(motion.states), -1, dtype=np.int64)
         blocks, row = [], 0
         for group in motion.groups:

@@ -1,4 +1,4 @@
-"""Controls that may ask for more than there is: how likely that is, and what is cut off then."""
+"""Control saturation: a bound on its probability, and the part of a control that is cut off."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LIMIT_TOL = 1e-6
 """What a nominal control may exceed its limit by, as solvers' tolerances let it [m/s²]."""
 
 _CERTAIN = 1e-12
-"""Probability below which nobody waits for a vehicle to saturate [-]."""
+"""Probability below which a vehicle is taken never to saturate in samples [-]."""
 
 
 def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence[Matrix]) -> Vector:
@@ -99,7 +99,19 @@ class Cutoff:
 def cutoffs(
     scenario: Scenario, loose: Flags, controls: Sequence[Matrix], sampler: Sampler
 ) -> tuple[Cutoff, ...]:
-    """Return the cut-offs of all steps 0..T-1 for the vehicles that may saturate."""
+    """Return the cut-offs of all steps 0..T-1 for the vehicles that may saturate.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    loose : (N,) bool array
+        Vehicles that may saturate.
+    controls : sequence of (T, m) array
+        Nominal controls of all vehicles.
+    sampler : Sampler
+        What draws their deviations.
+    """
     chosen = [i for i in np.flatnonzero(loose).tolist() if scenario.vehicles[i].gain is not None]
     rows, columns, gains, pushes = [], [], [np.zeros(0)], [np.zeros(0)]
     first = 0

@@ -1,4 +1,4 @@
-"""Where half-spaces must hold, and what is seen of it along their normals."""
+"""Sites where half-spaces must hold, and their projections on the normals."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Sites:
     is_near : tuple of bool
         Which of the E ends stand at the beginning of the interval; one alone is a step.
     sagittas : (S, d) array
-        How far the mean curve hangs off its chord in the middle of the interval, 0 at steps [m].
+        Deviation of the mean curve from its chord in the middle of the interval, 0 at steps [m].
     radii : (S,) array
         Radius that grows the set [m].
     vertices : (S, 1 or 2, V, d) array
@@ -70,7 +70,7 @@ class Chords:
     deviations : (S, C, E) array
         Standard deviations [m].
     sagittas : (S, C) array
-        How far the mean curves hang toward the sets in mid-interval [m].
+        Deviation of the mean curves from their chords toward the sets in mid-interval [m].
     """
 
     margins: Tensor
@@ -87,7 +87,7 @@ def chords(sites: Sites, directions: Tensor) -> Chords:
     Parameters
     ----------
     sites : Sites
-        S places with E ends.
+        S sites with E ends.
     directions : (S, C, d) array
         Unit normals [-].
     """

@@ -38,7 +38,7 @@ class CompareRequest:
     time_limit : float or None
         Seconds for each planner.
     samples : int
-        Flights per plan.
+        Samples per plan.
     jobs : int
         Number of processes.
     dask : str or None
@@ -82,6 +82,13 @@ def check_compare(request: CompareRequest) -> None:
 
 def run_compare(scenario: Scenario, request: CompareRequest) -> int:
     """Plan with every planner, report and write the picture.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario to plan.
+    request : CompareRequest
+        What was typed.
 
     Returns
     -------

@@ -16,7 +16,7 @@ from radmpc.console.picture import (
 )
 from radmpc.console.reports.progress import progress_line
 from radmpc.console.reports.report import plan_report
-from radmpc.console.reports.stages import told_stages
+from radmpc.console.reports.stages import stage_notes
 from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.console.running.workers import workers
@@ -98,6 +98,13 @@ def check_request(request: Request) -> None:
 def run_plan(scenario: Scenario, request: Request) -> int:
     """Plan a scenario, write what was asked for and report.
 
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario to plan.
+    request : Request
+        What was typed.
+
     Returns
     -------
     int
@@ -106,7 +113,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     with (
         stop_on_interrupt() as is_stopped,
         workers(request.jobs, request.dask) as executor,
-        told_stages(request.is_verbose),
+        stage_notes(request.is_verbose),
         progress_line(
             is_wanted=not request.is_verbose,
             is_planning=True,
@@ -143,7 +150,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
 
 
 def _draw(record: Plan, request: Request) -> None:
-    """Write the pictures and the film that were asked for, each told once it is there."""
+    """Write the pictures and the film that were asked for; report each file once it is written."""
     is_first = request.output is None
     for name, path, write in (
         ("picture", request.figure, write_picture),

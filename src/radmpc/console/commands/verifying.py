@@ -1,4 +1,4 @@
-"""A plan judged anew, as one record and as a report."""
+"""A plan certified and simulated anew, as one record and as a report."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from radmpc.errors import ScenarioError
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Avoidance, Scenario
-from radmpc.referee import certify, simulate
+from radmpc.referee import Certificate, Simulation, certify, simulate
 
 __all__ = ["Verification", "run_verify", "verify_plan", "verify_report"]
 
@@ -39,13 +39,13 @@ class Verification:
     rate, rate_low, rate_high : float or None
         Simulated collision rate and its confidence interval.
     samples : int
-        Simulated missions.
+        Simulated samples of the mission.
     problems : tuple of str
         What does not hold.
     saturation_bound : float or None
         Upper bound on the probability that feedback ever asks for more control than there is.
     saturation_rate : float or None
-        Share of simulated missions in which it does, and is cut off.
+        Share of samples in which it does, and is cut off.
     warnings : tuple of str
         What the certificate does not speak of.
     """
@@ -75,7 +75,7 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
     path : Path
         The plan.
     samples : int
-        Missions to simulate.
+        Samples to simulate.
     seed : int
         Of the simulation.
     avoidance : str or None
@@ -117,7 +117,7 @@ def verify_plan(
     plan : Plan
         As read from a file.
     samples : int
-        Missions to simulate.
+        Samples to simulate.
     seed : int
         Of the simulation.
     avoidance : {'intervals', 'steps'} or None
@@ -132,7 +132,6 @@ def verify_plan(
     if not plan.trajectories:
         return Verification(False, bound, None, None, None, None, 0, _reasons(plan))
     certificate = certify(plan, avoidance=avoidance)
-    problems = certificate.problems
     try:
         with progress_line() as progress:
             simulation = simulate(
@@ -144,16 +143,22 @@ def verify_plan(
             )
     except ScenarioError as error:
         # Arrays that do not fit the scenario cannot be flown: an answer, not bad usage.
-        reasons = problems or (str(error),)
+        reasons = certificate.problems or (str(error),)
         certified, saturation = certificate.certified, certificate.saturation
         return Verification(False, bound, certified, None, None, None, 0, reasons, saturation)
+    return _verification(bound, certificate, simulation)
+
+
+def _verification(bound: float, certificate: Certificate, simulation: Simulation) -> Verification:
+    """Return what both say, and whether one contradicts the other."""
+    problems = certificate.problems
     # An upper bound below a rate that is surely larger would be wrong: do not trust either.
     is_contradicted = simulation.rate_low > max(bound, certificate.certified)
     if is_contradicted:
         problems += (
             f"the simulated collision rate is at least {simulation.rate_low:.4g}, "
             f"above the certificate {bound_text(certificate.certified)}"
-            f"; controls saturate in {100.0 * simulation.saturation_rate:.3g} % of missions",
+            f"; controls saturate in {100.0 * simulation.saturation_rate:.3g} % of samples",
         )
     warning = saturation_warning(bound, certificate.saturation)
     return Verification(
@@ -181,7 +186,17 @@ def _reasons(plan: Plan) -> tuple[str, ...]:
 def verify_report(
     scenario: Scenario, verification: Verification, avoidance: Avoidance | None = None
 ) -> list[Table | Text]:
-    """Return the same as parts to show, under the scenario in which the plan was judged."""
+    """Return the same as parts to show, under the scenario in which the plan was judged.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    verification : Verification
+        What was found.
+    avoidance : {'intervals', 'steps'} or None
+        Where collisions count; None is as in the scenario.
+    """
     judged = scenario if avoidance is None else replace(scenario, avoidance=avoidance)
     rows: dict[str, Text | str] = {
         "certificate": verdict(verification.certified, verification.bound)
@@ -189,7 +204,7 @@ def verify_report(
     if verification.rate is not None:
         hits = round(verification.rate * verification.samples)
         rows["simulated"] = (
-            f"{hits} of {verification.samples} missions collide: {verification.rate:.4g} "
+            f"{hits} of {verification.samples} samples collide: {verification.rate:.4g} "
             f"({verification.rate_low:.4g} to {verification.rate_high:.4g} with 95 % confidence)"
         )
     if verification.saturation_bound is not None:

@@ -1,1 +1,1 @@
-"""What the console says of plans: reports, reasons, progress."""
+"""What the console reports about plans: reports, reasons, progress."""

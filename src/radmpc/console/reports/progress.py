@@ -1,4 +1,4 @@
-"""One line that says what planning is at, on a terminal only."""
+"""A progress line, on a terminal only."""
 
 from __future__ import annotations
 
@@ -37,7 +37,15 @@ class ProgressLine:
         self._stage = progress_text(stage, done, total)
 
     def found(self, cost: float, bound: float | None) -> None:
-        """Take the cost of the best plan so far, and its lower bound or None."""
+        """Take the cost of the best plan so far, and its lower bound or None.
+
+        Parameters
+        ----------
+        cost : float
+            Of the incumbent.
+        bound : float or None
+            Lower bound on the cost of any plan; None where there is none yet.
+        """
         from radmpc.solvers.solution import relative_gap  # noqa: PLC0415 - verifying needs none
 
         gap = "" if bound is None else f", gap {100.0 * relative_gap(cost, bound):.2g} %"
@@ -76,7 +84,7 @@ def progress_line(
     is_wanted : bool
         Whether it is to be shown at all.
     is_planning, seconds : bool and float or None
-        As of `ProgressLine`.
+        As in `ProgressLine`.
 
     Yields
     ------
@@ -93,5 +101,15 @@ def progress_line(
 
 
 def progress_text(stage: str, done: int, total: int | None) -> str:
-    """Return one line about a stage."""
+    """Return one line about a stage.
+
+    Parameters
+    ----------
+    stage : str
+        What is being done.
+    done : int
+        How much of it.
+    total : int or None
+        Of how much; None is unknown.
+    """
     return f"{stage} {done}" if total is None else f"{stage} {done}/{total}"

@@ -18,7 +18,11 @@ __all__ = [
 ]
 
 _MOST_REASONS = 4
+"""Reasons of an infeasible scenario that a report lists; the rest is counted."""
+
 _MOST_LIMITS = 4
+"""Limits out of a vehicle's reach that a report lists; the rest is counted."""
+
 _SPENT = 0.97
 """Share of the risk bound beyond which it counts as used up."""
 
@@ -103,7 +107,7 @@ def limits_text(plan: Plan) -> str:
     Returns
     -------
     str
-        Empty where neither is used up: then the ways themselves cost as much.
+        Empty where neither is used up: then the paths themselves cost as much.
     """
     texts = []
     certified, bound = plan.risk.certified, plan.risk.bound
@@ -133,7 +137,7 @@ def cost_text(plan: Plan) -> str:
         return f"{cost:.6g} (no lower bound)"
     if cost < bound - _ROUNDING * abs(bound):
         return (
-            f"{cost:.6g} (below {bound:.6g}, the least of plans whose simple bounds sum to the "
+            f"{cost:.6g} (below {bound:.6g}, the least of plans whose union bound is within the "
             "risk bound: the certificate, which is tighter, lets this one spend more)"
         )
     gap = 0.0 if cost <= 0.0 else max(cost - bound, 0.0) / cost
@@ -163,11 +167,11 @@ def left_over_text(plan: Plan) -> str | None:
     share = f"{100.0 * left:.0f} % of the bound"
     if is_free:
         return (
-            f"{share}: spending it would not make the plan cheaper, the ways to the goals and the "
+            f"{share}: spending it would not make the plan cheaper, the paths to the goals and the "
             "limits of the vehicles cost as much anyway"
         )
     return (
-        f"{share}: the planner counts by simple bounds, which sum to more than the certificate, "
+        f"{share}: the planner counts by union bounds, which sum to more than the certificate, "
         "and by these the plan is optimal"
     )
 

@@ -1,4 +1,4 @@
-"""A plan in a screenful: status, cost, certificate, sets, seconds and where the risk goes."""
+"""A plan on one screen: status, cost, certificate, sets, seconds and where the risk goes."""
 
 from __future__ import annotations
 
@@ -24,8 +24,13 @@ from radmpc.model.plan import LedgerRow, Plan
 __all__ = ["facts", "ledger_table", "plan_report", "vehicle_table", "verdict"]
 
 _TOP_ROWS = 8
+"""Rows of the ledger that a report lists, largest first; the rest is summed up."""
+
 _MAX_SETS = 12
-_LEAST_SHARE = 1e-9  # of the bound; lines below it are summed up
+"""Sets of vehicles that a report names; the rest is counted."""
+
+_LEAST_SHARE = 1e-9
+"""Share of the risk bound [-] below which a row of the ledger is only summed up."""
 
 
 def plan_report(
@@ -79,7 +84,7 @@ def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text 
     if plan.risk.saturation is not None and has_feedback:
         rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
     if plan.risk.price is not None:
-        rows["price of risk"] = _price(plan.risk.price, plan)
+        rows["shadow price"] = _price(plan.risk.price, plan)
     limits = limits_text(plan)
     if limits:
         rows["limited by"] = limits
@@ -108,7 +113,15 @@ def facts(rows: Mapping[str, Text | str]) -> Table:
 
 
 def verdict(certified: float | None, bound: float) -> Text:
-    """Return the certificate against the bound, plainly."""
+    """Return the certificate against the bound, plainly.
+
+    Parameters
+    ----------
+    certified : float or None
+        Upper bound on the joint collision probability; None without a plan.
+    bound : float
+        Risk bound Δ.
+    """
     if certified is None:
         return Text("none", style="red")
     if certified <= bound:

@@ -35,7 +35,17 @@ def saturation_warning(bound: float, saturation: float) -> str | None:
 
 
 def saturation_line(bound: float, saturation: float, rate: float | None = None) -> Text | str:
-    """Return the bound on saturation, what a simulation saw of it, and a warning."""
+    """Return the bound on saturation, what a simulation saw of it, and a warning.
+
+    Parameters
+    ----------
+    bound : float
+        Risk bound Δ.
+    saturation : float
+        Upper bound on the probability that a control saturates.
+    rate : float or None
+        Share of samples in which one does; None without a simulation.
+    """
     if saturation == 0.0:
         return "none: no control can reach its limit"
     text = f"at most {saturation:.3g}"

@@ -1,4 +1,4 @@
-"""What planning says of its stages, on stderr, while it runs."""
+"""Stages of planning, reported on stderr while it runs."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["told_stages"]
+__all__ = ["stage_notes"]
 
 
 @contextmanager
-def told_stages(is_wanted: bool) -> Iterator[None]:
+def stage_notes(is_wanted: bool) -> Iterator[None]:
     """Show the package's log while the context lasts, a line per stage with the time since.
 
     Parameters

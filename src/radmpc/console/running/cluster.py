@@ -58,7 +58,7 @@ def cluster(address: str) -> Iterator[Executor]:
 
 
 def _check_answers(address: str) -> None:
-    """Refuse an address where nobody listens: Dask itself takes its time and many words."""
+    """Refuse an address where nobody listens; Dask itself would report it late and at length."""
     try:
         parts = urlsplit(address)
         host, port = parts.hostname, parts.port
@@ -73,7 +73,7 @@ def _check_answers(address: str) -> None:
 
 
 class _Lossless(Executor):
-    """Dask's executor, with its lost workers told as every executor tells them."""
+    """Dask's executor, with lost workers reported as by every other executor."""
 
     def __init__(self, inner: Any) -> None:
         self._inner = inner

@@ -1,4 +1,4 @@
-"""From whatever goes wrong to one line and an exit code."""
+"""Every error as one line and an exit code."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from radmpc.errors import FileFormatError, NoPlanError, RadmpcError, SolverError
 
 __all__ = ["Code", "GuardedCommands"]
 
-_INTERRUPTED = 130  # what typer turns Ctrl-C into
+_INTERRUPTED = 130
+"""Exit code that typer makes of Ctrl-C, as shells do: 128 and the signal's number."""
 
 # BadParameter's bases are the usage errors. Their own module is private in newer typer.
 _USAGE_ERRORS = typer.BadParameter.__bases__

@@ -41,7 +41,7 @@ def workers(jobs: int, dask: str | None = None) -> Iterator[Executor | None]:
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, mp_context=context)
     try:
-        _start_deaf(pool, jobs)
+        _start_ignoring_interrupts(pool, jobs)
         yield pool
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
@@ -51,10 +51,10 @@ def workers(jobs: int, dask: str | None = None) -> Iterator[Executor | None]:
     pool.shutdown(cancel_futures=True)
 
 
-def _start_deaf(pool: ProcessPoolExecutor, jobs: int) -> None:
-    """Start all workers, deaf to Ctrl-C: terminals send it to them too, but the parent decides.
+def _start_ignoring_interrupts(pool: ProcessPoolExecutor, jobs: int) -> None:
+    """Start all workers with Ctrl-C ignored: terminals send it to them too, but the parent decides.
 
-    They inherit deafness. An initializer would come too late for a Ctrl-C while they load.
+    They inherit the signal handler. An initializer would run too late for a Ctrl-C while they load.
     """
     if threading.current_thread() is not threading.main_thread():
         return

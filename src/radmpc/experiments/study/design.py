@@ -68,7 +68,7 @@ class Study:
     methods : tuple of Method
         What is compared.
     samples : int
-        Flights per plan.
+        Samples per plan.
     cap : float
         Seconds per problem.
     risk_bound : float
@@ -120,7 +120,7 @@ def full_study(*, cap: float = 60.0, budget: float = 600.0, seeds: int = 50) -> 
     Returns
     -------
     Study
-        100,000 flights per plan.
+        100,000 samples per plan.
     """
     return Study(
         sizes=tuple(range(2, 9)),

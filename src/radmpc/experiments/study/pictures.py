@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from radmpc.arrays import Matrix
 from radmpc.experiments.families import paper
@@ -24,24 +25,24 @@ _NAMES = {
 
 
 def curves(summaries: Sequence[Summary], study: Study) -> Mapping[str, Chart]:
-    """Return each figure over N, by the name of its file."""
+    """Return each figure over N, by the name of its file.
+
+    Parameters
+    ----------
+    summaries : sequence of Summary
+        One per method and size.
+    study : Study
+        Its methods and its risk bound.
+
+    Returns
+    -------
+    mapping of str to Chart
+        Methods without a value are left out of a chart.
+    """
     methods = [m.name for m in study.available if m.role != "ablation"]
     main = [m for m in methods if "big-M" not in m]
     bound = study.risk_bound
-
-    def chart(
-        names: Sequence[str],
-        value: Callable[[Summary], Quantiles | None],
-        title: str,
-        y_label: str,
-        *,
-        is_log: bool = False,
-        line: float | None = None,
-    ) -> Chart:
-        spreads = [_spread(summaries, name, value, methods.index(name)) for name in names]
-        known = [spread for spread in spreads if len(spread.x)]
-        return Chart(known, title, "vehicles N", y_label, is_log, line)
-
+    chart = partial(_chart, summaries, methods)
     return {
         "runtime": chart(
             methods, lambda s: s.seconds, "Runtime, median and 10–90 %", "seconds", is_log=True
@@ -49,12 +50,12 @@ def curves(summaries: Sequence[Summary], study: Study) -> Mapping[str, Chart]:
         "success": chart(
             main,
             lambda s: s.free,
-            f"Flights without collision (line: 1 − Δ = {1 - bound:g})",
-            "share of flights",
+            f"Samples without collision (line: 1 − Δ = {1 - bound:g})",
+            "share of samples",
             line=1.0 - bound,
         ),
         "within": chart(
-            main, _within, "Plans that collide in at most Δ of the flights", "share of plans"
+            main, _within, "Plans that collide in at most Δ of the samples", "share of plans"
         ),
         "cost": chart(
             main,
@@ -76,6 +77,23 @@ def curves(summaries: Sequence[Summary], study: Study) -> Mapping[str, Chart]:
             "share of plans",
         ),
     }
+
+
+def _chart(
+    summaries: Sequence[Summary],
+    methods: Sequence[str],
+    names: Sequence[str],
+    value: Callable[[Summary], Quantiles | None],
+    title: str,
+    y_label: str,
+    *,
+    is_log: bool = False,
+    line: float | None = None,
+) -> Chart:
+    """Return one figure; a method looks the same in all of them."""
+    spreads = [_spread(summaries, name, value, methods.index(name)) for name in names]
+    drawn = [spread for spread in spreads if len(spread.x)]
+    return Chart(drawn, title, "vehicles N", y_label, is_log, line)
 
 
 def _spread(

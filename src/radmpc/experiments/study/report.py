@@ -15,6 +15,7 @@ from radmpc.plotting import save_chart, save_panels
 __all__ = ["write_report"]
 
 _MOST_LISTED = 40
+"""Plans above the bound that the report lists; the rest is counted."""
 
 
 def write_report(
@@ -33,7 +34,7 @@ def write_report(
     rows : sequence of Row
         What was done; rows of other studies are left out.
     folder : Path
-        Where to.
+        Folder to write to.
     progress : callable or None
         Told each file before it is made.
 
@@ -61,16 +62,27 @@ def write_report(
 
 
 def report_text(study: Study, rows: Sequence[Row], summaries: Sequence[Summary]) -> str:
-    """Return the report in Markdown."""
-    tasks = study.tasks()
+    """Return the report in Markdown.
+
+    Parameters
+    ----------
+    study : Study
+        What was to be done.
+    rows : sequence of Row
+        What was done.
+    summaries : sequence of Summary
+        The same by method and size.
+
+    Returns
+    -------
+    str
+        The whole file.
+    """
     named = {method.name for method in study.methods if method.role != "ablation"}
     main = [summary for summary in summaries if summary.method in named]
     parts = [
         "# The paper's experiments, done again",
-        f"{len(rows)} of {len(tasks)} runs: fleets of {study.sizes[0]} to {study.sizes[-1]} "
-        f"vehicles, Δ = {study.risk_bound:g}, {study.samples:,} flights per plan, at most "
-        f"{study.cap:g} s per problem. A run that the cap ended counts at the cap; medians and "
-        "ratios that rest on such runs are lower bounds, marked with >.",
+        _introduction(study, rows),
         *_origin(rows),
         "## Runtime",
         _seconds_table(study, summaries),
@@ -83,7 +95,7 @@ def report_text(study: Study, rows: Sequence[Row], summaries: Sequence[Summary])
         "A success is a plan whose simulated collision rate is at most Δ, as the paper counts; "
         "*surely above Δ* are plans for which even the lower end of the rate's 95 % interval is. "
         "A plan that uses all of Δ comes out on either side by chance. "
-        "*Flights free* is the share of flights without a collision: median and 10th percentile "
+        "*Samples free* is the share of samples without a collision: median and 10th percentile "
         "over the problems.",
         _success_table(main),
         "![Success](success.png)",
@@ -103,6 +115,16 @@ def report_text(study: Study, rows: Sequence[Row], summaries: Sequence[Summary])
         *[f"![Plans of {n} vehicles](plans-{n}.png)" for n in study.shown],
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def _introduction(study: Study, rows: Sequence[Row]) -> str:
+    """Return how far the study has come, and how capped runs count."""
+    return (
+        f"{len(rows)} of {len(study.tasks())} runs: fleets of {study.sizes[0]} to "
+        f"{study.sizes[-1]} vehicles, Δ = {study.risk_bound:g}, {study.samples:,} samples per "
+        f"plan, at most {study.cap:g} s per problem. A run that the cap ended counts at the cap; "
+        "medians and ratios that rest on such runs are lower bounds, marked with >."
+    )
 
 
 def _origin(rows: Sequence[Row]) -> list[str]:
@@ -174,7 +196,7 @@ def _short(number: float) -> str:
 
 
 def _success_table(summaries: Sequence[Summary]) -> str:
-    """Return successes and free flights per method and size."""
+    """Return successes and collision-free samples per method and size."""
     lines = [
         [
             f"`{s.method}`",
@@ -186,7 +208,7 @@ def _success_table(summaries: Sequence[Summary]) -> str:
         ]
         for s in summaries
     ]
-    return _table(["method", "N", "plans", "successes", "surely above Δ", "flights free"], lines)
+    return _table(["method", "N", "plans", "successes", "surely above Δ", "samples free"], lines)
 
 
 def _failures(rows: Sequence[Row], bound: float) -> str:

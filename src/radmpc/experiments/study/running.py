@@ -14,11 +14,13 @@ from radmpc.solvers.solution import never
 __all__ = ["Progress", "run_study"]
 
 _POLL_SECONDS = 0.2
+"""Time between two looks for ended runs [s]: what an interrupt may wait."""
+
 _AHEAD = 2
 """Tasks handed out beyond those being worked on."""
 
 Progress = Callable[[int, int, Task | None], None]
-"""Told how many tasks are done, of how many, and which was the last."""
+"""Called with the number of tasks done, of tasks in all, and the last one."""
 
 
 @dataclass(slots=True)

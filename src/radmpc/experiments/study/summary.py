@@ -1,4 +1,4 @@
-"""Rows added up: one summary per method and fleet size."""
+"""Rows aggregated: one summary per method and fleet size."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from radmpc.experiments.study.trial import Row
 __all__ = ["Quantiles", "Speedup", "Summary", "speedup", "summarize"]
 
 _LOW, _HIGH = 10.0, 90.0
+"""Percentiles beside the median."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +52,7 @@ class Summary:
     problems, plans, capped : int
         Problems tried, those with a plan, and those that the cap ended.
     successes : int
-        Plans that collide in at most Δ of the flights.
+        Plans that collide in at most Δ of the samples.
     surely_over : int
         Plans whose collision rate is above Δ with 95 % confidence: the lower end of its interval.
     over : int
@@ -63,7 +64,7 @@ class Summary:
     is_censored : bool
         Whether the median itself is that of a capped run: a lower bound.
     free : Quantiles or None
-        Share of flights without a collision.
+        Share of samples without a collision.
     above_bound : Quantiles or None
         Cost over the proven bound of the same problem, less one.
     used : Quantiles or None

@@ -1,4 +1,4 @@
-"""One method on one problem: planned, certified, flown; and the row that says how it went."""
+"""One method on one problem: planned, certified, simulated; and the row of its results."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from radmpc.result import Result
 __all__ = ["Missed", "Row", "Task", "run_task"]
 
 _SIMULATION_SEED = 1
-"""Other than the planners', so that no flight repeats a choice of theirs."""
+"""Other than the planners', so that no sample repeats a choice of theirs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Task:
     seed : int
         Seed of the problem, and of the planner.
     samples : int
-        Flights to simulate.
+        Samples to simulate.
     cap : float
         Seconds after which planning is ended.
     """
@@ -136,7 +136,7 @@ class Row:
         return self.cost is not None
 
     def is_success(self, bound: float) -> bool:
-        """Whether the plan collides in at most this share of the flights, as the paper counts."""
+        """Whether the plan collides in at most this share of the samples, as the paper counts."""
         return self.rate is not None and self.rate <= bound
 
 
@@ -214,7 +214,7 @@ def _missed(plan: Plan, planner: Planner) -> tuple[Missed, ...]:
 
 
 def _machine() -> dict[str, str]:
-    """Return what the machine says of itself, without naming it."""
+    """Return the machine's properties, without its name."""
     return {
         "system": platform.system(),
         "architecture": platform.machine(),

@@ -17,10 +17,17 @@ from radmpc.model.scenario import Workspace
 
 __all__ = ["Area", "area_of"]
 
-_ALIGNED = 0.01  # share of a rectangle that its largest box may miss
-_STRAIGHT = 0.05  # [m]: corners this close to a line between their neighbors are none
-_INSET = 1e-3  # share of its size that a bounding box gives up for sides that nearly lie on it
-_SLIVER = 1e-6  # [m²]: rounding, not ground
+_ALIGNED = 0.01
+"""Share of a rectangle [-] that its largest axis-parallel box may miss to stand for it."""
+
+_STRAIGHT = 0.05
+"""Corners this close to the line between their neighbors are dropped [m]."""
+
+_INSET = 1e-3
+"""Share of its size [-] that a bounding box gives up for sides that nearly lie on it."""
+
+_SLIVER = 1e-6
+"""Areas below are rounding, not ground [m²]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,7 +15,7 @@ from radmpc.errors import ScenarioError
 from radmpc.io.ranges import check_range
 from radmpc.io.text.files import shown
 
-__all__ = ["SETTINGS", "Feature", "Path", "drawn_line", "drawn_ring", "position"]
+__all__ = ["SETTINGS", "Feature", "Path", "drawn_line", "drawn_ring", "read_position"]
 
 Path = tuple[str | int, ...]
 
@@ -42,7 +42,9 @@ _ROLES = {
     "LineString": ("obstacle",),
     "Polygon": ("obstacle", "area"),
 }
+
 _MOST_CORNERS = 200
+"""Corners of one outline: each edge becomes a face of the certificate and of the program."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,8 +188,15 @@ class Feature:
         return value.strip()
 
 
-def position(value: object, path: Path) -> list[float]:
+def read_position(value: object, path: Path) -> list[float]:
     """Return longitude, latitude and height of a position.
+
+    Parameters
+    ----------
+    value : object
+        Of a file.
+    path : tuple of str or int
+        Where it stands.
 
     Raises
     ------
@@ -214,12 +223,19 @@ def position(value: object, path: Path) -> list[float]:
 def drawn_line(positions: Sequence[object], path: Path) -> Matrix:
     """Return a line's positions, (r, 3), without those that repeat the one before.
 
+    Parameters
+    ----------
+    positions : sequence of object
+        Of a file.
+    path : tuple of str or int
+        Where they stand.
+
     Raises
     ------
     ScenarioError
         If it has too few or too many.
     """
-    given = [position(value, (*path, i)) for i, value in enumerate(positions)]
+    given = [read_position(value, (*path, i)) for i, value in enumerate(positions)]
     corners = given[:1] + [two for one, two in pairwise(given) if one[:2] != two[:2]]
     _check_count(len(corners), path)
     if len(corners) < 2:
@@ -238,6 +254,13 @@ def _check_count(corners: int, path: Path) -> None:
 def drawn_ring(positions: Sequence[object], path: Path) -> Matrix:
     """Return a polygon's ring, (r, 3), without its repeated last position.
 
+    Parameters
+    ----------
+    positions : sequence of object
+        Of a file, the last like the first.
+    path : tuple of str or int
+        Where they stand.
+
     Raises
     ------
     ScenarioError
@@ -247,7 +270,7 @@ def drawn_ring(positions: Sequence[object], path: Path) -> Matrix:
         raise ScenarioError(
             f"must have at least 4 positions, the last like the first, got {len(positions)}", path
         )
-    given = [position(value, (*path, i)) for i, value in enumerate(positions)]
+    given = [read_position(value, (*path, i)) for i, value in enumerate(positions)]
     if given[0][:2] != given[-1][:2]:
         raise ScenarioError(
             f"must be closed: the last position must be the first, {given[0][:2]}, "

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from radmpc.arrays import as_matrix
 from radmpc.errors import ScenarioError
-from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, position
+from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
 from radmpc.importing.geo.problem import geo_problem
 from radmpc.importing.problem import ForeignProblem
 from radmpc.io.text.document import Document
@@ -83,7 +83,7 @@ def _features(entry: object, path: Path) -> Iterator[Feature]:
             f"must be {', '.join(first)} or {last}, got {shown(kind)}", (*inner, "type")
         )
     if kind == "Point":
-        rings = (as_matrix([position(coordinates, where)]),)
+        rings = (as_matrix([read_position(coordinates, where)]),)
         yield Feature("Point", rings, properties, path, where, (*path, "properties"))
         return
     parts = [(coordinates, where)]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from radmpc.arrays import Matrix, as_matrix
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, position
+from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
 from radmpc.importing.geo.kml_xml import Placemark, Shape, read_placemarks
 from radmpc.importing.geo.problem import geo_problem
 from radmpc.importing.problem import ForeignProblem
@@ -75,7 +75,7 @@ def _point(shape: Shape, path: Path) -> tuple[Matrix, ...]:
     places = shape.outer[0] if len(shape.outer) == 1 else []
     if len(places) != 1:
         raise ScenarioError(f"must have 1 position, got {len(places)}", path)
-    return (as_matrix([position(places[0], path)]),)
+    return (as_matrix([read_position(places[0], path)]),)
 
 
 def _line(shape: Shape, path: Path) -> tuple[Matrix, ...]:

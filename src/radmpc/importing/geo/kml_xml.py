@@ -21,7 +21,19 @@ _WORD = re.compile(r"\S+")
 
 @dataclass(slots=True)
 class Shape:
-    """A Point, LineString or Polygon: lists of positions, and the lines on which these stand."""
+    """A Point, LineString or Polygon: lists of positions, and the lines on which these stand.
+
+    Attributes
+    ----------
+    kind : str
+        ``Point``, ``LineString`` or ``Polygon``.
+    line : int
+        Where it begins in the file.
+    outer, inner : list of list
+        Positions of each outer ring (or of the point or line) and of each hole.
+    outer_lines, inner_lines : list of list of int
+        The line on which each position stands.
+    """
 
     kind: str
     line: int
@@ -33,7 +45,19 @@ class Shape:
 
 @dataclass(slots=True)
 class Placemark:
-    """What is read of a Placemark: its name and extended data by key, its shapes, their lines."""
+    """What is read of a Placemark.
+
+    Attributes
+    ----------
+    line : int
+        Where it begins in the file.
+    properties : dict
+        Its name and extended data, by key.
+    lines : dict
+        The line on which each property stands, by key.
+    shapes : list of Shape
+        In the order of the file.
+    """
 
     line: int
     properties: dict[str, str] = field(default_factory=dict)

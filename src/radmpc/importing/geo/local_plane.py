@@ -1,4 +1,4 @@
-"""Drawn features in a local plane, and what is told about how they got there."""
+"""Drawn features in a local plane, and notes on what the projection chose and lost."""
 
 from __future__ import annotations
 
@@ -13,7 +13,14 @@ from radmpc.geodesy import Origin, to_local
 from radmpc.importing.geo.feature import Feature
 from radmpc.importing.rounding import rounded
 
-__all__ = ["CONTROL_LIMIT", "RADIUS", "SPEED_LIMIT", "Placed", "told_choices", "told_losses"]
+__all__ = [
+    "CONTROL_LIMIT",
+    "RADIUS",
+    "SPEED_LIMIT",
+    "Placed",
+    "describe_choices",
+    "describe_losses",
+]
 
 RADIUS = 0.5
 """Of vehicles of which none is stated [m]."""
@@ -24,14 +31,25 @@ SPEED_LIMIT = 1.0
 CONTROL_LIMIT = 1.0
 """The same, per axis [m/s²]."""
 
-_FARTHEST = 1e5  # [m]: beyond, a plane is no picture of the ground
-_VISIBLE_BOW = 0.1  # [m]
-_EARTH = 6.37e6  # [m]
+_FARTHEST = 1e5
+"""Distance from the origin beyond which a plane is no picture of the ground [m]."""
+
+_VISIBLE_SAGITTA = 0.1
+"""Sagitta of a side, between map and plane, from which it is warned of [m]."""
+
+_EARTH = 6.37e6
+"""Radius of the earth [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """Features in the plane that touches the earth at an origin."""
+    """Features in the plane that touches the earth at an origin.
+
+    Attributes
+    ----------
+    origin : Origin
+        Where the plane touches.
+    """
 
     origin: Origin
 
@@ -87,7 +105,7 @@ class Placed:
         return rings if is_open else tuple(np.vstack([ring, ring[:1]]) for ring in rings)
 
 
-def told_choices(
+def describe_choices(
     stated: Sequence[Mapping[str, float]], origin: Origin, is_stated: bool, area: str
 ) -> tuple[tuple[str, str], ...]:
     """Return what was chosen, and why.
@@ -125,8 +143,16 @@ def told_choices(
     )
 
 
-def told_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
-    """Return what could not be carried over."""
+def describe_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
+    """Return what could not be carried over.
+
+    Parameters
+    ----------
+    features : sequence of Feature
+        All that are imported.
+    placed : Placed
+        The plane in which they lie.
+    """
     warnings = []
     unknown = sorted({note for feature in features for note in feature.unknown()})
     if unknown:
@@ -139,7 +165,7 @@ def told_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, ...]:
     # How far a line of equal latitude bends away from the straight one.
     slope = np.tan(np.radians(min(abs(placed.origin.latitude), 89.0)))
     sagitta = placed.longest_side(features) ** 2 * slope / (8.0 * _EARTH)
-    if sagitta > _VISIBLE_BOW:
+    if sagitta > _VISIBLE_SAGITTA:
         warnings.append(
             f"sides of polygons and lines are straight in the plane, up to {sagitta:.2g} m beside "
             "a line of equal latitude: give long ones more corners"

@@ -17,8 +17,8 @@ from radmpc.importing.geo.local_plane import (
     RADIUS,
     SPEED_LIMIT,
     Placed,
-    told_choices,
-    told_losses,
+    describe_choices,
+    describe_losses,
 )
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.text.document import Document
@@ -28,7 +28,9 @@ from radmpc.model.obstacle import Obstacle
 __all__ = ["geo_problem"]
 
 _UNNAMED = {"Polygon": "polygon", "LineString": "line", "Point": "post"}
-_DIGITS = 6  # of the origin's degrees: 0.1 m
+
+_DIGITS = 6
+"""Decimals of the origin's degrees: 0.1 m."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,13 +86,13 @@ def geo_problem(document: Document, name: str, features: Sequence[Feature]) -> F
             "longitude": origin.longitude,
             "height": origin.height,
         },
-        reasons=told_choices(
+        reasons=describe_choices(
             [both.start.settings() | both.goal.settings() for both in ends.values()],
             origin,
             "origin" in by_role,
             area.told,
         ),
-        warnings=told_losses(features, placed),
+        warnings=describe_losses(features, placed),
     )
 
 

@@ -22,6 +22,8 @@ from radmpc.io.text.lines import Place
 __all__ = ["is_movingai", "map_refusal", "read_movingai", "scen_document"]
 
 _USUAL_AGENTS = 8
+"""Vehicles that are taken from a scenario file unless a number is asked for."""
+
 _FIELDS = ("bucket", "map", "width", "height", "x", "y", "goal x", "goal y", "length")
 _WHOLE = re.compile(r"[0-9]{1,9}")
 _FREE, _BLOCKED = ".GS", "@OTW"

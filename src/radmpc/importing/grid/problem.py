@@ -28,10 +28,15 @@ __all__ = [
 MOST_CELLS = 4_000_000
 """Cells that a grid may have."""
 
-# Half a cell wide: between two blocked cells a quarter of a meter is left on either side.
 _RADIUS = 0.25
+"""Hull radius in a grid of cells of 1 m [m]: half a cell wide, it leaves a quarter of a meter on
+either side between two blocked cells."""
+
 _SPEED_LIMIT = 1.0
+"""Largest mean speed per axis [m/s]: a cell per second."""
+
 _CONTROL_LIMIT = 2.0
+"""Largest acceleration per axis [m/s²]."""
 
 Task = tuple[str, tuple[int, int], tuple[int, int]]
 """A vehicle's name, its first cell and its last one, each by column and row."""
@@ -181,7 +186,17 @@ def _cell(cell: Sequence[int], grid: Cells, path: tuple[str | int, ...]) -> tupl
 
 
 def free_cell(cell: Sequence[int], blocked: Cells, path: tuple[str | int, ...]) -> tuple[int, int]:
-    """Return a cell that lies in a grid and is not blocked."""
+    """Return a cell that lies in a grid and is not blocked.
+
+    Parameters
+    ----------
+    cell : sequence of int
+        Column and row.
+    blocked : (columns, rows) bool array
+        The grid.
+    path : tuple of str or int
+        Where it stands in the file.
+    """
     found = _cell(cell, blocked, path)
     if blocked[found]:
         raise ScenarioError(f"must be a free cell, got the blocked {list(found)}", path)

@@ -197,7 +197,7 @@ def save_exported(exported: Exported) -> None:
     Parameters
     ----------
     exported : Exported
-        As of `export_plan`.
+        As in `export_plan`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What an exporter is given."""
+"""The input of an exporter."""
 
 from __future__ import annotations
 

@@ -20,7 +20,10 @@ from radmpc.model.obstacle import Obstacle
 __all__ = ["write_kml"]
 
 _START = datetime(1970, 1, 1, tzinfo=UTC)
-_LONGEST = 2e11  # [s]: years have four digits
+
+_LONGEST = 2e11
+"""Longest mission [s]: the years of KML's dates have four digits."""
+
 _COLORS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd", "8c564b", "e377c2", "17becf")
 _GRAY = "7f7f7f"
 

@@ -21,13 +21,23 @@ __all__ = [
     "stops",
 ]
 
-WAYPOINT = 16  # MAV_CMD_NAV_WAYPOINT
-CHANGE_SPEED = 178  # MAV_CMD_DO_CHANGE_SPEED
-FRAME_MISSION = 2  # MAV_FRAME_MISSION: no position
-FRAME_RELATIVE = 3  # MAV_FRAME_GLOBAL_RELATIVE_ALT: altitude above home
+WAYPOINT = 16
+"""MAV_CMD_NAV_WAYPOINT."""
 
-_SHORTEST_LEG = 0.01  # [m]: MAVLink rounds places to 1e-7 degrees, 1.1 cm
-_AT_REST = 0.001  # [m]: less than this from where it stopped, a vehicle waits
+CHANGE_SPEED = 178
+"""MAV_CMD_DO_CHANGE_SPEED."""
+
+FRAME_MISSION = 2
+"""MAV_FRAME_MISSION: an item without a position."""
+
+FRAME_RELATIVE = 3
+"""MAV_FRAME_GLOBAL_RELATIVE_ALT: altitude above home."""
+
+_SHORTEST_LEG = 0.01
+"""Waypoints closer than this are one [m]: MAVLink rounds positions to 1e-7 degrees, 1.1 cm."""
+
+_AT_REST = 0.001
+"""Displacement since it stopped up to which a vehicle waits [m]."""
 
 _GROUND_SPEED, _KEEP_THROTTLE = 1.0, -1.0
 

@@ -1,4 +1,4 @@
-"""Where on earth a plan lies: told by its scenario's source or by the caller."""
+"""Where on earth a plan lies: given by its scenario's source or by the caller."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from radmpc.model.scenario import Scenario
 
 __all__ = ["Placement", "parse_origin", "scenario_origin"]
 
-_FARTHEST = 1e5  # [m]: beyond, a plane is no picture of the ground
+_FARTHEST = 1e5
+"""Distance from the origin beyond which a plane is no picture of the ground [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ class Placement:
         Returns
         -------
         (k, 3) array
-            Rounded to a tenth of a millimeter, so that files do not hang on the last bits.
+            Rounded to a tenth of a millimeter, so that files do not depend on the last bits.
 
         Raises
         ------
@@ -73,7 +74,7 @@ class Placement:
 
     def _at_altitude(self, points: Matrix) -> Matrix:
         """Return the places with given east and north at one height above the ellipsoid."""
-        # The plane of the map touches the earth only at the origin. Going down to the wanted
+        # The plane of the map touches the earth only at the origin. Going down to the target
         # height, each round leaves an error smaller by distance over radius of the earth.
         target = self.origin.height + self.altitude
         up = np.full(len(points), self.altitude)

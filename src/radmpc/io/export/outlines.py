@@ -22,6 +22,13 @@ def outline(obstacle: Obstacle, step: int) -> tuple[Kind, Matrix]:
     """Return what a plane obstacle is at a step, and its corners (v, 2) [m].
 
     Those of a polygon are counter-clockwise, those of a line in order.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        In the plane.
+    step : int
+        Step k; any of a fixed obstacle.
     """
     # All plane obstacles but polygons and lines are convex: one piece.
     corners = obstacle.at(step)[0].vertices

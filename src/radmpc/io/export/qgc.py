@@ -11,8 +11,12 @@ from radmpc.io.export.tracks import Track
 
 __all__ = ["write_qgc"]
 
-_RELATIVE = 1  # QGroundControl's altitude mode: above home
-_GENERIC = 0  # MAV_TYPE and MAV_AUTOPILOT: no special vehicle
+_RELATIVE = 1
+"""QGroundControl's altitude mode: above home."""
+
+_GENERIC = 0
+"""MAV_TYPE and MAV_AUTOPILOT: no special vehicle."""
+
 _DATUM = "altitudes are in meters above home, which stands at the height of the plan's origin"
 
 

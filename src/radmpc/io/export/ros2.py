@@ -29,9 +29,14 @@ __all__ = ["FRAME", "OBSTACLE_TOPIC", "path_topics", "write_mcap"]
 FRAME = "map"
 OBSTACLE_TOPIC = "/radmpc/obstacles"
 
-_LONGEST = 2.0**31 - 1.0  # [s]: a stamp's seconds are an int32
+_LONGEST = 2.0**31 - 1.0
+"""Longest mission [s]: a stamp's seconds are an int32."""
+
 _TRIANGLES, _LINES, _BALLS = 11, 5, 7
-_WALL_WIDTH = 0.05  # [m]: lines without one are not shown
+
+_WALL_WIDTH = 0.05
+"""Width that lines without one are drawn with [m]."""
+
 _GRAY = {"r": 0.5, "g": 0.5, "b": 0.5, "a": 0.8}
 _NO_TURN = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
 
@@ -49,7 +54,7 @@ def write_mcap(job: Job) -> bytes:
     Returns
     -------
     bytes
-        Not compressed, so that they do not hang on a library's version. Time 0 is the start of
+        Not compressed, so that they do not depend on a library's version. Time 0 is the start of
         the mission.
 
     Raises

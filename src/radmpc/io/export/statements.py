@@ -11,13 +11,29 @@ __all__ = ["origin_sentence", "risk_sentence", "timing_sentence", "title"]
 
 
 def title(plan: Plan, vehicle: str | None = None) -> str:
-    """Return what the file is of, in one line whatever the names hold."""
+    """Return what the file is of, in one line whatever the names hold.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is exported.
+    vehicle : str or None
+        The one vehicle that the file holds; None is all.
+    """
     whose = "" if vehicle is None else f", vehicle {vehicle}"
     return one_line(f"plan of {plan.scenario.name}{whose}, by radmpc")
 
 
 def risk_sentence(plan: Plan, is_certified: bool) -> str:
-    """Return what is certified, for the fleet as a whole."""
+    """Return what is certified, for the fleet as a whole.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is exported.
+    is_certified : bool
+        Whether the certificate is within the risk bound.
+    """
     bound = plan.scenario.risk_bound
     if not is_certified or plan.risk.certified is None:
         return f"NOT certified within its risk bound {bound:g}"

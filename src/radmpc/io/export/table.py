@@ -24,7 +24,7 @@ def write_table(job: Job) -> bytes:
     Returns
     -------
     bytes
-        Columns as of `radmpc.to_pandas`. Numbers read back equal. What a vehicle does not have is
+        Columns as in `radmpc.to_pandas`. Numbers read back equal. What a vehicle does not have is
         empty: a velocity, some of the controls, those after the last step.
     """
     axes = _AXES[: job.plan.scenario.dimension]

@@ -67,10 +67,10 @@ def tracks_of(plan: Plan) -> tuple[Track, ...]:
         raise NoPlanError(f"nothing to export, {why}")
     vehicles = plan.scenario.vehicles
     names = [trajectory.name for trajectory in plan.trajectories]
-    wanted = [vehicle.name for vehicle in vehicles]
-    if names != wanted:
+    expected = [vehicle.name for vehicle in vehicles]
+    if names != expected:
         raise ScenarioError(
-            f"must be those of the scenario, in its order: {wanted}, got {names}", ("vehicles",)
+            f"must be those of the scenario, in its order: {expected}, got {names}", ("vehicles",)
         )
     pairs = zip(vehicles, plan.trajectories, strict=True)
     return tuple(_track(plan, i, vehicle, part) for i, (vehicle, part) in enumerate(pairs))
@@ -78,6 +78,15 @@ def tracks_of(plan: Plan) -> tuple[Track, ...]:
 
 def check_duration(plan: Plan, longest: float, what: str) -> None:
     """Refuse a mission that ends after the last time a format can write.
+
+    Parameters
+    ----------
+    plan : Plan
+        Whose horizon counts.
+    longest : float
+        What the format can hold [s].
+    what : str
+        What holds it, for the message.
 
     Raises
     ------

@@ -9,7 +9,9 @@ from radmpc.io.export.tracks import Track
 
 __all__ = ["write_waypoints"]
 
-_ABSOLUTE = 0  # MAV_FRAME_GLOBAL
+_ABSOLUTE = 0
+"""MAV_FRAME_GLOBAL: altitude above mean sea level."""
+
 _DATUM = (
     "altitudes are in meters above home (frame 3); line 0 is home, at the height of the plan's "
     "origin as it was given; the autopilot sets its own on arming"

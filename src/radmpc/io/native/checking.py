@@ -35,8 +35,15 @@ _MESSAGES: Mapping[str, str] = {
 }
 
 
-def check_format(data: object, wanted: str) -> Mapping[str, object]:
-    """Return the data as a mapping whose ``format`` is the wanted one.
+def check_format(data: object, expected: str) -> Mapping[str, object]:
+    """Return the data as a mapping whose ``format`` is the expected one.
+
+    Parameters
+    ----------
+    data : object
+        Of a file.
+    expected : str
+        The ``format`` it must state.
 
     Raises
     ------
@@ -44,16 +51,23 @@ def check_format(data: object, wanted: str) -> Mapping[str, object]:
         If it is no mapping, or states no format or another.
     """
     if not isinstance(data, Mapping):
-        raise ScenarioError(f"must be a mapping with 'format: {wanted}', got {shown(data)}")
+        raise ScenarioError(f"must be a mapping with 'format: {expected}', got {shown(data)}")
     if "format" not in data:
-        raise ScenarioError(f"is required, as 'format: {wanted}'", ("format",))
-    if data["format"] != wanted:
-        raise ScenarioError(f"must be {wanted!r}, got {shown(data['format'])}", ("format",))
+        raise ScenarioError(f"is required, as 'format: {expected}'", ("format",))
+    if data["format"] != expected:
+        raise ScenarioError(f"must be {expected!r}, got {shown(data['format'])}", ("format",))
     return data
 
 
 def validated(model: type[_Model], data: Mapping[str, object]) -> _Model:
     """Return data as a file model.
+
+    Parameters
+    ----------
+    model : type
+        Of the file model.
+    data : mapping
+        Of a file.
 
     Raises
     ------
@@ -91,8 +105,8 @@ def _message(model: type[BaseModel], detail: ErrorDetails) -> str:
         return f"must have at most {most:,} entries, got {count:,}"
     if kind not in _MESSAGES:
         return detail["msg"]
-    wanted = _MESSAGES[kind].format(**detail.get("ctx", {}))
-    return f"{wanted}, got {shown(detail['input'])}"
+    expected = _MESSAGES[kind].format(**detail.get("ctx", {}))
+    return f"{expected}, got {shown(detail['input'])}"
 
 
 def _unknown(key: str, allowed: list[str]) -> str:

@@ -51,7 +51,7 @@ def from_dict(data: Mapping[str, object]) -> Scenario | Plan:
     Parameters
     ----------
     data : mapping
-        As of `to_dict`, or as parsed from a file.
+        As in `to_dict`, or as parsed from a file.
 
     Returns
     -------

@@ -23,6 +23,7 @@ MARK = "\0"
 """First character of what pydantic adds to a path for a choice between shapes."""
 
 _LARGEST = 1e9
+"""Largest magnitude of a number in a file: beyond, squares and solvers lose all digits."""
 
 
 def _check_rows(rows: list[list[float]]) -> list[list[float]]:

@@ -13,12 +13,20 @@ from radmpc.io.text.files import shown
 __all__ = ["plain_mapping"]
 
 _MAX_DEPTH = 20
+"""Levels that free-form parts of a file may be nested."""
 
 Path = tuple[str | int, ...]
 
 
 def plain_mapping(value: Mapping[str, object], path: Path) -> dict[str, object]:
     """Return a copy made of dict, list, str, int, float, bool and None.
+
+    Parameters
+    ----------
+    value : mapping
+        Of a file or of a caller.
+    path : tuple of str or int
+        Where it stands.
 
     Raises
     ------

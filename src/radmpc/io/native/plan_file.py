@@ -236,7 +236,7 @@ def decode_plan(data: object) -> Plan:
 
 
 def _risk(spec: RiskSpec) -> Risk:
-    """Return what was granted and spent."""
+    """Return the risk bound, and what is charged against it."""
     ledger = tuple(
         LedgerRow(row.cause, row.vehicle, row.other, row.step, row.risk) for row in spec.ledger
     )

@@ -25,7 +25,7 @@ class LedgerSpec(FileModel):
 
 
 class RiskSpec(FileModel):
-    """Granted and spent."""
+    """The risk bound, and what is charged against it."""
 
     bound: Finite
     certified: Annotated[Finite, Field(ge=0.0)] | None

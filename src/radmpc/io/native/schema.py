@@ -23,10 +23,14 @@ __all__ = [
 ]
 
 
-# Nothing in the method bounds counts; a slip of the hand should not fill the memory.
 _MOST_STATES = 50
+"""States of one vehicle; like the other counts a guard against slips, not a limit of the method."""
+
 _MOST_CORNERS = 2000
+"""Corners of one outline."""
+
 _MOST_STEPS = 1000
+"""Steps of one scenario."""
 
 
 class FileModel(BaseModel):

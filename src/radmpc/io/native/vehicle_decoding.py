@@ -33,14 +33,30 @@ class Shared:
         self._gains: dict[tuple[int, int], Matrix] = {}
 
     def system(self, spec: DynamicsSpec, dimension: int) -> LinearSystem:
-        """Return the dynamics; a double integrator has the goal's number of axes."""
+        """Return the dynamics; a double integrator has the goal's number of axes.
+
+        Parameters
+        ----------
+        spec : DynamicsSpec
+            What the file gives.
+        dimension : int
+            Number of axes, 2 or 3.
+        """
         key = (id(spec), dimension)
         if key not in self._systems:
             self._systems[key] = _system(spec, self.dt, dimension)
         return self._systems[key]
 
     def gain(self, spec: FeedbackSpec | None, system: LinearSystem) -> Matrix | None:
-        """Return the feedback gain, None in open loop."""
+        """Return the feedback gain, None in open loop.
+
+        Parameters
+        ----------
+        spec : FeedbackSpec or None
+            What the file gives; None is open loop.
+        system : LinearSystem
+            The vehicle's dynamics.
+        """
         if spec is None:
             return None
         key = (id(spec), id(system))

@@ -27,7 +27,8 @@ _LIST = re.compile(
     re.MULTILINE,
 )
 
-_MOST_YAML = 4 * 2**20  # reading a megabyte takes seconds; of JSON, milliseconds
+_MOST_YAML = 4 * 2**20
+"""Size of a YAML file [bytes]: reading a megabyte takes seconds; of JSON, milliseconds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

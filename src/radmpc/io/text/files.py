@@ -10,7 +10,10 @@ from radmpc.errors import FileFormatError
 __all__ = ["one_line", "read_text", "shown"]
 
 _LONGEST_LINE = 400
-_MOST_BYTES = 512 * 2**20  # devices such as /dev/zero have no end
+"""Letters of a line that a message shows."""
+
+_MOST_BYTES = 512 * 2**20
+"""Size of a text file [bytes]: devices such as /dev/zero have no end."""
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 60

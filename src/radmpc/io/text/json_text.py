@@ -12,7 +12,11 @@ from radmpc.io.text.lines import json_places
 __all__ = ["read_json", "write_json"]
 
 _WIDTH = 120
+"""Letters of a line up to which lists and mappings stay on it."""
+
 _MAX_DIGITS = 400
+"""Digits of an integer that is read as one; longer ones become floats, up to inf."""
+
 _INDENT = "  "
 
 

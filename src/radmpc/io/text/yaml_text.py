@@ -29,10 +29,15 @@ from radmpc.io.text.lines import MAX_DEPTH, Place
 __all__ = ["read_yaml"]
 
 _MAX_ALIASED = 1_000_000
+"""Values that all aliases together may stand for: a few lines could else fill the memory."""
+
 _MAX_DIGITS = 400
+"""Digits of an integer that is read as one; longer ones stay text."""
 
 _MOST_ENTRIES = max(MOST_VEHICLES, MOST_OBSTACLES)
-_DEPTH_OF_LISTS = 3  # the file, its mapping, a list in it
+
+_DEPTH_OF_LISTS = 3
+"""Depth of the long lists: the file, its mapping, a list in it."""
 
 # The core schema of YAML 1.2, section 10.3.2: `yes` and `1_000` are text.
 _WORDS: dict[str, object] = {

@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 __all__ = ["write_yaml"]
 
 _WIDTH = 100
+"""Letters of a line up to which lists and mappings stay on it."""
+
 _INDENT = "  "
 
 # Words that mean themselves in every version of YAML; all others are quoted.

@@ -30,8 +30,8 @@ _ROUNDS = 12
 """Rounds at most [-]; the families of the benchmarks take 4 to 12."""
 
 _MOST_SOLVES, _LEAST_ROUNDS = 48, 2
-"""Solves of sets after which no round is begun [-], but for so many rounds of all sets: large fleets
-gain little by the solve, and a count, unlike a clock, gives the same plan on any machine."""
+"""Solves of sets after which no round is begun [-], but for so many rounds of all sets: large
+fleets gain little by the solve, and a count, unlike a clock, gives the same plan on any machine."""
 
 _NODES = 400
 """Nodes per set and round [-]: avoidances have one alternative, nodes only add what comes near."""

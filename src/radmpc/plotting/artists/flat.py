@@ -30,7 +30,19 @@ Color = tuple[float, float, float]
 
 
 def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard, plane: Plane = ABOVE) -> None:
-    """Draw the outline of the workspace."""
+    """Draw the outline of the workspace.
+
+    Parameters
+    ----------
+    ax : Axes
+        Axes to draw on.
+    workspace : Workspace
+        The box to draw.
+    board : LabelBoard
+        Where texts stand.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     low, high = workspace.lower[list(plane)], workspace.upper[list(plane)]
     width, height = high - low
     ax.add_patch(
@@ -51,7 +63,19 @@ def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard, plane: Pla
 
 
 def draw_ends(ax: Axes, vehicle: Vehicle, color: Color, plane: Plane = ABOVE) -> None:
-    """Draw the hull at the start as an open circle, the goal as a box with a star."""
+    """Draw the hull at the start as an open circle, the goal as a box with a star.
+
+    Parameters
+    ----------
+    ax : Axes
+        Axes to draw on.
+    vehicle : Vehicle
+        Whose start and goal.
+    color : (float, float, float)
+        Of the vehicle.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     seen = list(plane)
     x, y = vehicle.start_position[seen]
     ax.add_patch(
@@ -99,7 +123,25 @@ def draw_trajectory(
     dashes: Dashes = "solid",
     plane: Plane = ABOVE,
 ) -> None:
-    """Draw the swept hull, the 3σ ellipses, the mean path, its steps and its direction."""
+    """Draw the swept hull, the 3σ ellipses, the mean path, its steps and its direction.
+
+    Parameters
+    ----------
+    ax : Axes
+        Axes to draw on.
+    vehicle : Vehicle
+        The vehicle.
+    trajectory : Trajectory
+        Its part of the plan.
+    dt : float
+        Step [s].
+    color : (float, float, float)
+        Of the vehicle.
+    dashes : str or tuple
+        Line style of the vehicle.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     name, path = vehicle.name, mean_path(vehicle, trajectory)[:, list(plane)]
     swept = shapely.LineString(path).buffer(vehicle.radius)
     ax.add_patch(
@@ -139,7 +181,21 @@ def number_steps(
     board: LabelBoard,
     plane: Plane = ABOVE,
 ) -> None:
-    """Write the numbers of some steps beside their dots, unless the vehicle stays."""
+    """Write the numbers of some steps beside their dots, unless the vehicle stays.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose steps.
+    trajectory : Trajectory
+        Its part of the plan.
+    color : (float, float, float)
+        Of the numbers.
+    board : LabelBoard
+        Where other texts stand.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     places = positions(vehicle, trajectory)[:, list(plane)]
     if np.ptp(places, axis=0).max() <= vehicle.radius:
         return

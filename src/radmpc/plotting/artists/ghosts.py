@@ -1,4 +1,4 @@
-"""Moving obstacles where a vehicle is nearest: without them a path across looks run over."""
+"""Moving obstacles where a vehicle is nearest: else a crossing path looks like a collision."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ from radmpc.plotting.curves import Plane, positions
 
 __all__ = ["Ghost", "draw_ghosts", "nearest_ghosts"]
 
-_MOST_PER_OBSTACLE = 3  # more would hide each other
+_MOST_PER_OBSTACLE = 3
+"""Ghosts of one obstacle: more would hide each other."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +39,7 @@ class Ghost:
     index : int
         Of the vehicle.
     step : int
-        When.
+        Step at which they are nearest.
     distance : float
         Between the hulls at that step [m].
     """
@@ -77,7 +78,21 @@ def nearest_ghosts(plan: Plan) -> tuple[Ghost, ...]:
 
 
 def draw_ghosts(ax: Axes, plan: Plan, board: Board, colors: dict[str, Color], plane: Plane) -> None:
-    """Draw obstacle and hull at the nearest step in the vehicle's color, and the step's number."""
+    """Draw obstacle and hull at the nearest step in the vehicle's color, and the step's number.
+
+    Parameters
+    ----------
+    ax : Axes
+        Axes to draw on.
+    plan : Plan
+        With moving obstacles or without.
+    board : LabelBoard or SpaceBoard
+        Where other texts stand.
+    colors : dict
+        Color by vehicle.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     for ghost in nearest_ghosts(plan):
         vehicle = plan.scenario.vehicles[ghost.index]
         color = colors[vehicle.name]

@@ -13,7 +13,10 @@ from radmpc.plotting.curves import ABOVE, Plane, positions
 __all__ = ["draw_worst", "worst_rows"]
 
 _MOST_ROWS = 8
-_LEAST_SHARE = 0.01  # of the bound
+"""Rows of the ledger that are ringed, largest first."""
+
+_LEAST_SHARE = 0.01
+"""Share of the risk bound [-] below which a row is not ringed."""
 
 
 def worst_rows(plan: Plan) -> tuple[LedgerRow, ...]:
@@ -37,7 +40,17 @@ def worst_rows(plan: Plan) -> tuple[LedgerRow, ...]:
 
 
 def draw_worst(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:
-    """Draw a red ring around the means at the worst rows' steps, a line between a pair's two."""
+    """Draw a red ring around the means at the worst rows' steps, a line between a pair's two.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where, flat or in space.
+    plan : Plan
+        Whose ledger counts.
+    plane : (int, int)
+        The two coordinates that are drawn in flat axes.
+    """
     places = {
         trajectory.name: positions(vehicle, trajectory)
         for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False)

@@ -21,8 +21,11 @@ from radmpc.plotting.canvas.style import ALERT, MUTED, OBSTACLE_FILL, STAR_SIZE,
 
 __all__ = ["draw_film_legend", "draw_legend", "draw_views_legend", "num_legend_lines"]
 
-_DROP = 0.27  # from the axes' lower edge, past ticks and label [in]
+_DROP = 0.27
+"""Distance of the legend from the axes' lower edge, past ticks and label [in]."""
+
 _MOST_COLUMNS = 5
+"""Entries in one line of a legend."""
 
 _LOOKS: dict[str, Any] = {
     "handler_map": {tuple: HandlerTuple(ndivide=1)},
@@ -43,12 +46,28 @@ def num_legend_lines(plan: Plan) -> int:
 
 
 def draw_legend(ax: Axes, plan: Plan) -> None:
-    """Say below the axes what the signs mean that are drawn."""
+    """Say below the axes what the signs mean that are drawn.
+
+    Parameters
+    ----------
+    ax : Axes
+        Below which.
+    plan : Plan
+        What is drawn.
+    """
     _place(ax, _entries(plan))
 
 
 def draw_views_legend(figure: Figure | SubFigure, plan: Plan) -> None:
-    """Say below all panels what the signs mean that are drawn."""
+    """Say below all panels what the signs mean that are drawn.
+
+    Parameters
+    ----------
+    figure : Figure or SubFigure
+        Below whose panels.
+    plan : Plan
+        What is drawn.
+    """
     entries = _entries(plan, is_flat=True)
     root = figure.get_figure(root=True)
     is_laid_out = root is not None and isinstance(root.get_layout_engine(), ConstrainedLayoutEngine)
@@ -60,7 +79,15 @@ def draw_views_legend(figure: Figure | SubFigure, plan: Plan) -> None:
 
 
 def draw_film_legend(ax: Axes, plan: Plan) -> None:
-    """Say below the axes what the signs of a film mean."""
+    """Say below the axes what the signs of a film mean.
+
+    Parameters
+    ----------
+    ax : Axes
+        Below which.
+    plan : Plan
+        What is drawn.
+    """
     entries: dict[str, Handle] = {"start": _sign("o", 5.5, "none", MUTED, 0.9)}
     if plan.trajectories:
         is_flat = plan.scenario.dimension == 2

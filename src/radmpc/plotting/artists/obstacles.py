@@ -40,6 +40,21 @@ def draw_obstacle(
 
     A moving one fades in from its first step to its last, with an arrow along its way, the
     numbers of some steps, and its name where it is first. A strength below 1 makes it paler.
+
+    Parameters
+    ----------
+    ax : Axes
+        Axes to draw on.
+    obstacle : Obstacle
+        The obstacle to draw.
+    board : LabelBoard
+        Where other texts stand.
+    is_named : bool
+        Whether its name is written.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    strength : float
+        Opacity of a moving obstacle, as a share of the usual [-].
     """
     last = len(obstacle.steps) - 1
     outlines = [shapely.union_all([seen(p, plane) for p in pieces]) for pieces in obstacle.steps]
@@ -129,7 +144,15 @@ def _center(outline: shapely.Geometry) -> tuple[float, float]:
 
 
 def seen(piece: Polytope, plane: Plane) -> shapely.Geometry:
-    """Return a convex piece as a flat picture shows it; in space, what hides behind its outline."""
+    """Return a convex piece as a flat picture shows it; in space, what hides behind its outline.
+
+    Parameters
+    ----------
+    piece : Polytope
+        In the plane or in space.
+    plane : (int, int)
+        The two coordinates that are drawn.
+    """
     if piece.vertices.shape[1] == 2:
         return planar(piece)
     return shapely.MultiPoint(piece.vertices[:, list(plane)]).convex_hull
@@ -142,6 +165,14 @@ def ring_of(polygon: shapely.Geometry) -> Matrix:
 
 
 def along_lines(corners: Matrix, count: int = 8) -> Matrix:
-    """Return points along a line, ``count`` per side, so that texts notice its sides too."""
+    """Return points along a line, ``count`` per side, so that texts notice its sides too.
+
+    Parameters
+    ----------
+    corners : (c, d) array
+        Of an open line [m].
+    count : int
+        Points per side.
+    """
     share = np.linspace(0.0, 1.0, count, endpoint=False)[:, None]
     return np.vstack([a + share * (b - a) for a, b in pairwise(corners)])

@@ -37,7 +37,15 @@ __all__ = [
 
 
 def draw_workspace_3d(ax: Axes3D, workspace: Workspace) -> None:
-    """Draw the twelve edges of the workspace."""
+    """Draw the twelve edges of the workspace.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        Axes to draw on.
+    workspace : Workspace
+        The box to draw.
+    """
     corners = np.array(
         np.meshgrid(*zip(workspace.lower, workspace.upper, strict=True), indexing="ij")
     ).reshape(3, -1)
@@ -60,9 +68,22 @@ def draw_obstacle_3d(
     is_named: bool = True,
     strength: float = 1.0,
 ) -> None:
-    """Draw an obstacle and, if wanted, its name; a moving one fades in from first to last step.
+    """Draw an obstacle and, on request, its name; a moving one fades in from first to last step.
 
     A strength below 1 makes a moving one paler.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        Axes to draw on.
+    obstacle : Obstacle
+        The obstacle to draw.
+    board : SpaceBoard
+        Where other texts stand.
+    is_named : bool
+        Whether its name is written.
+    strength : float
+        Opacity of a moving obstacle, as a share of the usual [-].
     """
     last = len(obstacle.steps) - 1
     for step, pieces in enumerate(obstacle.steps):
@@ -103,7 +124,17 @@ def _draw_piece_3d(ax: Axes3D, name: str, corners: Matrix, alpha: float) -> None
 
 
 def draw_ends_3d(ax: Axes3D, vehicle: Vehicle, color: Color) -> None:
-    """Draw the start as an open circle, the goal as a star, both in front of all else."""
+    """Draw the start as an open circle, the goal as a star, both in front of all else.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        Axes to draw on.
+    vehicle : Vehicle
+        Whose start and goal.
+    color : (float, float, float)
+        Of the vehicle.
+    """
     # matplotlib sorts faces and edges by depth, but marks only by zorder.
     ax.plot(
         *vehicle.start_position[:, None],
@@ -137,7 +168,23 @@ def draw_trajectory_3d(
     color: Color,
     dashes: Dashes = "solid",
 ) -> None:
-    """Draw some 3σ ellipsoids as rings, the mean path, its shadow, steps and direction."""
+    """Draw some 3σ ellipsoids as rings, the mean path, its shadow, steps and direction.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        Axes to draw on.
+    vehicle : Vehicle
+        The vehicle.
+    trajectory : Trajectory
+        Its part of the plan.
+    dt : float
+        Step [s].
+    color : (float, float, float)
+        Of the vehicle.
+    dashes : str or tuple
+        Line style of the vehicle.
+    """
     name, path = vehicle.name, mean_path(vehicle, trajectory)
     all_rings = ellipsoid_rings(vehicle, trajectory)
     last = len(all_rings) // 3 - 1
@@ -166,7 +213,19 @@ def draw_trajectory_3d(
 def number_steps_3d(
     vehicle: Vehicle, trajectory: Trajectory, color: Color, board: SpaceBoard
 ) -> None:
-    """Write the numbers of some steps beside their dots, unless the vehicle stays."""
+    """Write the numbers of some steps beside their dots, unless the vehicle stays.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose steps.
+    trajectory : Trajectory
+        Its part of the plan.
+    color : (float, float, float)
+        Of the numbers.
+    board : SpaceBoard
+        Where other texts stand.
+    """
     places = positions(vehicle, trajectory)
     if np.ptp(places, axis=0).max() <= vehicle.radius:
         return

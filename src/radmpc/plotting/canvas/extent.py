@@ -12,6 +12,7 @@ from radmpc.plotting.curves import confidence_ellipses, mean_path
 __all__ = ["plan_extent", "scenario_extent"]
 
 _MARGIN = 0.03
+"""Empty border around what is drawn, as a share of the longer side [-]."""
 
 
 def scenario_extent(scenario: Scenario) -> Matrix:

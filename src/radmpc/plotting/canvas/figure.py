@@ -33,14 +33,26 @@ __all__ = [
     "zoom_to",
 ]
 
-DPI = 300  # of files and of the layout
+DPI = 300
+"""Resolution of files and of the layout [dots/in]."""
 
-_BESIDE_AXES = 0.32  # ticks and label of the y axis [in]
-_BELOW_AXES = 0.30  # ticks and label of the x axis [in]
-_LINE = 0.135  # a line of text [in]
-_AZIMUTH, _ELEVATION = -60.0, 30.0  # of the view in space, matplotlib's own [°]
-ZOOM = 0.95  # of scenes in space, before they are made to fill the axes
-_EDGES = 0.12  # above the first line and below the last [in]
+_BESIDE_AXES = 0.32
+"""Width of ticks and label of the y axis [in]."""
+
+_BELOW_AXES = 0.30
+"""Height of ticks and label of the x axis [in]."""
+
+_LINE = 0.135
+"""Height of a line of text [in]."""
+
+_AZIMUTH, _ELEVATION = -60.0, 30.0
+"""Directions of the view in space [°]: matplotlib's own."""
+
+ZOOM = 0.95
+"""Zoom of scenes in space before they are made to fill the axes [-]."""
+
+_EDGES = 0.12
+"""Empty space above the first line and below the last [in]."""
 
 
 def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
@@ -71,7 +83,15 @@ def new_axes(extent: Matrix, num_lines: int = 1) -> Axes:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return a figure [in] that belongs to no window and to no list of figures."""
+    """Return a figure [in] that belongs to no window and to no list of figures.
+
+    Parameters
+    ----------
+    width : float
+        Across [in].
+    height : float
+        Up [in].
+    """
     figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
@@ -99,8 +119,8 @@ def check_axes(ax: object, dimension: int | None = None) -> None:
     if not isinstance(ax, Axes):
         raise ArgumentTypeError(f"ax must be one of matplotlib's Axes or None, got {told(ax)}")
     if dimension is not None and isinstance(ax, Axes3D) != (dimension == 3):
-        wanted = "made with projection='3d'" if dimension == 3 else "flat"
-        raise ArgumentError(f"ax must be {wanted} for a scenario in {dimension}-D")
+        expected = "made with projection='3d'" if dimension == 3 else "flat"
+        raise ArgumentError(f"ax must be {expected} for a scenario in {dimension}-D")
 
 
 def check_figure(figure: object) -> None:
@@ -118,7 +138,17 @@ def check_figure(figure: object) -> None:
 
 
 def settle_axes(ax: Axes, extent: Matrix, plane: Plane = ABOVE) -> None:
-    """Set limits, equal aspect and the axes' labels; flat axes show two coordinates."""
+    """Set limits, equal aspect and the axes' labels; flat axes show two coordinates.
+
+    Parameters
+    ----------
+    ax : Axes
+        Flat, or in space.
+    extent : (2, d) array
+        Least and largest coordinates [m].
+    plane : (int, int)
+        The two coordinates that flat axes show.
+    """
     across, up = plane
     ax.set_xlim(*extent[:, across])
     ax.set_ylim(*extent[:, up])
@@ -153,6 +183,13 @@ def fill(ax: Axes3D, room: Bbox | None = None) -> None:
 
     None is the square that the axes have themselves: what reaches beyond it, layouts count as the
     axes' own.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        What is zoomed.
+    room : Bbox or None
+        What the drawing may fill [px].
     """
     drawn = drawn_box(ax)
     room = ax.bbox if room is None else room
@@ -181,7 +218,15 @@ def room_of(ax: Axes3D) -> Bbox:
 
 
 def zoom_to(ax: Axes3D, zoom: float) -> None:
-    """Draw the box in space by a factor larger than matplotlib does, at equal scales."""
+    """Draw the box in space by a factor larger than matplotlib does, at equal scales.
+
+    Parameters
+    ----------
+    ax : Axes3D
+        What is zoomed.
+    zoom : float
+        Factor over matplotlib's own size [-].
+    """
     limits = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
     ax.set_box_aspect(tuple(np.ptp(limits, axis=1)), zoom=zoom)
 

@@ -1,4 +1,4 @@
-"""Names beside what they name, where they cover the least."""
+"""Labels placed where they cover the least."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class LabelBoard:
     Attributes
     ----------
     axes : Axes
-        Where to write; its limits and size must be settled.
+        Where to write; its limits and size must be final.
     points : list of (p, 2) array
         What a text should not cover [m].
     boxes : list of (4,) array
@@ -46,7 +46,15 @@ class LabelBoard:
         self.points.extend(clouds)
 
     def size(self, text: str, size: float = LABEL_SIZE) -> Vector:
-        """Return the width and height of a text of a font size [m]."""
+        """Return the width and height of a text of a font size [m].
+
+        Parameters
+        ----------
+        text : str
+            One line.
+        size : float
+            Font size [pt].
+        """
         pixels_per_point = self.axes.figure.dpi / 72.0
         window = self.axes.get_window_extent()
         left, right = self.axes.get_xlim()
@@ -54,7 +62,17 @@ class LabelBoard:
         return np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
 
     def fits(self, text: str, width: float, height: float) -> bool:
-        """Whether a text has room in a box of this size [m]."""
+        """Whether a text has room in a box of this size [m].
+
+        Parameters
+        ----------
+        text : str
+            One line.
+        width : float
+            Of the box [m].
+        height : float
+            Of the box [m].
+        """
         needed = self.size(text)
         return bool(needed[0] <= width and needed[1] <= height)
 
@@ -102,7 +120,23 @@ class LabelBoard:
         size: float = LABEL_SIZE,
         gid: str | None = None,
     ) -> None:
-        """Write a text at a place, whatever is there."""
+        """Write a text at a place, whatever is there.
+
+        Parameters
+        ----------
+        text : str
+            One line.
+        center : (2,) array
+            Its middle [m].
+        color : color
+            Of the text.
+        rotation : float
+            0 or 90 [°].
+        size : float
+            Font size [pt].
+        gid : str or None
+            Name of the artist, for tests and SVG.
+        """
         half = 0.5 * self.size(text, size)
         if rotation:
             half = half[::-1]

@@ -18,7 +18,8 @@ from radmpc.plotting.canvas.style import LABEL_SIZE
 
 __all__ = ["Board", "SpaceBoard", "board_of", "show_all"]
 
-_HALF_MARK = 4.0  # of a start's circle, and what a text keeps from a step's dot, too [pt]
+_HALF_MARK = 4.0
+"""Half size of a start's circle, and what a text keeps from a step's dot, too [pt]."""
 
 
 @dataclass(slots=True)
@@ -28,7 +29,7 @@ class SpaceBoard:
     Attributes
     ----------
     axes : Axes3D
-        Where to write; its limits, size and view must be settled.
+        Where to write; its limits, size and view must be final.
     points : list of (p, 2) array
         What a text should not cover [px].
     boxes : list of (4,) array
@@ -52,7 +53,21 @@ class SpaceBoard:
         size: float = LABEL_SIZE,
         gid: str | None = None,
     ) -> None:
-        """Write a text next to a point in space, (3,) [m]; it stays there if the view is turned."""
+        """Write a text next to a point in space, (3,) [m]; it stays there if the view is turned.
+
+        Parameters
+        ----------
+        text : str
+            One line.
+        place : (3,) array
+            The point [m].
+        color : color
+            Of the text.
+        size : float
+            Font size [pt].
+        gid : str or None
+            Name of the artist, for tests and SVG.
+        """
         scale = self.axes.get_figure(root=True).dpi / 72.0
         half = 0.5 * np.array([LETTER[0] * len(text), LETTER[1]]) * size * scale
         center = self._seen(place[None, :])[0]
@@ -87,5 +102,5 @@ def show_all(axes: Axes) -> None:
 
 
 def board_of(axes: Axes) -> Board:
-    """Return a board for axes that are settled, flat or in space."""
+    """Return a board for axes whose limits and size are final, flat or in space."""
     return SpaceBoard(axes) if isinstance(axes, Axes3D) else LabelBoard(axes)

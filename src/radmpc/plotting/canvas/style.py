@@ -38,16 +38,32 @@ MUTED = "#555555"
 OBSTACLE_FILL = "#DADADA"
 OBSTACLE_EDGE = "#8A8A8A"
 
-COLUMN_WIDTH = 3.5  # [in]
-TITLE_SIZE = 8.0  # [pt]
-LABEL_SIZE = 6.5  # [pt]
-TICK_SIZE = 6.0  # [pt]
-WALL_WIDTH = 1.4  # [pt]: of obstacles without thickness
-POST_SIZE = 3.0  # [pt]: of those that are a point
-NUMBER_SIZE = 4.8  # of step numbers [pt]
-STAR_SIZE = 5.5  # [pt]
+COLUMN_WIDTH = 3.5
+"""Width of a figure in one column [in]."""
 
-MAX_LABELS = 24  # with more vehicles their names would cover the picture
+TITLE_SIZE = 8.0
+"""Font size of headlines [pt]."""
+
+LABEL_SIZE = 6.5
+"""Font size of axes' labels, names and facts [pt]."""
+
+TICK_SIZE = 6.0
+"""Font size of ticks and legends [pt]."""
+
+WALL_WIDTH = 1.4
+"""Line width of obstacles without thickness [pt]."""
+
+POST_SIZE = 3.0
+"""Marker size of obstacles that are a point [pt]."""
+
+NUMBER_SIZE = 4.8
+"""Font size of step numbers [pt]."""
+
+STAR_SIZE = 5.5
+"""Marker size of goals [pt]."""
+
+MAX_LABELS = 24
+"""Vehicles, or obstacles, up to which names are written: more would cover the picture."""
 
 # Far apart in lightness, so that they differ in gray print, too.
 _SHADES = (0.0, -0.55, 0.42, -0.28, 0.2)

@@ -21,21 +21,46 @@ __all__ = [
     "subtitle",
 ]
 
-_LINE_CHARACTERS = 62  # of a line of facts in one column
-_ALERT_CHARACTERS = 48  # must fit beside narrow axes, too
-_MOST_LINES = 5  # of an explanation
-_LEFT = 0.01  # where headlines above several panels begin, share of the figure
-_ABOVE = 3.0  # what a layout keeps free above them [pt]
+_LINE_CHARACTERS = 62
+"""Letters in a line of facts in one column."""
+
+_ALERT_CHARACTERS = 48
+"""Letters in a line of warnings, which must fit beside narrow axes, too."""
+
+_MOST_LINES = 5
+"""Lines of an explanation that are shown."""
+
+_LEFT = 0.01
+"""Where headlines above several panels begin, as a share of the figure's width [-]."""
+
+_ABOVE = 3.0
+"""Space that a layout keeps free above headlines [pt]."""
 
 
 def num_title_lines(plan: Plan, *, details: bool = True) -> int:
-    """Return how many lines stand above the axes."""
+    """Return how many lines stand above the axes.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is drawn.
+    details : bool
+        Whether how the plan was made is told, too.
+    """
     texts = [text for _, text, _ in _blocks(plan, details=details)]
     return 1 + sum(len(text.splitlines()) for text in texts)
 
 
 def subtitle(plan: Plan, *, details: bool = True) -> str:
-    """Return the facts of a plan: cost, risk against its bound and, as details, how it was made."""
+    """Return the facts of a plan: cost, risk against its bound and, as details, how it was made.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is drawn.
+    details : bool
+        Whether how the plan was made is told, too.
+    """
     facts = []
     if plan.cost is not None:
         facts.append(f"cost {plan.cost:.4g}")
@@ -68,7 +93,19 @@ def alert_text(plan: Plan) -> str | None:
 
 
 def draw_title(ax: Axes, plan: Plan, *, details: bool = True, headline: str | None = None) -> None:
-    """Write headline, facts and, in red, what is wrong above the axes."""
+    """Write headline, facts and, in red, what is wrong above the axes.
+
+    Parameters
+    ----------
+    ax : Axes
+        Above which.
+    plan : Plan
+        What is drawn.
+    details : bool
+        Whether how the plan was made is told, too.
+    headline : str or None
+        First line; None is the scenario's name.
+    """
     blocks = _blocks(plan, details=details)
     # The title's empty last lines make room for the smaller lines below it, which no layout
     # engine would otherwise see.
@@ -93,14 +130,34 @@ def draw_title(ax: Axes, plan: Plan, *, details: bool = True, headline: str | No
 
 
 def draw_headline(figure: Figure | SubFigure, text: str) -> None:
-    """Write a text above all panels of a figure."""
+    """Write a text above all panels of a figure.
+
+    Parameters
+    ----------
+    figure : Figure or SubFigure
+        Above whose panels.
+    text : str
+        One line or several.
+    """
     figure.suptitle(text, x=_LEFT, ha="left", fontsize=TITLE_SIZE, fontweight="bold")
 
 
 def draw_headlines(
     figure: Figure | SubFigure, plan: Plan, *, details: bool = True, headline: str | None = None
 ) -> None:
-    """Write the same above all panels of a figure."""
+    """Write the same above all panels of a figure.
+
+    Parameters
+    ----------
+    figure : Figure or SubFigure
+        Above whose panels.
+    plan : Plan
+        What is drawn.
+    details : bool
+        Whether how the plan was made is told, too.
+    headline : str or None
+        First line; None is the scenario's name.
+    """
     first = plan.scenario.name if headline is None else headline
     below = "\n" * (num_title_lines(plan, details=details) - 1)
     draw_headline(figure, first + below)

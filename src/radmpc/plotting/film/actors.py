@@ -24,7 +24,7 @@ from radmpc.plotting.canvas.style import (
     OBSTACLE_FILL,
     WALL_WIDTH,
 )
-from radmpc.plotting.interpolation import Way, moving_outline, way_of
+from radmpc.plotting.interpolation import InterpolatedPath, interpolated_path, moving_outline
 
 __all__ = ["Actor", "draw_actors"]
 
@@ -37,7 +37,15 @@ class Actor(Protocol):
     """Something that can be shown as it is at a moment."""
 
     def show(self, frame: int, time: float) -> None:
-        """Show it at a frame, ``time`` steps after the start."""
+        """Show it at a moment.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame, from 0.
+        time : float
+            Time since the start [steps].
+        """
 
 
 def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -> list[Actor]:
@@ -46,9 +54,9 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
     Parameters
     ----------
     ax : Axes
-        Where.
+        Axes to draw on.
     plan : Plan
-        What.
+        The plan to draw.
     colors : dict
         Color by vehicle.
     per_step : int
@@ -66,11 +74,11 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
             actors.append(_FlatObstacle(ax, obstacle) if is_flat else _SolidObstacle(ax, obstacle))
     is_named = plan.scenario.num_vehicles <= MAX_LABELS
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
-        way = way_of(
+        path = interpolated_path(
             vehicle, trajectory, per_step, intervals=plan.scenario.avoidance == "intervals"
         )
         kind = _SolidVehicle if isinstance(ax, Axes3D) else _FlatVehicle
-        actors.append(kind(ax, vehicle, way, colors[vehicle.name], is_named, per_step))
+        actors.append(kind(ax, vehicle, path, colors[vehicle.name], is_named, per_step))
     return actors
 
 
@@ -78,9 +86,15 @@ class _FlatVehicle:
     """A vehicle in the plane."""
 
     def __init__(
-        self, ax: Axes, vehicle: Vehicle, way: Way, color: Color, is_named: bool, per_step: int
+        self,
+        ax: Axes,
+        vehicle: Vehicle,
+        path: InterpolatedPath,
+        color: Color,
+        is_named: bool,
+        per_step: int,
     ) -> None:
-        self.way, self.per_step = way, per_step
+        self.path, self.per_step = path, per_step
         name, none = vehicle.name, np.zeros((1, 2))
         self.box = Polygon(
             none, facecolor=(*color, 0.07), edgecolor=(*color, 0.6), linewidth=0.5,
@@ -105,11 +119,11 @@ class _FlatVehicle:
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
-        place = self.way.places[frame]
+        place = self.path.positions[frame]
         self.hull.center = (float(place[0]), float(place[1]))
-        self.region.set_xy(place + 3.0 * (self.way.roots[frame] @ _CIRCLE).T)
-        self.box.set_xy(self.way.boxes[min(int(time), len(self.way.boxes) - 1)])
-        self.trail.set_data(*self.way.places[: frame + 1].T)
+        self.region.set_xy(place + 3.0 * (self.path.roots[frame] @ _CIRCLE).T)
+        self.box.set_xy(self.path.boxes[min(int(time), len(self.path.boxes) - 1)])
+        self.trail.set_data(*self.path.positions[: frame + 1].T)
         self.name.xy = (float(place[0]), float(place[1]))
 
 
@@ -117,12 +131,18 @@ class _SolidVehicle:
     """A vehicle in space."""
 
     def __init__(
-        self, ax: Axes3D, vehicle: Vehicle, way: Way, color: Color, is_named: bool, per_step: int
+        self,
+        ax: Axes3D,
+        vehicle: Vehicle,
+        path: InterpolatedPath,
+        color: Color,
+        is_named: bool,
+        per_step: int,
     ) -> None:
-        self.way, self.per_step, self.ax = way, per_step, ax
+        self.path, self.per_step, self.ax = path, per_step, ax
         name = vehicle.name
         self.box = Poly3DCollection(
-            _triangles(way.boxes[0]), facecolors=[(*color, 0.05)], linewidths=0.0,
+            _triangles(path.boxes[0]), facecolors=[(*color, 0.05)], linewidths=0.0,
             gid=f"temporal:{name}",
         )  # fmt: skip
         self.rings = Line3DCollection(
@@ -145,18 +165,18 @@ class _SolidVehicle:
 
     def _rings(self, frame: int) -> list[Matrix]:
         """Return the three principal rings of the 3σ ellipsoid."""
-        place, root = self.way.places[frame], self.way.roots[frame]
+        place, root = self.path.positions[frame], self.path.roots[frame]
         return [place + 3.0 * (root[:, list(plane)] @ _CIRCLE).T for plane in _PLANES]
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
-        been = self.way.places[: frame + 1]
+        been = self.path.positions[: frame + 1]
         self.trail.set_data_3d(*been.T)
         floor = np.full(len(been), self.ax.get_zlim()[0])
         self.shadow.set_data_3d(been[:, 0], been[:, 1], floor)
         self.hull.set_data_3d(*been[-1:].T)
         self.rings.set_segments(self._rings(frame))
-        box = self.way.boxes[min(int(time), len(self.way.boxes) - 1)]
+        box = self.path.boxes[min(int(time), len(self.path.boxes) - 1)]
         self.box.set_verts(_triangles(box))
         self.name.set_position_3d(been[-1])
 

@@ -38,8 +38,13 @@ __all__ = [
 ]
 
 FRAMES_PER_STEP = 5
-SECONDS_PER_STEP = 0.5  # of the film
+"""Frames of a film per step unless asked otherwise."""
+
+SECONDS_PER_STEP = 0.5
+"""Duration of a step in the film [s]."""
+
 _MOST_FRAMES = 50
+"""Frames of a film per step that may be asked for."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +133,17 @@ def animate_plan(
 
 
 def make_film(plan: Plan, ax: Axes | None, frames_per_step: int) -> Film:
-    """Return a plan as a figure that can be set to any frame; see `animate_plan`."""
+    """Return a plan as a figure that can be set to any frame; see `animate_plan`.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is drawn.
+    ax : Axes or None
+        Where; None makes a figure.
+    frames_per_step : int
+        From 1 to 50.
+    """
     check_plan(plan)
     check_axes(ax, plan.scenario.dimension)
     check_integer(frames_per_step, "frames_per_step", 1, _MOST_FRAMES)

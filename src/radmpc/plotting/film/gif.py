@@ -41,7 +41,7 @@ def write_gif(film: Frames, target: str | IO[bytes], milliseconds: int) -> None:
     film : Frames
         What to write.
     target : str or binary file
-        Where.
+        File to write.
     milliseconds : int
         From frame to frame.
     """

@@ -30,10 +30,17 @@ from radmpc.plotting.risk.ledger_shares import plot_risk_shares, shares_height
 
 __all__ = ["plot_ledger", "plot_risk_map"]
 
-_DECADES = 8  # what the map tells apart: risks below are left blank
-_MAP_FRAME = 0.80  # heading, ticks, labels and color bar of the map [in]
-_HEADLINES = 0.32  # name and certificate [in]
-_LINE = 0.14  # a line of the headlines [in]
+_DECADES = 8
+"""Powers of ten that the map's colors span; risks below are left blank."""
+
+_MAP_FRAME = 0.80
+"""Height of heading, ticks, labels and color bar of the map [in]."""
+
+_HEADLINES = 0.32
+"""Height of name and certificate [in]."""
+
+_LINE = 0.14
+"""Height of a line of the headlines [in]."""
 
 
 @overload

@@ -22,9 +22,11 @@ __all__ = [
     "write_beside",
 ]
 
-_DROP = 0.30  # of a legend below the axes, past ticks and label [in]
+_DROP = 0.30
+"""Distance of a legend from the axes' lower edge, past ticks and label [in]."""
 
-ROW = 0.125  # height of a row of the map, of a bar [in]
+ROW = 0.125
+"""Height of a row of the map, and of a bar [in]."""
 
 
 def new_column(height: float) -> Figure:
@@ -35,7 +37,17 @@ def new_column(height: float) -> Figure:
 
 
 def settle_part(ax: Axes, heading: str, xlabel: str) -> None:
-    """Set heading, label and looks that both parts share."""
+    """Set heading, label and looks that both parts share.
+
+    Parameters
+    ----------
+    ax : Axes
+        One part of the figure.
+    heading : str
+        Above it.
+    xlabel : str
+        Below it.
+    """
     ax.set_title(heading, loc="left", fontsize=LABEL_SIZE, pad=3.0)
     ax.set_xlabel(xlabel, fontsize=LABEL_SIZE, labelpad=1.0)
     ax.tick_params(labelsize=TICK_SIZE, length=2.0, width=0.5, pad=1.5)
@@ -46,7 +58,15 @@ def settle_part(ax: Axes, heading: str, xlabel: str) -> None:
 
 
 def say_nothing(ax: Axes, plan: Plan) -> Axes:
-    """Write why there is nothing to draw."""
+    """Write why there is nothing to draw.
+
+    Parameters
+    ----------
+    ax : Axes
+        Axes to draw on.
+    plan : Plan
+        Without risk, certificate or trajectories.
+    """
     text = "no plan" if not plan.trajectories else "no risk at all"
     if plan.trajectories and plan.risk.certified is None:
         text = "no certificate"
@@ -63,7 +83,15 @@ def has_layout(ax: Axes) -> bool:
 
 
 def draw_key(ax: Axes, columns: int) -> None:
-    """Say what lines and bars mean: below the axes, or within where nothing makes room there."""
+    """Say what lines and bars mean: below the axes, or within where nothing makes room there.
+
+    Parameters
+    ----------
+    ax : Axes
+        With labeled lines and bars.
+    columns : int
+        Entries side by side.
+    """
     figure = ax.get_figure(root=True)
     if figure is None or not has_layout(ax):
         ax.legend(fontsize=TICK_SIZE, loc="upper right", frameon=True, framealpha=0.85)
@@ -76,7 +104,19 @@ def draw_key(ax: Axes, columns: int) -> None:
 
 
 def write_beside(ax: Axes, row: float, text: str, gid: str) -> None:
-    """Write a few letters at the right of a row."""
+    """Write a few letters at the right of a row.
+
+    Parameters
+    ----------
+    ax : Axes
+        With a row per unit of y.
+    row : float
+        Number of the row.
+    text : str
+        A few letters.
+    gid : str
+        Name of the artist, for tests and SVG.
+    """
     ax.annotate(
         text,
         (1.0, row),

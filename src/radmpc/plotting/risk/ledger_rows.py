@@ -11,8 +11,10 @@ from radmpc.model.plan import Plan
 __all__ = ["MAX_ROWS", "map_rows", "share_rows"]
 
 MAX_ROWS = 20
+"""Rows of the map, and bars, that are drawn; the rest shares one."""
 
-_MAX_NAME = 12  # letters of a vehicle's or an obstacle's name
+_MAX_NAME = 12
+"""Letters of a vehicle's or an obstacle's name; longer ones are cut."""
 
 
 def map_rows(plan: Plan, decades: int) -> tuple[list[str], Matrix]:

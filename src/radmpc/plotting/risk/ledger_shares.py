@@ -1,4 +1,4 @@
-"""Who bears how much of Δ, and what was left unused, as bars."""
+"""Each vehicle's share of Δ, and what was left unused, as bars."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from radmpc.plotting.risk.ledger_rows import share_rows
 
 __all__ = ["plot_risk_shares", "shares_height"]
 
-_FRAME = 0.60  # heading, ticks, label and legend [in]
+_FRAME = 0.60
+"""Height of heading, ticks, label and legend [in]."""
+
 _COLORS: dict[Cause, str] = {"pair": PALETTE[0], "obstacle": PALETTE[4], "workspace": PALETTE[2]}
 _LABELS: dict[Cause, str] = {
     "pair": "half of pairs",

@@ -1,4 +1,4 @@
-"""The picture of when the risk is run."""
+"""The picture of risk over time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from radmpc.plotting.risk.ledger_looks import draw_key, new_column, say_nothing,
 
 __all__ = ["plot_risk"]
 
-_HEIGHT = 2.1  # [in]
+_HEIGHT = 2.1
+"""Height of the figure [in]."""
 
 
 def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:

@@ -30,13 +30,16 @@ from radmpc.arrays import Matrix, Tensor, Vector
 
 __all__ = ["exceeds_alone"]
 
-# Q(40) is 4e-350, which is no number any more: limits further out are the same limits.
 _FURTHEST = 40.0
-# Half widths below which a difference of erfcx is taken as its Taylor series; the series then
-# lacks 1e-12 of it, and the difference loses four of its sixteen digits at most.
+"""Limits further out are taken as this [standard deviations]: Q(40) is 4e-350, no number any
+more."""
+
 _NARROW = 1e-3
-# What all roundings together can take off, relatively: added to what is computed.
+"""Half widths below which a difference of erfcx is taken as its Taylor series [-]. The series then
+lacks 1e-12 of it; above, the difference loses four of its sixteen digits at most."""
+
 _ROUNDING = 2e-11
+"""Relative error that all roundings together can cause [-]: added to what is computed."""
 
 
 def exceeds_alone(a: ArrayLike, b: ArrayLike, correlation: ArrayLike) -> Tensor:

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Tensor, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.referee.bound.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.bound.halfspace import end_margins, end_risks, refine, shared_risks
 from radmpc.referee.bound.parts import MANY_PARTS, NUM_PARTS, part_charges
@@ -75,11 +75,19 @@ class WindowHalfspaces:
 
     normals: Tensor
     margins: Tensor
-    risks: Vector
+    risks: Matrix
 
 
 def window_halfspaces(encounters: Encounters, *, intervals: bool) -> WindowHalfspaces:
-    """Return the best half-spaces of all windows: the T intervals, or the T+1 steps."""
+    """Return the best half-spaces of all windows: the T intervals, or the T+1 steps.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        B of one kind.
+    intervals : bool
+        Whether windows are the T intervals, or the T+1 steps.
+    """
     parts: list[tuple[Tensor, Tensor, Vector]] = []
     for block in blocks(encounters):
         sites = interval_sites(block) if intervals else instant_sites(block)

@@ -1,4 +1,4 @@
-"""The verdict on a plan: does it hold, and how likely is any collision at most."""
+"""The certificate of a plan: whether it holds, and an upper bound on any collision."""
 
 from __future__ import annotations
 
@@ -22,10 +22,12 @@ from radmpc.referee.saturation import saturation_bound
 
 __all__ = ["Certificate", "certify"]
 
-# A stated certificate may be below the recomputed one by rounding on another machine only.
 _STATED_TOL = 1e-6
+"""Relative difference [-] by which a stated certificate may be below the recomputed one: rounding
+on another machine."""
 
-_MOST_ROWS = 3  # of the ledger in a notebook
+_MOST_ROWS = 3
+"""Rows of the ledger that a notebook shows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +103,7 @@ def certify(plan: Plan, *, avoidance: Avoidance | None = None) -> Certificate:
 
     each with the best half-space found over all directions. Step 0 counts. Under ``intervals`` a
     half-space is held over each part of an interval: at its near end, at what feedback held over
-    the step makes of it, and at its far end, with what the mean curve hangs off its chord in
+    the step makes of it, and at its far end, with what the mean curve deviates from its chord in
     reserve; and each of these is charged only with what the one before it does not fail
     (Hunter 1976, Worsley 1982).
 

@@ -1,4 +1,4 @@
-"""Which half-space to hold over each interval, when neighbors may share one.
+"""Which half-space to hold over each interval, when consecutive ones may share it.
 
 Interval j holds a direction at its ends: ``near`` are the risks at step j, ``far`` is that at step
 j+1. The first of ``near`` is that of the position, a second one that of what feedback makes of it

@@ -1,6 +1,6 @@
 r"""Gaussian probabilities as integrals along outlines, with a proven error.
 
-In coordinates (s, t) that make a planar Gaussian standard, Green's theorem says of a set inside a
+In coordinates (s, t) that make a planar Gaussian standard, Green's theorem gives for a set inside a
 closed outline, counter-clockwise,
 
 .. math:: \Pr = \oint \varphi(s)\,Q(t)\,ds.
@@ -37,29 +37,30 @@ __all__ = ["Outlines", "enclosed"]
 
 Truths = npt.NDArray[np.bool_]
 
-# Nodes, ellipses and first pieces change the speed only: other rules of 12 to 24 nodes, on ellipses
-# of 2 to 9, took up to 1.5 times as long on 300 discs, boxes and hulls.
 _NUM_NODES = 20
+"""Nodes of the Gauss-Legendre rule on a piece, for speed only: rules of 12 to 24 nodes, on ellipses
+of 2 to 9, took up to 1.5 times as long on 300 discs, boxes and hulls."""
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_NUM_NODES)
-# Ellipses to bound on; the smallest bound counts. Short pieces like large ones.
+
 _ELLIPSES = (3.0, 6.0)
-# Sum of all error bounds at which a site is done, relative to its probability.
-_REL_TOL = 1e-6
-# Halvings: an outline of 1e7 deviations needs 24.
-_ROUNDS = 40
-# A site of that many pieces is left as it is.
-_MOST_PIECES = 2000
-# Probabilities that are no concern.
-_TINY = 1e-300
-# Error bound, relative to the tolerance and to the size of the integral, from which a piece is
-# integrated before the probability is known.
+"""Sums of the half axes of the ellipses to bound the error on [-]: short pieces like large ones."""
+
+_REL_TOL, _TINY = 1e-6, 1e-300
+"""Sum of all error bounds at which a site is done [-]: relative to its probability, absolute."""
+
+_ROUNDS, _MOST_PIECES = 40, 2000
+"""Halvings (1e7 deviations of outline need 24) and pieces beyond which a site is left as it is."""
+
 _PROMISE = 0.1
-# Digits that rounding can take from a sum of tails: 2e3 units in the last place, most of them from
-# tails 30 deviations out.
+"""Error bound, over the tolerance and the integral's size [-], to integrate a piece at once."""
+
 _ROUNDING = 5e-13
-# Rounding tears the ends of pieces apart by less than this share of their coordinates. The outline
-# is closed by jumps across, which are charged at the largest integrand of the piece.
+"""Relative error of a sum of tails [-]: 2e3 last places, most of them from 30 deviations out."""
+
 _JUMP = 16.0 * float(np.finfo(float).eps)
+"""Share of their coordinates [-] by which rounding can tear the ends of pieces apart. The outline
+is closed by jumps across, which are charged at the largest integrand of the piece."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +96,15 @@ class Outlines:
         return np.asarray(parts.sum(axis=1))
 
     def expand(self, element: Indices, u: Vector) -> _Local:
-        """Return s and t and their derivatives at u."""
+        """Return s and t and their derivatives at u.
+
+        Parameters
+        ----------
+        element : (P,) int array
+            Elements of the outline.
+        u : (P,) array
+            Parameter on each.
+        """
         cos, sin = np.cos(u)[:, None], np.sin(u)[:, None]
         even, odd, slope = self.even[element], self.odd[element], self.slope[element]
         bend = cos * even + sin * odd

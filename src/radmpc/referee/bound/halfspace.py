@@ -40,10 +40,14 @@ turning a scene by a right angle changed single encounters by up to a third."""
 _MOST_EXCESS = 1e3
 """Deviations up to which that is counted."""
 
-# Of the search over whole intervals: nine rounds find less than 0.1 % better chains of parts.
 _ROUNDS = 5
+"""Rounds of the search over whole intervals: nine find less than 0.1 % better chains of parts."""
+
 _FIRST_STEP = 0.4
+"""Step of the first round, as a share of the direction's length [-]."""
+
 _SHRINK = 0.4
+"""Factor of the step from round to round [-]."""
 
 
 def end_risks(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
@@ -52,7 +56,7 @@ def end_risks(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) ->
     Parameters
     ----------
     sites : Sites
-        S places with E ends.
+        S sites with E ends.
     directions : (S, C, d) array
         Unit normals that point away from the set [-].
     shares : (S, C) array or float
@@ -72,6 +76,13 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
 
     Where a vehicle starts at contact, the one direction that holds does so at its own share only.
     Directions that fail for certain are told apart by how far they do: a search would take any.
+
+    Parameters
+    ----------
+    sites : Sites
+        S of E ends each.
+    directions : (S, C, d) array
+        Unit normals of half-spaces.
     """
     seen = chords(sites, directions)
     levels = in_deviations(seen.margins - seen.sagittas[:, :, None], seen.deviations)
@@ -89,6 +100,15 @@ def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -
     """Return the margins of `end_margins` in standard deviations, (S, C, E).
 
     Without noise ±inf: touching, up to rounding, is no collision.
+
+    Parameters
+    ----------
+    sites : Sites
+        S of E ends each.
+    directions : (S, C, d) array
+        Unit normals of half-spaces.
+    shares : (S, C) array or float
+        Share θ of the reserve that the near end keeps.
     """
     seen = chords(sites, directions)
     return in_deviations(_less_reserves(sites, seen, shares), seen.deviations)
@@ -97,14 +117,14 @@ def clearances(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -
 def end_margins(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) -> Tensor:
     """Return how far the means are from failing each half-space at each end.
 
-    The mean curve hangs off its chord by ``4 s (1 − s) b``, with b at most ``max(0, n·sagitta)``.
+    The mean curve deviates from its chord by ``4 s (1 − s) b``, b at most ``max(0, n·sagitta)``.
     Margins m₀ and m₁ of the chord's ends are enough in between if, for some share θ in [0, 1],
     ``m₀`` is at least ``4 b θ²`` and ``m₁`` at least ``4 b (1 − θ)²``.
 
     Parameters
     ----------
     sites : Sites
-        S places with E ends.
+        S sites with E ends.
     directions : (S, C, d) array
         Unit normals that point away from the set [-].
     shares : (S, C) array or float
@@ -153,7 +173,7 @@ def refine(
     Parameters
     ----------
     sites : Sites
-        S places.
+        S sites.
     directions : (S, d) array
         Where to start.
     score : callable

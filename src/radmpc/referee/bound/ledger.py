@@ -12,25 +12,51 @@ from radmpc.model.plan import Cause, LedgerRow
 
 __all__ = ["Account", "total_risk"]
 
-# Steps below this risk share one row per vehicle and partner.
 _SMALL = 1e-12
+"""Risk below which steps share one row per vehicle and partner [-]."""
 
 
 @dataclass(slots=True, eq=False)
 class Account:
-    """Collects risks per step; several pieces of one obstacle end up in one entry."""
+    """Collects risks per step; several pieces of one obstacle end up in one entry.
+
+    Attributes
+    ----------
+    entries : dict
+        Risks at each step, (T+1,) [-], by cause, vehicle and partner.
+    """
 
     entries: dict[tuple[Cause, int, int | None], Vector] = field(default_factory=dict)
 
     def charge(self, cause: Cause, first: Indices, other: Indices | None, risks: Vector) -> None:
-        """Add the risks of many encounters, (B, T+1)."""
+        """Add the risks of many encounters, (B, T+1).
+
+        Parameters
+        ----------
+        cause : {'obstacle', 'pair', 'workspace'}
+            What may be hit or left.
+        first : (B,) int array
+            The vehicles charged.
+        other : (B,) int array or None
+            Obstacles, or the other vehicles; None for the workspace.
+        risks : (B, T+1) array
+            Risk of each at each step [-].
+        """
         for b in np.flatnonzero(risks.any(axis=1)):
             key = (cause, int(first[b]), None if other is None else int(other[b]))
             known = self.entries.get(key)
             self.entries[key] = risks[b].copy() if known is None else known + risks[b]
 
     def rows(self, vehicles: tuple[str, ...], obstacles: tuple[str, ...]) -> tuple[LedgerRow, ...]:
-        """Return the ledger: nothing is dropped, small steps are merged into the worst."""
+        """Return the ledger: nothing is dropped, small steps are merged into the worst.
+
+        Parameters
+        ----------
+        vehicles : tuple of str
+            Names, by number.
+        obstacles : tuple of str
+            Names, by number.
+        """
         rows = []
         for (cause, vehicle, other), risks in self.entries.items():
             names = vehicles if cause == "pair" else obstacles

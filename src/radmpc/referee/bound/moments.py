@@ -20,8 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Indices, Tensor
-from radmpc.referee.motion import FleetMotion
+from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.referee.motion import FleetMotion, Group
 
 __all__ = ["Moments", "moments_of"]
 
@@ -35,7 +35,7 @@ class Moments:
     means : (V, T M + 1, d) array
         Mean positions on the curve [m].
     sagittas : (V, T M, d) array
-        How far the mean curve hangs off the chord of each part in its middle [m].
+        Deviation of the mean curve from the chord of each part in its middle [m].
     own : (V, T M + 1, d, d) array
         Covariance of the position [m²].
     bent : (V, T M, d, d) array
@@ -109,36 +109,53 @@ def moments_of(motion: FleetMotion, vehicles: Indices, parts: int) -> Moments:
             continue
         members = group.members[chosen]
         at = np.array([place[int(v)] for v in members])
-        n = group.transitions.shape[1]
-        axes = group.position[chosen]
-        picked = np.eye(n)[axes][:, None]
-        bend = np.zeros((len(chosen), 1, d, n))
-        for g, member in enumerate(members.tolist()):
-            known = motion.bends[member]
-            bend[g, 0] = 0.0 if known is None else known
-        column = shares[:, None, None]
-        C = (1.0 - column) * picked + column * (picked @ group.transitions[chosen][:, None])
-        C = (C - column * (1.0 - column) * bend)[:, None]
-        noise = np.take_along_axis(group.disturbance[chosen], axes[:, :, None], axis=1)
-        noise = np.take_along_axis(noise, axes[:, None, :], axis=2)[:, None, None]
-        states = np.stack([motion.covariances[v][:-1] for v in members.tolist()])[:, :, None]
-        near, far = C[:, :, :-1], C[:, :, 1:]
-        bent = near - bend[:, None] / parts**2
-        fresh = column[:-1] ** 2 * noise
-        spread = bent @ states
-        pieces[0][at] = spread @ _turned(bent) + fresh
-        pieces[1][at] = near @ states @ _turned(bent) + fresh
-        pieces[2][at] = spread @ _turned(far) + column[:-1] * column[1:] * noise
-        own[at, :-1] = (near @ states @ _turned(near) + fresh).reshape(len(at), width, d, d)
+        near, *crossed = _spreads(motion, group, chosen, shares)
+        for piece, values in zip(pieces, crossed, strict=True):
+            piece[at] = values
+        own[at, :-1] = near.reshape(len(at), width, d, d)
         own[at, -1] = motion.position_covariances[members, -1]
-    bent_cov, near_with_bent, bent_with_far = (p.reshape(count, width, d, d) for p in pieces)
+    bent, near_with_bent, bent_with_far = (p.reshape(count, width, d, d) for p in pieces)
     return Moments(
         means,
         np.repeat(sagittas, parts, axis=1) / parts**2,
         own,
-        bent_cov,
+        bent,
         near_with_bent,
         bent_with_far,
+    )
+
+
+def _spreads(
+    motion: FleetMotion, group: Group, chosen: Indices, shares: Vector
+) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """Return own, bent, near-with-bent and bent-with-far covariances, (G, T, M, d, d) each [m²].
+
+    Of a group's chosen members, each at the ends of parts that lie at these shares of a step.
+    """
+    members = group.members[chosen]
+    axes = group.position[chosen]
+    d, n = axes.shape[1], group.transitions.shape[1]
+    parts = len(shares) - 1
+    picked = np.eye(n)[axes][:, None]
+    bend = np.zeros((len(chosen), 1, d, n))
+    for g, member in enumerate(members.tolist()):
+        bend_of_one = motion.bends[member]
+        bend[g, 0] = 0.0 if bend_of_one is None else bend_of_one
+    column = shares[:, None, None]
+    C = (1.0 - column) * picked + column * (picked @ group.transitions[chosen][:, None])
+    C = (C - column * (1.0 - column) * bend)[:, None]
+    noise = np.take_along_axis(group.disturbance[chosen], axes[:, :, None], axis=1)
+    noise = np.take_along_axis(noise, axes[:, None, :], axis=2)[:, None, None]
+    states = np.stack([motion.covariances[v][:-1] for v in members.tolist()])[:, :, None]
+    near, far = C[:, :, :-1], C[:, :, 1:]
+    bent = near - bend[:, None] / parts**2
+    fresh = column[:-1] ** 2 * noise
+    spread = bent @ states
+    return (
+        near @ states @ _turned(near) + fresh,
+        spread @ _turned(bent) + fresh,
+        near @ states @ _turned(bent) + fresh,
+        spread @ _turned(far) + column[:-1] * column[1:] * noise,
     )
 
 

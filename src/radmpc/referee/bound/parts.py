@@ -1,4 +1,4 @@
-"""Intervals in equal parts: shorter chords, smaller sagittas, and half-spaces that turn."""
+"""Intervals split into equal parts: shorter chords, smaller sagittas, half-spaces that turn."""
 
 from __future__ import annotations
 
@@ -66,8 +66,8 @@ def part_charges(
     sums = charged.sum(axis=1)
     telling = np.flatnonzero(sums > _TELLING * sums.sum())
     if telling.size:
-        places = (telling[:, None] * width + np.arange(width)).ravel()
-        close, links = sites.take(places), crossed.take(places)
+        rows = (telling[:, None] * width + np.arange(width)).ravel()
+        close, links = sites.take(rows), crossed.take(rows)
         reaches = [reach * parts // NUM_PARTS for reach in _REACHES]
         tried = [_averaged(own[telling], reach) for reach in reaches]
         tried += [_averaged(guide[telling], reaches[0]) for guide in held]
@@ -96,6 +96,15 @@ def _averaged(directions: Tensor, reach: int) -> Tensor:
 def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple[Sites, Crossed]:
     """Return one site per encounter and part, with the covariances between its ends.
 
+    Parameters
+    ----------
+    encounters : Encounters
+        B of one kind, along intervals.
+    motion : FleetMotion
+        Of the fleet.
+    parts : int
+        M, parts of each step.
+
     Returns
     -------
     sites : Sites
@@ -106,18 +115,18 @@ def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple
     count, num_intervals, d = encounters.sagittas.shape
     width = num_intervals * parts
     moments = _relative(encounters, motion, parts)
-    places = [moments.means[:, :-1], moments.means[:, 1:]]
+    positions = [moments.means[:, :-1], moments.means[:, 1:]]
     spreads = [moments.own[:, :-1], moments.own[:, 1:]]
     is_near = [True, False]
     if encounters.bent_covariances is not None:
-        places.insert(1, moments.means[:, :-1])
+        positions.insert(1, moments.means[:, :-1])
         spreads.insert(1, moments.bent)
         is_near.insert(1, True)
-    ends = len(places)
+    ends = len(positions)
     shares = np.arange(width) % parts / parts
     blends = np.stack([shares if near else shares + 1.0 / parts for near in is_near], axis=1)
     sites = Sites(
-        np.stack(places, axis=2).reshape(-1, ends, d),
+        np.stack(positions, axis=2).reshape(-1, ends, d),
         np.stack(spreads, axis=2).reshape(-1, ends, d, d),
         tuple(is_near),
         moments.sagittas.reshape(-1, d),

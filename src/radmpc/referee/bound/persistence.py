@@ -33,10 +33,14 @@ _Link = tuple[tuple[int, slice], tuple[int, slice], Tensor]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Crossed:
-    """Covariances between the ends of each part, (S, d, d) each [m²].
+    """Covariances between the ends of each part.
 
-    ``bent_with_far`` is that of the near end where there is no bent one, and ``near_with_bent``
-    is not looked at.
+    Attributes
+    ----------
+    near_with_bent : (S, d, d) array
+        Of the near end with the bent one [m²]; not looked at where there is no bent one.
+    bent_with_far : (S, d, d) array
+        Of the bent near end, or of the near one where there is no bent one, with the far end [m²].
     """
 
     near_with_bent: Tensor
@@ -48,12 +52,28 @@ class Crossed:
 
 
 def best_shares(sites: Sites, directions: Matrix) -> Vector:
-    """Return the near ends' share of the reserve for the sagitta that costs least, (S,)."""
+    """Return the near ends' share of the reserve for the sagitta that costs least, (S,).
+
+    Parameters
+    ----------
+    sites : Sites
+        S of them.
+    directions : (S, d) array
+        Unit normal of each site's half-space.
+    """
     return _held(sites, chords(sites, directions[:, None]))[1][:, 0]
 
 
 def least_risks(sites: Sites, directions: Matrix) -> Matrix:
-    """Return the probability that each end fails at the shares that cost least, (S, E)."""
+    """Return the probability that each end fails at the shares that cost least, (S, E).
+
+    Parameters
+    ----------
+    sites : Sites
+        S of E ends each.
+    directions : (S, d) array
+        Unit normal of each site's half-space.
+    """
     levels, _ = _held(sites, chords(sites, directions[:, None]))
     return np.asarray(ndtr(-levels[:, 0]))
 

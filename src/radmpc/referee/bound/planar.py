@@ -16,14 +16,16 @@ from radmpc.referee.bound.contour import Outlines, enclosed
 
 __all__ = ["grown_polygon_risks"]
 
-# Covariances whose determinant is less than this share of the larger variance squared are singular
-# up to rounding, and left to half-spaces.
 _FLATTEST = 1e-15
-# Radii are rounded up by so many units in the last place of the largest coordinate, and one for
-# each corner: more than rounding moves any place on an outline.
+"""Determinant of a covariance, as a share of the larger variance squared [-], below which it is
+singular up to rounding and left to half-spaces."""
+
 _ROUNDING = 16.0
-# Where first pieces end, in deviations along the outline from its nearest point.
+"""Units in the last place of the largest coordinate by which radii are rounded up, and one more for
+each corner: more than rounding moves any point of an outline."""
+
 _MARKS = np.array([-10.0, -5.0, 0.0, 5.0, 10.0])
+"""Ends of the first pieces [standard deviations], along the outline from its nearest point."""
 
 
 def grown_polygon_risks(

@@ -11,17 +11,27 @@ from radmpc.referee.sites import Sites, over_ends
 
 __all__ = ["NEGLIGIBLE", "best_directions", "closest_directions"]
 
-# Half-spaces below this risk are charged as they are, without looking for a better one.
 NEGLIGIBLE = 1e-15
+"""Risk of a half-space below which no better one is searched for [-]."""
 
-# Above this risk directions across the chord are tried, too: few sites, a tenth of the time.
 _TELLING = 1e-10
+"""Risk above which directions across the chord are tried, too [-]: few sites, a tenth of the
+time."""
 
 
 def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix, Vector]:
     """Return the best direction found for each site and its risk, summed over ends.
 
     At one end the tangents are the best there is. At two ends the search goes on from them.
+
+    Parameters
+    ----------
+    sites : Sites
+        S of E ends each, in order of encounters.
+    common : (B, C, d) array
+        Directions that are tried at all sites of an encounter.
+    repeats : int
+        Sites per encounter.
     """
     gaps = sites.means.mean(axis=1)[:, None] - _centers(sites.vertices)
     tried = np.concatenate(
@@ -48,7 +58,7 @@ def closest_directions(sites: Sites, common: Tensor, known: Matrix) -> Matrix:
     Parameters
     ----------
     sites : Sites
-        S places.
+        S sites.
     common : (S, C, d) array
         Faces and axes.
     known : (S, d) array
@@ -74,7 +84,7 @@ def _centers(vertices: Tensor) -> Tensor:
     """Return the mean of the distinct corners at each step around a site, (S, 1 or 2, d).
 
     Corners are padded by repeating the first. Which one that is, and how often it is repeated,
-    hangs on how outlines are written and on what else there is: neither may move the center.
+    depends on how outlines are written and on what else there is: neither may move the center.
     """
     is_new = np.ones(vertices.shape[:3], dtype=bool)
     is_new[:, :, 1:] = (vertices[:, :, 1:] != vertices[:, :, :1]).any(axis=3)

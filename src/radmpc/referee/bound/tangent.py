@@ -22,6 +22,7 @@ _LEVEL = 1e-24
 """Slope, as a share of the steepest, up to which a Newton step changes nothing, or overflows."""
 
 _NEWTON_STEPS = 12
+"""Most Newton steps for one tangent; the square of the error makes a few enough."""
 
 _CONVERGED = 1e-12
 """Share of the multiplier below which a Newton step, which squares the error, is the last."""

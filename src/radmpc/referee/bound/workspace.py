@@ -23,6 +23,13 @@ def faces_of(workspace: Workspace, motion: FleetMotion) -> list[tuple[Matrix, En
 
     The box is convex: each face is a half-space to stay in, whatever the others do.
 
+    Parameters
+    ----------
+    workspace : Workspace
+        The box.
+    motion : FleetMotion
+        Of the fleet.
+
     Returns
     -------
     list of ((d,) array, Encounters)

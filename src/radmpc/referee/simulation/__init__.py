@@ -1,1 +1,1 @@
-"""Monte Carlo of the motion that is flown, feedback, curves and clipped controls among it."""
+"""Monte Carlo simulation of the true motion, with feedback, curves and clipped controls."""

@@ -27,7 +27,7 @@ Flags = npt.NDArray[np.bool_]
 
 _FINENESS = 1e-6
 """Sagitta below which a piece of a path counts as its chord [m]. At a millimeter, vehicles that
-start in contact and part were found to touch in 91 % of missions where they do in 99 %."""
+start in contact and part were found to touch in 91 % of samples where they do in 99 %."""
 
 Compare = Callable[[tuple[Matrix, Matrix], Vector, Vector, Indices, int], tuple[Flags, Flags]]
 """From chords, two limits on their distance and their windows to which are below each."""
@@ -152,7 +152,7 @@ def _compared_turning(
     *,
     solid: TurningSolid,
 ) -> tuple[Flags, Flags]:
-    """Tell the same of a solid that turns, window by window."""
+    """Return the same for a solid that turns, window by window."""
     sure, doubtful = (np.zeros(len(windows), dtype=bool) for _ in range(2))
     for window in np.unique(windows).tolist():
         members = np.flatnonzero(windows == window)

@@ -1,4 +1,4 @@
-"""One chunk of flights: draw deviations, find the few that matter, test those exactly."""
+"""One chunk of samples: draw deviations, find the few that matter, test those exactly."""
 
 from __future__ import annotations
 
@@ -69,12 +69,12 @@ class Flight:
         return self.watched.overlooked
 
     def count(self, size: int, seed: np.random.SeedSequence) -> Indices:
-        """Return flights with any collision, with each kind, and with saturation.
+        """Return samples with any collision, with each kind, and with saturation.
 
         Parameters
         ----------
         size : int
-            Flights.
+            Samples.
         seed : SeedSequence
             Of this chunk alone.
 
@@ -92,16 +92,16 @@ class Flight:
 
 @dataclass(slots=True, eq=False)
 class Chunk:
-    """Flights in the air.
+    """Samples in the air.
 
     Attributes
     ----------
     flight : Flight
         What is flown.
     size : int
-        Flights.
+        Samples.
     hits : (3, size) bool array
-        Which flights met a vehicle, met an obstacle, left the workspace.
+        Which samples met a vehicle, met an obstacle, left the workspace.
     saturated : (size,) bool array
         In which some control was cut off so far.
     excess : (R, size) array or None
@@ -120,7 +120,7 @@ class Chunk:
         self.saturated = np.full(self.size, self.flight.always_saturated)
 
     def fly(self, rng: np.random.Generator) -> None:
-        """Draw all flights step by step, and test each window."""
+        """Draw all samples step by step, and test each window."""
         flight = self.flight
         horizon = flight.scenario.horizon
         intervals = flight.scenario.avoidance == "intervals"
@@ -141,7 +141,7 @@ class Chunk:
             following -= cutoff.pushes @ self.excess
 
     def _test(self, window: int, steps: tuple[int, int], states: tuple[Matrix, Matrix]) -> None:
-        """Mark the flights that collide in a window."""
+        """Mark the samples that collide in a window."""
         flight = self.flight
         everyone = np.arange(self.size)
         usual = flight.watched.usual[window], flight.usual[window]
@@ -159,7 +159,7 @@ class Chunk:
         steps: tuple[int, int],
         states: tuple[Matrix, Matrix],
     ) -> None:
-        """Mark those of some flights that collide with what some rows watch."""
+        """Mark those of some samples that collide with what some rows watch."""
         watch, along = rows
         if not watch.kinds.size:
             return
@@ -172,7 +172,7 @@ class Chunk:
         if not row.size:
             return
         begin, end = (
-            self._places(watch, row, sample, k, state)
+            self._relative_positions(watch, row, sample, k, state)
             for k, state in zip(steps, states, strict=True)
         )
         sagittas = watch.sagittas[row]
@@ -184,22 +184,40 @@ class Chunk:
         self._test_workspace(watch, (row, samples[sample]), met)
 
     def is_open(self, kinds: Indices, samples: Indices) -> Flags:
-        """Return whether flights are still to be tested for kinds of collisions, (M,) bool."""
+        """Return whether samples are still to be tested for kinds of collisions, (M,) bool.
+
+        Parameters
+        ----------
+        kinds : (M,) int array
+            Kinds of collisions.
+        samples : (M,) int array
+            Numbers of samples.
+        """
         return ~self.hits[kinds, samples]
 
     def mark(self, watch: Watch, rows: Indices, samples: Indices) -> None:
-        """Note that rows of a window went wrong in flights."""
+        """Note that rows of a window went wrong in samples.
+
+        Parameters
+        ----------
+        watch : Watch
+            Of the window.
+        rows : (M,) int array
+            Its rows that went wrong.
+        samples : (M,) int array
+            The samples in which they did.
+        """
         self.hits[watch.kinds[rows], samples] = True
 
-    def _places(
+    def _relative_positions(
         self, watch: Watch, row: Indices, sample: Indices, step: int, state: Matrix
     ) -> Matrix:
         """Return the (relative) positions of some rows in some samples, (M, d)."""
         first, other = watch.first[row], watch.other[row]
-        places = self._positions(first, sample, step, state)
+        positions = self._positions(first, sample, step, state)
         pair = np.flatnonzero(watch.kinds[row] == PAIR)
-        places[pair] -= self._positions(other[pair], sample[pair], step, state)
-        return places
+        positions[pair] -= self._positions(other[pair], sample[pair], step, state)
+        return positions
 
     def _positions(self, who: Indices, sample: Indices, step: int, state: Matrix) -> Matrix:
         """Return the positions of some vehicles in some samples, (M, d)."""
@@ -226,7 +244,7 @@ class Chunk:
     def _test_pairs(
         self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
     ) -> None:
-        """Mark flights in which two vehicles meet."""
+        """Mark samples in which two vehicles meet."""
         row, sample = where
         begin, end, sagittas = met
         at = np.flatnonzero(watch.kinds[row] == PAIR)
@@ -240,7 +258,7 @@ class Chunk:
         where: tuple[Indices, Indices],
         met: tuple[Matrix, Matrix, Matrix],
     ) -> None:
-        """Mark flights in which a vehicle hits an obstacle, piece by piece."""
+        """Mark samples in which a vehicle hits an obstacle, piece by piece."""
         row, sample = where
         begin, end, sagittas = met
         at = np.flatnonzero(watch.kinds[row] == OBSTACLE)
@@ -257,7 +275,7 @@ class Chunk:
     def _test_workspace(
         self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
     ) -> None:
-        """Mark flights in which a center leaves the workspace."""
+        """Mark samples in which a center leaves the workspace."""
         workspace = self.flight.scenario.workspace
         if workspace is None:
             return

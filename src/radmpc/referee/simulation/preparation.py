@@ -1,4 +1,4 @@
-"""From a plan to what all chunks of flights share."""
+"""What all chunks of samples of a plan share, computed once."""
 
 from __future__ import annotations
 

@@ -72,8 +72,8 @@ class FleetProjections:
     ----------
     position_rows : (N, d) int array
         Where a vehicle's position stands among the deviations; negative where it is not drawn.
-    places : sparse (N d, width) array
-        Picks positions.
+    selectors : sparse (N d, width) array
+        Selects positions [-].
     bends : sparse (N d, width) array
         ``B_p K``.
     held_back : sparse (N d, R) array
@@ -83,7 +83,7 @@ class FleetProjections:
     """
 
     position_rows: Indices
-    places: csr_array
+    selectors: csr_array
     bends: csr_array
     held_back: csr_array
     is_bent: bool
@@ -101,9 +101,9 @@ class FleetProjections:
             ]
         )
         values = np.concatenate([watch.normals.ravel(), -watch.normals[pair].ravel()])
-        shape = (count, self.places.shape[0])
+        shape = (count, self.selectors.shape[0])
         normals = csr_array((values, (rows, columns)), shape=shape)
-        own = csr_array(normals @ self.places)
+        own = csr_array(normals @ self.selectors)
         if not self.is_bent:
             return Projections(own, None, None)
         bent = csr_array(own - normals @ self.bends)
@@ -113,13 +113,25 @@ class FleetProjections:
 def projections_of(
     scenario: Scenario, motion: FleetMotion, sampler: Sampler, cutoff: Cutoff
 ) -> FleetProjections:
-    """Return the projections of a fleet whose deviations a sampler draws."""
+    """Return the projections of a fleet whose deviations a sampler draws.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    motion : FleetMotion
+        Of the fleet.
+    sampler : Sampler
+        What draws the deviations.
+    cutoff : Cutoff
+        Of any step: the vehicles that may saturate.
+    """
     axes = np.array([v.system.position for v in scenario.vehicles])
     position_rows = sampler.starts[:, None] + axes
     count, d = axes.shape
     drawn = np.flatnonzero(np.repeat(sampler.starts >= 0, d))
     shape = (count * d, sampler.width)
-    places = csr_array((np.ones(drawn.size), (drawn, position_rows.ravel()[drawn])), shape=shape)
+    selectors = csr_array((np.ones(drawn.size), (drawn, position_rows.ravel()[drawn])), shape=shape)
     rows, columns = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     values = [np.zeros(0)]
     straight = np.ones(count * d)
@@ -135,6 +147,6 @@ def projections_of(
     where = (np.concatenate(rows), np.concatenate(columns))
     bends = csr_array((np.concatenate(values), where), shape=shape)
     # A control that is cut off takes back what it does to the position over the step.
-    pushed = csr_array(places @ cutoff.pushes)
+    pushed = csr_array(selectors @ cutoff.pushes)
     held_back = csr_array(pushed.multiply(straight[:, None]))
-    return FleetProjections(position_rows, places, bends, held_back, motion.is_bent)
+    return FleetProjections(position_rows, selectors, bends, held_back, motion.is_bent)

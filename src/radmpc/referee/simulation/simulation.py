@@ -1,4 +1,4 @@
-"""Monte Carlo: how often a plan collides when it is flown."""
+"""Monte Carlo simulation: in what share of samples a plan collides."""
 
 from __future__ import annotations
 
@@ -19,26 +19,28 @@ from radmpc.referee.simulation.preparation import prepare
 
 __all__ = ["Simulation", "simulate"]
 
-# Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because
-# a chunk is what one stream of random numbers fills.
 _CHUNK_NUMBERS = 100_000
+"""Numbers per chunk and step: small enough for the cache, large enough for numpy. Fixed, because a
+chunk is what one stream of random numbers fills."""
+
 _LEAST_CHUNK = 512
+"""Samples per chunk at least, however many vehicles there are."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Simulation:
-    """What happened in many flights.
+    """What happened in many samples.
 
     Attributes
     ----------
     samples : int
-        Flights.
+        Samples.
     collisions : int
-        Flights with at least one collision, or one vehicle outside the workspace.
+        Samples with at least one collision, or one vehicle outside the workspace.
     pair_collisions, obstacle_collisions, workspace_exits : int
-        Flights with at least one of each kind; a flight may count in several.
+        Samples with at least one of each kind; a sample may count in several.
     saturated : int
-        Flights in which some ``|ū + K (x − x̄)|`` exceeds its control limit at some step; what
+        Samples in which some ``|ū + K (x − x̄)|`` exceeds its control limit at some step; what
         exceeds it is cut off.
     overlooked : float
         Upper bound on the probability of everything that was too unlikely to be tested [-].
@@ -54,7 +56,7 @@ class Simulation:
 
     @property
     def rate(self) -> float:
-        """Share of flights that collide."""
+        """Share of samples that collide."""
         return self.collisions / self.samples
 
     @property
@@ -73,22 +75,22 @@ class Simulation:
 
     @property
     def pair_rate(self) -> float:
-        """Share of flights in which two vehicles collide."""
+        """Share of samples in which two vehicles collide."""
         return self.pair_collisions / self.samples
 
     @property
     def obstacle_rate(self) -> float:
-        """Share of flights in which a vehicle hits an obstacle."""
+        """Share of samples in which a vehicle hits an obstacle."""
         return self.obstacle_collisions / self.samples
 
     @property
     def workspace_rate(self) -> float:
-        """Share of flights in which a center leaves the workspace."""
+        """Share of samples in which a center leaves the workspace."""
         return self.workspace_exits / self.samples
 
     @property
     def saturation_rate(self) -> float:
-        """Share of flights in which a control exceeds its limit."""
+        """Share of samples in which a control exceeds its limit."""
         return self.saturated / self.samples
 
     def _repr_html_(self) -> str:
@@ -96,7 +98,7 @@ class Simulation:
         interval = f"95 %: {self.rate_low:.3g} to {self.rate_high:.3g}"
         return html_table(
             [
-                ("flights", f"{self.samples:,}"),
+                ("samples", f"{self.samples:,}"),
                 ("collide", f"{self.rate:.3g} ({interval})"),
                 ("of them pairs", f"{self.pair_rate:.3g}"),
                 ("of them obstacles", f"{self.obstacle_rate:.3g}"),
@@ -117,7 +119,7 @@ def simulate(
 ) -> Simulation:
     r"""Fly a plan many times and count collisions.
 
-    Every flight is a whole trajectory, :math:`x^+ = A x + B u + w` under the control
+    Every sample is a whole trajectory, :math:`x^+ = A x + B u + w` under the control
     :math:`u = \bar u + K(x - \bar x)`, cut off at the control limit as an autopilot does, with its
     correlation in time, tested with exact geometry: discs or balls of the vehicles' radii against
     each other and against the obstacles as they are. Under ``steps`` at k = 0..T; under
@@ -130,11 +132,11 @@ def simulate(
     plan : Plan
         Judged by its scenario and controls.
     samples : int
-        Flights, >= 1.
+        Samples, >= 1.
     rng : Generator, int or None
         Source of randomness or a seed. Equal seeds give equal results on any number of cores.
     progress : callable, optional
-        Called with flights done and flights in all.
+        Called with samples done and samples in all.
     avoidance : {'intervals', 'steps'} or None
         Where collisions count; None is as in the plan's scenario.
 

@@ -13,8 +13,8 @@ from radmpc.referee.simulation.turning import TurningSolid, turning
 
 __all__ = ["SweepPart", "resting", "swept"]
 
-# Two outlines whose supports differ by less have the same shape [m].
 _SAME = 1e-9
+"""Difference of supports below which two outlines have the same shape [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

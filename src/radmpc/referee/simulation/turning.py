@@ -1,4 +1,4 @@
-r"""A convex solid that turns or changes its shape: which straight ways come near it, exactly.
+r"""A convex solid that turns or changes its shape: which straight paths come near it, exactly.
 
 At time s from 0 to 1 the solid is the Minkowski interpolation :math:`M(s) = (1-s) P + s P'`. Its
 support is linear in s, and so is :math:`n^\top x(s) - h_{M(s)}(n)` for a point x(s) at constant
@@ -21,10 +21,11 @@ __all__ = ["TurningSolid", "comes_within", "turning"]
 
 Flags = npt.NDArray[np.bool_]
 
-# Halvings of the time in which a point may be near: 1e-12 of an interval is left.
 _ROUNDS = 40
-# Numbers in the largest temporary array.
+"""Halvings of the time in which a point may be near: 1e-12 of an interval is left."""
+
 _BLOCK = 1_000_000
+"""Numbers in the largest temporary array: memory against the overhead per block."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +50,15 @@ class TurningSolid:
     edges: Indices
 
     def during(self, begin: float, end: float) -> TurningSolid:
-        """Return the solid during a share of its time."""
+        """Return the solid during a share of its time.
+
+        Parameters
+        ----------
+        begin : float
+            Share of its time, from 0.
+        end : float
+            Share of its time, to 1.
+        """
         shares = np.array([begin, end])
         offsets = self.offsets[0] + shares[:, None] * (self.offsets[1] - self.offsets[0])
         moves = self.corners[1] - self.corners[0]
@@ -133,7 +142,7 @@ def _beyond(points: Matrix, normals: Matrix, corners: Matrix) -> Vector:
     return np.asarray(ahead - (normals @ corners.T).max(axis=1))
 
 
-def _nearest(places: Matrix, times: Vector, solid: TurningSolid) -> tuple[Vector, Matrix]:
+def _nearest(points: Matrix, times: Vector, solid: TurningSolid) -> tuple[Vector, Matrix]:
     """Return the distance of points outside from the solid at times of their own, and its normal.
 
     If the nearest point lies within a face, no other face is farther below the point.
@@ -143,18 +152,18 @@ def _nearest(places: Matrix, times: Vector, solid: TurningSolid) -> tuple[Vector
     foot = corners[:, solid.edges[:, 0]]
     along = corners[:, solid.edges[:, 1]] - foot
     length2 = np.einsum("med,med->me", along, along)
-    share = np.einsum("med,med->me", places[:, None] - foot, along)
+    share = np.einsum("med,med->me", points[:, None] - foot, along)
     share = np.clip(share / np.where(length2 > 0.0, length2, 1.0), 0.0, 1.0)
-    gaps = places[:, None] - foot - share[..., None] * along
+    gaps = points[:, None] - foot - share[..., None] * along
     squares = np.einsum("med,med->me", gaps, gaps)
-    rows = np.arange(len(places))
+    rows = np.arange(len(points))
     edge = squares.argmin(axis=1)
     distance = np.sqrt(squares[rows, edge])
     away = gaps[rows, edge] / np.where(distance > 0.0, distance, 1.0)[:, None]
-    if places.shape[1] == 2:
+    if points.shape[1] == 2:
         return distance, away
     offsets = solid.offsets[0] + times[:, None] * (solid.offsets[1] - solid.offsets[0])
-    heights = places @ solid.normals.T - offsets
+    heights = points @ solid.normals.T - offsets
     face = heights.argmax(axis=1)
     height, normal = heights[rows, face], solid.normals[face]
     excess = heights - height[:, None] * (normal @ solid.normals.T)

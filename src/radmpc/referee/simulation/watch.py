@@ -27,8 +27,8 @@ __all__ = ["OBSTACLE", "PAIR", "WATCH_RISK", "WORKSPACE", "Watch", "WatchList", 
 
 Flags = npt.NDArray[np.bool_]
 
-# Encounters below this risk are not simulated: a million samples would not show them.
 WATCH_RISK = 1e-12
+"""Risk below which encounters are not simulated [-]: a million samples would not show them."""
 
 PAIR, OBSTACLE, WORKSPACE = 0, 1, 2
 

@@ -1,0 +1,115 @@
+"""Hulls and paths of published problems: what clearance obstacles leave for noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from radmpc.importing.free_space import FreePath, FreeSpace
+from radmpc.importing.problem import ForeignProblem, ForeignVehicle
+from radmpc.importing.waiting import waiting_times
+
+__all__ = ["fit_hulls", "free_paths", "is_narrow"]
+
+_TARGET_CLEARANCE = 0.8
+"""Clearance that paths look for [radii]: four standard deviations of the usual noise."""
+
+_LEAST_CLEARANCE = 0.05
+"""Clearance below which a path counts as blocked [radii]."""
+
+_HULL_SHARE = 0.8
+"""Share of the widest radius that passes [-] to which hulls are reduced: the rest is for noise."""
+
+
+def fit_hulls(
+    problem: ForeignProblem, space: FreeSpace, choices: dict[str, str], warnings: list[str]
+) -> ForeignProblem:
+    """Return the problem with hulls that leave room for noise where the published ones do not.
+
+    Parameters
+    ----------
+    problem : ForeignProblem
+        In the plane, with obstacles.
+    space : FreeSpace
+        What its obstacles leave.
+    choices : dict
+        What was chosen, by name; a changed radius is added.
+    warnings : list of str
+        Where the scenario differs from the problem; smaller hulls are added.
+
+    Returns
+    -------
+    ForeignProblem
+        The same if all hulls fit.
+    """
+    share = 1.0
+    for v in problem.vehicles:
+        path = space.shortest_path(v, _TARGET_CLEARANCE * v.radius)
+        if path is None or path.clearance < _LEAST_CLEARANCE * v.radius:
+            share = min(share, _HULL_SHARE * space.widest_radius(v) / v.radius)
+    if share <= 0.0 or share >= 1.0:
+        return problem
+    radii = {v.radius: float(f"{share * v.radius:.2g}") for v in problem.vehicles}
+    told = ", ".join(f"{old:g} m to {new:g} m" for old, new in radii.items())
+    warnings.append(
+        f"hulls were reduced from {told}: some way is so narrow that the published ones leave no "
+        "room for noise (a radius that is asked for is kept)"
+    )
+    choices["radius"] = f"reduced from {told}, so that noise has room beside the narrowest way"
+    vehicles = tuple(replace(v, radius=radii[v.radius]) for v in problem.vehicles)
+    return replace(problem, vehicles=vehicles)
+
+
+def free_paths(
+    problem: ForeignProblem, space: FreeSpace | None, warnings: list[str]
+) -> list[FreePath]:
+    """Return the vehicles' paths around obstacles; straight lines where none is found.
+
+    Parameters
+    ----------
+    problem : ForeignProblem
+        Its hulls fitted.
+    space : FreeSpace or None
+        What its obstacles leave; None leaves all paths straight.
+    warnings : list of str
+        Where the scenario differs from the problem; vehicles without a path are added.
+
+    Returns
+    -------
+    list of FreePath
+        One per vehicle, waiting included.
+    """
+    paths = []
+    for v in problem.vehicles:
+        straight = FreePath(0.0, target := _TARGET_CLEARANCE * v.radius)
+        path = straight if space is None else space.shortest_path(v, target)
+        if space is not None and (path is None or path.clearance < _LEAST_CLEARANCE * v.radius):
+            widest = space.widest_radius(v)
+            hint = f", of {_HULL_SHARE * widest:.2g} m it might" if widest > 0.0 else ""
+            warnings.append(
+                f"between start and goal of {v.name!r} a hull of {v.radius:g} m finds no way "
+                f"with room for noise{hint}"
+            )
+            path = FreePath(0.0 if path is None else path.detour, target)
+        paths.append(straight if path is None else path)
+    if space is not None:
+        waits = waiting_times(space, problem.vehicles, [path.clearance for path in paths])
+        paths = [replace(path, waiting=wait) for path, wait in zip(paths, waits, strict=True)]
+    return paths
+
+
+def is_narrow(path: FreePath, vehicle: ForeignVehicle) -> bool:
+    """Whether a path keeps less clearance than noise of the usual size needs.
+
+    Parameters
+    ----------
+    path : FreePath
+        The vehicle's.
+    vehicle : ForeignVehicle
+        Whose radius counts.
+
+    Returns
+    -------
+    bool
+        True below 99 % of it.
+    """
+    return path.clearance < 0.99 * _TARGET_CLEARANCE * vehicle.radius

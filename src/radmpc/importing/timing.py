@@ -1,0 +1,90 @@
+"""Steps for problems that state none: how long they are, and how many."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from radmpc.importing.clearance import is_narrow
+from radmpc.importing.free_space import FreePath
+from radmpc.importing.noise import rounded_up
+from radmpc.importing.options import ImportOptions
+from radmpc.importing.problem import ForeignVehicle
+
+__all__ = ["choose_steps"]
+
+_TIME_FACTOR = 1.5
+"""Horizon over the least time with no obstacles [-]: time for detours and waiting."""
+
+_DETOUR_FACTOR = 1.3
+"""Horizon over the least time around obstacles [-]: time for waiting."""
+
+_TIGHT_FACTOR = 1.5
+"""The same where paths are narrow or vehicles take turns [-]."""
+
+_FEWEST_STEPS, _MOST_STEPS = 10, 30
+"""Steps that are chosen: few leave too little choice, many multiply the program."""
+
+_STRIDE = 4.0
+"""Radii per step at full speed: finer steps multiply the choices, not the room."""
+
+
+def choose_steps(
+    vehicles: Sequence[ForeignVehicle],
+    paths: Sequence[FreePath],
+    options: ImportOptions,
+    choices: dict[str, str],
+    warnings: list[str],
+) -> tuple[float, int]:
+    """Return dt and horizon: steps of four radii at full speed where 10 to 30 of them allow.
+
+    Steps are half as long where paths are narrow or vehicles take turns: corners, and places to
+    wait, must fall on some.
+
+    Parameters
+    ----------
+    vehicles : sequence of ForeignVehicle
+        At least one.
+    paths : sequence of FreePath
+        Theirs, in the same order.
+    options : ImportOptions
+        A step, or a number of steps, that is asked for.
+    choices : dict
+        What was chosen, by name; both are added.
+    warnings : list of str
+        Where the scenario differs from the problem; a horizon that is too short is added.
+
+    Returns
+    -------
+    dt : float
+        Step [s].
+    horizon : int
+        Number of steps.
+    """
+    is_tight = any(
+        path.waiting > 0.0 or is_narrow(path, v) for v, path in zip(vehicles, paths, strict=True)
+    )
+    stride = min(_STRIDE * v.radius / v.speed_limit for v in vehicles) * (0.5 if is_tight else 1.0)
+    straight = max(v.minimum_time() for v in vehicles)
+    least = max(
+        v.minimum_time() + path.detour / v.speed_limit + path.waiting
+        for v, path in zip(vehicles, paths, strict=True)
+    )
+    factor = _TIGHT_FACTOR if is_tight else _DETOUR_FACTOR
+    duration = max(_TIME_FACTOR * straight, factor * least) or _FEWEST_STEPS * stride
+    if options.horizon is not None:
+        horizon = int(options.horizon)
+    elif options.dt is not None:
+        horizon = min(max(math.ceil(duration / options.dt - 1e-9), 1), 1000)
+    else:
+        horizon = min(max(math.ceil(duration / stride - 1e-9), _FEWEST_STEPS), _MOST_STEPS)
+    dt = rounded_up(duration / horizon) if options.dt is None else float(options.dt)
+    asked = " (as asked)"
+    choices["dt"] = f"{dt:g} s" + (asked if options.dt else "")
+    choices["horizon"] = (
+        f"{horizon} steps{asked if options.horizon else ''}: {dt * horizon:g} s, "
+        f"the least time being {least:.4g} s"
+    )
+    if dt * horizon < least:
+        warnings.append(f"{dt * horizon:g} s are too short: a vehicle needs at least {least:.4g} s")
+    return dt, horizon

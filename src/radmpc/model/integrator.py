@@ -1,0 +1,50 @@
+"""Which linear systems are double integrators."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+
+__all__ = ["integrator_rates"]
+
+_SAME = 1e-9
+"""Relative difference below which two matrix entries are one: what files lose to rounding."""
+
+
+def integrator_rates(
+    A: Matrix, B: Matrix, position: tuple[int, ...]
+) -> tuple[tuple[int, ...], float] | None:
+    """Return velocity indices and step of a double integrator in any order of its states.
+
+    Parameters
+    ----------
+    A : (n, n) array
+        State matrix.
+    B : (n, m) array
+        Control matrix.
+    position : tuple of int
+        State indices of the position, one per axis.
+
+    Returns
+    -------
+    tuple or None
+        State index of the velocity of each axis, and the step [s]; None for any other system.
+    """
+    place = list(position)
+    rest = [i for i in range(len(A)) if i not in place]
+    if len(rest) != len(place):
+        return None
+    link = A[np.ix_(place, rest)]
+    step = float(np.abs(link).max())
+    order = np.abs(link).argmax(axis=1)
+    velocity = [rest[i] for i in order]
+    expected = np.eye(len(A))
+    expected[place, velocity] = step
+    if step <= 0.0 or len(set(velocity)) < len(rest):
+        return None
+    is_same = np.allclose(A, expected, rtol=_SAME, atol=_SAME * max(step, 1.0))
+    half = 0.5 * step * B[velocity]
+    if not is_same or not np.allclose(B[place], half, rtol=_SAME, atol=_SAME * np.abs(half).max()):
+        return None
+    return tuple(velocity), step

@@ -1,0 +1,35 @@
+"""How messages name values and kinds."""
+
+from __future__ import annotations
+
+import reprlib
+from numbers import Real
+
+import numpy as np
+
+__all__ = ["one", "told"]
+
+_LONGEST = 60
+"""Letters of a value that a message shows; longer ones are shortened."""
+
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
+_REPR.maxlevel = 3
+
+
+def told(value: object) -> str:
+    """Return a value for a message, in one short line: itself if it is plain, else its kind."""
+    if value is None or isinstance(value, str | bytes | bool | Real):
+        plain = value.item() if isinstance(value, np.generic) else value
+        return _REPR.repr(plain)
+    if isinstance(value, list | tuple):
+        text = " ".join(_REPR.repr(value).split())
+        return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    return one(type(value))
+
+
+def one(kind: type) -> str:
+    """Return ``a Vehicle`` for `Vehicle`, ``an Obstacle`` for `Obstacle`."""
+    return f"{'an' if kind.__name__[0] in 'aeiouAEIOU' else 'a'} {kind.__name__}"
