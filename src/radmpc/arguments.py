@@ -123,7 +123,7 @@ def check_integer(value: object, name: str, least: int, most: float = math.inf) 
     """
     allowed = f"an integer {f'>= {least}' if most == math.inf else f'from {least} to {most}'}"
     if not is_integer(value):
-        # 1e4 flights are a common slip: say how to write them.
+        # 1e4 samples are a common slip: say how to write them.
         hint = ""
         if is_number(value) and float(value).is_integer():
             hint = f": write {int(value)}"

@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Facets", "facets", "frame", "surface"]
 
-# Relative to the largest coordinate: below, a width is rounding. Qhull gives up from 1e-14 on.
 _FLAT = 1e-12
-# Coordinates whose squares overflow: no area can be told [m].
+"""Width, relative to the largest coordinate, below which it is rounding [-]. Qhull gives up from
+1e-14 on."""
+
 _TOO_FAR = 1e150
+"""Coordinates whose squares overflow, so that no area can be told [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -38,8 +38,13 @@ def parameters(function: ast.FunctionDef) -> set[str]:
 
 
 def attributes(kind: ast.ClassDef) -> set[str]:
-    """Names of a dataclass's public fields."""
-    fields = [node.target for node in kind.body if isinstance(node, ast.AnnAssign)]
+    """Names of a dataclass's public fields; what a whole class has is told where it is defined."""
+    fields = [
+        node.target
+        for node in kind.body
+        if isinstance(node, ast.AnnAssign)
+        and not ast.unparse(node.annotation).startswith("ClassVar")
+    ]
     return {f.id for f in fields if isinstance(f, ast.Name) and not f.id.startswith("_")}
 
 

@@ -32,13 +32,6 @@ OTHER_MEANINGS = {
 }
 """Where a word that is not ours means something else, or is quoted, by page."""
 
-STILL_IN_SOURCE = {
-    *("simple bounds", "sag", "exposures", "sketch", "in a hurry", "in haste", "settled"),
-    *("hopeless", "booked", "granted", "passes over", "flights", "simulated missions"),
-    *("walk", "tangled"),
-}
-"""Words that docstrings, comments and reports of the package have to lose yet."""
-
 
 def spelled_files() -> list[Path]:
     """Return the project's own text; problems of others are spelled as they come."""
@@ -119,17 +112,13 @@ def test_pages_use_the_words_of_the_glossary(page: Path) -> None:
 
 
 def test_words_that_the_package_has_lost_do_not_come_back() -> None:
-    words = [word for word in replaced_words() if word not in STILL_IN_SOURCE]
+    words = replaced_words()
     assert {"bow", "lost cause", "allotted"} <= set(words)
     found = []
     for path in sorted(SOURCE.rglob("*.py")):
         text = re.sub(r"\s+", " ", path.read_text(encoding="utf-8"))
         found += [f"{name_of(path)}: {word}" for word in words if uses(word, text)]
     assert found == []
-
-
-def test_words_that_the_package_still_has_are_words_of_the_glossary() -> None:
-    assert set(replaced_words()) >= STILL_IN_SOURCE
 
 
 @pytest.mark.parametrize("name", ["glossary.md", "engine.md"])

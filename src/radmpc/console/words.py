@@ -20,5 +20,13 @@ def scenario_line(scenario: Scenario) -> str:
 
 
 def count_text(number: int, noun: str) -> str:
-    """Return a number and its noun, which ends in s unless there is one."""
+    """Return a number and its noun, which ends in s unless there is one.
+
+    Parameters
+    ----------
+    number : int
+        How many.
+    noun : str
+        Of what; its plural must end in s.
+    """
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -14,11 +14,12 @@ from radmpc.facets import facets, frame
 __all__ = ["Polytope", "box", "halfspaces", "hull", "sphere_directions"]
 
 _UNBOUNDED = "normals and offsets must describe a bounded set"
-# Radius of the largest ball up to which a set of half-spaces has no inner points [m]; below what
-# coordinates are given to, above what the linear program's solver gets wrong.
 _THIN = 1e-9
-# Sine of the angle from which two normals differ.
+"""Radius of the largest ball up to which a set of half-spaces has no inner points [m]; below what
+coordinates are given to, above what the linear program's solver gets wrong."""
+
 _TURNED = 1e-9
+"""Sine of the angle from which two normals differ [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +54,11 @@ class Polytope(Frozen):
 
 def box(lower: npt.ArrayLike, upper: npt.ArrayLike) -> Polytope:
     """Return the axis-parallel box between two corners; it may be flat along any axis.
+
+    Parameters
+    ----------
+    lower, upper : (d,) array_like
+        The corners [m].
 
     Raises
     ------
@@ -109,6 +115,13 @@ def halfspaces(normals: npt.ArrayLike, offsets: npt.ArrayLike) -> Polytope:
     """Return the set ``normals @ x <= offsets``, normals scaled to unit length.
 
     A set without inner points is the hull of its corners.
+
+    Parameters
+    ----------
+    normals : (f, d) array_like
+        Outward normals, of any length but 0.
+    offsets : (f,) array_like
+        Right sides, in the normals' length times meters.
 
     Raises
     ------

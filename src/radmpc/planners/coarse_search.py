@@ -3,7 +3,7 @@
 A path over a grid is sought for one vehicle after the other, step by step, at the least effort,
 around obstacles and around the vehicles placed before. Only the alternatives that it satisfies are
 kept: the linear program with these then finds the trajectories, dynamics and all. A heuristic for
-tangled scenes, where branching alone takes long to find any plan; it proves nothing.
+coupled scenes, where branching alone takes long to find any plan; it proves nothing.
 """
 
 from __future__ import annotations

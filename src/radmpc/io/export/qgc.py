@@ -33,7 +33,7 @@ def write_qgc(job: Job, track: Track) -> bytes:
     Returns
     -------
     bytes
-        JSON. Its key ``radmpc`` holds what waypoints cannot say; QGroundControl passes over it.
+        JSON. Its key ``radmpc`` holds what waypoints cannot say; QGroundControl ignores it.
     """
     items = mission_items(track, job.place)
     home = job.place.geodetic(track.positions[:1])[0].tolist()

@@ -243,7 +243,7 @@ def advance(
 def _rescue(
     problem: SetProblem, scenario: Scenario, tree: RiskTree, order: Order, limits: Limits
 ) -> None:
-    """Look for any plan by iterative risk allocation, which has heuristics for tangled sets."""
+    """Look for any plan by iterative risk allocation, which has heuristics for coupled sets."""
     request = SolveRequest(
         problem.program,
         Branch(_RESCUE_NODES * len(problem.members)),
