@@ -125,7 +125,7 @@ def test_words_that_the_package_has_lost_do_not_come_back() -> None:
 def test_files_and_names_that_explain_the_code_exist(name: str) -> None:
     page = (ROOT / "docs" / name).read_text(encoding="utf-8")
     quoted = re.findall(r"`([^`\n]+)`", re.sub(r"^```.*?^```$", "", page, flags=re.M | re.S))
-    files = [word for word in quoted if re.fullmatch(r"(?!tests/)[\w/]+\.py", word)]
+    files = [word for word in quoted if re.fullmatch(r"(?!tests/|benchmarks/)[\w/]+\.py", word)]
     there = [path.relative_to(SOURCE).as_posix() for path in SOURCE.rglob("*.py")]
     places = [f"/{path}" for path in there]
     assert files
