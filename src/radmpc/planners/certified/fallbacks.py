@@ -7,10 +7,10 @@ from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.infeasible.cures import has_plan_within
 from radmpc.planners.certified.infeasible.explanation import WhyNot, ended, why_not
 from radmpc.planners.certified.more_faces import finer_scenarios
-from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.certified.turning import plan_by_turning
+from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
+from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.certified.within_budget import replan_with_alternatives
 
 __all__ = ["last_resort"]

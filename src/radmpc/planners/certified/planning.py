@@ -14,9 +14,9 @@ from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
-from radmpc.planners.certified.noiseless import turn_from_noiseless
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.certified.turning import turn_half_spaces
+from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
+from radmpc.planners.certified.turned.turning import turn_half_spaces
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family

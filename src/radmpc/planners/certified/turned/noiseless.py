@@ -13,7 +13,7 @@ import numpy as np
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.turning import plan_by_turning
+from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import controls_of
