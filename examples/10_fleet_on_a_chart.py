@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import radmpc
-from radmpc.importing.formats import ImportOptions, import_scenario
+from radmpc.importing import ImportOptions, import_scenario
 from radmpc.io.export.exporting import export_plan, save_exported
 
 EXPECTED = 0.25 * 1.5 * 2.0**0.5  # the radius is 1.5 m
