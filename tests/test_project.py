@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import ast
 import re
 import shutil
 import subprocess
 import tomllib
+from collections import Counter
 from importlib.metadata import version
 from pathlib import Path
 
@@ -76,3 +78,34 @@ def test_continuous_integration_runs_the_same_check() -> None:
     script = ROOT / ".ci" / "run"
     assert script.stat().st_mode & 0o111
     assert "make check" in script.read_text(encoding="utf-8")
+
+
+SOURCE_FILES = sorted((ROOT / "src" / "radmpc").rglob("*.py"))
+
+
+def test_no_file_of_the_package_has_more_than_three_hundred_lines() -> None:
+    lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in SOURCE_FILES}
+    assert len(lengths) > 300
+    assert [str(path.relative_to(ROOT)) for path, count in lengths.items() if count > 300] == []
+
+
+def test_no_folder_of_the_package_has_more_than_twenty_files() -> None:
+    counts = Counter(path.parent for path in SOURCE_FILES if path.name != "__init__.py")
+    assert [str(path.relative_to(ROOT)) for path, count in counts.items() if count > 20] == []
+
+
+def test_no_function_of_the_package_has_more_than_forty_lines_beside_its_docstring() -> None:
+    long = [
+        f"{path.relative_to(ROOT)}: {node.name}"
+        for path in SOURCE_FILES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and num_lines(node) > 40
+    ]
+    assert long == []
+
+
+def num_lines(function: ast.FunctionDef) -> int:
+    """Lines of a function's body, its docstring left out."""
+    first = function.body[0]
+    told = first.end_lineno - first.lineno + 1 if ast.get_docstring(function) else 0
+    return function.end_lineno - first.lineno + 1 - told
