@@ -46,6 +46,8 @@ def best_directions(sites: Sites, common: Tensor, repeats: int) -> tuple[Matrix,
     if sites.means.shape[1] > 1:
         tangents, found = _or_across(close, tangents, found)
         tangents, found = refine(close, tangents, over_ends)
+    else:
+        tangents, found = _or_along_least_noise(close, tangents, found)
     best[worth], risks[worth] = tangents, found
     return best, risks
 
@@ -120,6 +122,21 @@ def _or_across(sites: Sites, best: Matrix, risks: Vector) -> tuple[Matrix, Vecto
     if telling.size:
         close = sites.take(telling)
         tried = np.concatenate([best[telling, None], _across(close)], axis=1)
+        best[telling], risks[telling] = _cheapest(close, tried)
+    return best, risks
+
+
+def _or_along_least_noise(sites: Sites, best: Matrix, risks: Vector) -> tuple[Matrix, Vector]:
+    """Return the best of given directions and, where these leave a risk, those of least noise.
+
+    Noise along a line that only grazes the set has no tangent but the one beside that line, whose
+    multiplier is infinite.
+    """
+    telling = np.flatnonzero(risks > _TELLING)
+    if telling.size:
+        close = sites.take(telling)
+        least = np.linalg.eigh(close.covariances[:, 0])[1][:, None, :, 0]
+        tried = np.concatenate([best[telling, None], least, -least], axis=1)
         best[telling], risks[telling] = _cheapest(close, tried)
     return best, risks
 
