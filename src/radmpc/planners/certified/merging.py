@@ -1,4 +1,4 @@
-"""Which vehicles must be planned together, and why."""
+"""Who has been merged so far, and why; `radmpc.planners.certified.rounds` decides."""
 
 from __future__ import annotations
 
