@@ -28,7 +28,7 @@ _LOG = logging.getLogger(__name__)
 
 _ROUNDS = 12
 """Turns at most [-], twice as many from a plan that risks too much. The families of the benchmarks
-take 4 to 12 and mostly stop when little is gained; the first few often exceed Δ, and so are lost."""
+take 4 to 12 and mostly stop when little is gained; the first few often exceed Δ and are lost."""
 
 _MOST_SOLVES, _LEAST_ROUNDS = 48, 2
 """Solves of sets after which no round is begun [-], but for so many rounds of all sets: large
