@@ -18,8 +18,8 @@ WHOLE = whole_files()
 # A sample; all of them with RADMPC_THOROUGH=1, as `make nightly` does.
 IS_THOROUGH = bool(os.environ.get("RADMPC_THOROUGH"))
 SHARES = 2
-CASES = 570 if IS_THOROUGH else 24  # of each file
-SLOW = 150 if IS_THOROUGH else 12  # the same where one takes long
+CASES = 570 if IS_THOROUGH else 40  # of each file
+SLOW = 150 if IS_THOROUGH else 20  # the same where one takes long
 EXPORTS = ("qgc", "waypoints", "geojson", "kml", "csv")
 
 
@@ -43,8 +43,7 @@ def test_a_spoiled_file_is_read_or_refused_in_lines(
             assert_answer_or_line(result, name, content)
             num_refused += result.exit_code == 2
         assert time.process_time() - begun < 20.0, content[:2000]
-    # Half of a long run is refused; of half a dozen, rarely less than a third.
-    assert num_refused >= num_cases // 3
+    assert num_refused > num_cases // 2
 
 
 def commands(name: str, rng: random.Random) -> list[list[object]]:
