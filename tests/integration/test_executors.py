@@ -103,7 +103,7 @@ def test_a_study_on_a_cluster_has_the_rows_of_one_here(scheduler, tmp_path):
     assert len(here) == len(study.tasks()) == 8
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
 def test_a_worker_of_a_cluster_killed_in_mid_run_loses_nothing(scheduler, here):
     pids = [worker.pid for worker in scheduler.workers.values()]
     with cluster(scheduler.scheduler_address) as executor:

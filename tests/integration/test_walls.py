@@ -86,7 +86,7 @@ def test_what_has_no_thickness_is_planned_around(kind: str, avoidance: str) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.nightly
+@pytest.mark.slow
 def test_a_published_problem_with_plates_is_planned_and_holds() -> None:
     folder = Path(__file__).parent.parent.parent / "instances" / "s2m2"
     scenario = import_scenario(folder / "mit.yaml").scenario

@@ -35,7 +35,6 @@ def scene(name):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     ("name", "others"),
     [

@@ -91,7 +91,7 @@ def test_two_conflicts_do_not_hide_each_other():
 
 
 @pytest.mark.slow
-@pytest.mark.nightly
+@pytest.mark.slow
 def test_the_bound_that_is_proposed_would_do_and_a_smaller_one_than_proven_would_not():
     problem = scenario(
         vehicle("a", (0, 0), (10, 0), noise=4e-3),
