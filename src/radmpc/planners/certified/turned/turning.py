@@ -11,36 +11,35 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.turned.hazards import Hazards
+from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.verdict import Judge
-from radmpc.program.build import build_program, controls_of
-from radmpc.program.turned import Turned
-from radmpc.solvers.priced.nodes import Incumbent
-from radmpc.solvers.priced.rating import Rater
-from radmpc.solvers.priced.tree import RiskTree
 
 __all__ = ["plan_by_turning", "turn_half_spaces"]
 
 _LOG = logging.getLogger(__name__)
 
-_ROUNDS = 12
+_ROUNDS = 30
 """Turns at most [-], twice as many from a plan that risks too much. The families of the benchmarks
-take 4 to 12 and mostly stop when little is gained; the first few often exceed Δ and are lost."""
+mostly stop earlier, when little is gained; the first few often exceed Δ and are lost."""
 
-_MOST_SOLVES, _LEAST_ROUNDS = 48, 2
-"""Solves of sets after which no round is begun [-], but for so many rounds of all sets: large
-fleets gain little by the solve, and a count, unlike a clock, gives the same plan on any machine."""
+_MOST_SOLVES, _LEAST_ROUNDS = 400, 2
+"""Solves of groups after which no round is begun [-], but for so many rounds of all: large fleets
+gain little by the solve, and a count, unlike a clock, gives the same plan on any machine."""
 
-_NODES = 400
-"""Nodes per set and round [-]: avoidances have one alternative, nodes only add what comes near."""
+_TOGETHER = 48
+"""Vehicles up to which the whole fleet is planned together [-]; the sets of the plan beyond. One
+linear program of 20 vehicles takes 30 ms."""
 
-_NEAR = 12.0
-"""Clearance up to which an avoidance is chosen from the first node on [standard deviations]."""
+_SPACING, _FINER, _LEAST_SPACING = 0.12, 0.7, 0.01
+"""Between clearances at which risk is interpolated around the latest: at first, its factor from round
+to round, and at least [standard deviations]."""
 
-_AIM = 0.97
+_AIM = 0.985
 """Share of Δ that the certificate is to come to at the next price [-]."""
 
 _MOST_MOVE = 30.0
@@ -49,10 +48,10 @@ _MOST_MOVE = 30.0
 _DAMPING = 0.8
 """Power of that ratio that the price follows [-]: risk falls a little faster than in proportion."""
 
-_ENOUGH = 0.2
+_ENOUGH = 0.1
 """Share of the gap below which a round gains too little to go on [-]."""
 
-_MAX_STALLS = 2
+_MAX_STALLS = 3
 """Rounds in a row that gain too little, after which none follows [-]."""
 
 _LESS = 0.9
@@ -64,28 +63,16 @@ _CLOSE = 2.0
 _DEAR = 10.0
 """Multiple of the first price at which turning begins from a plan that risks too much [-]."""
 
-_SLACK = 1.1
-"""What the rows may sum to, in multiples of what they do at the plan they are turned to [-]."""
-
-_ANY = 1e3
-"""Sum of risks that is no limit [-]."""
-
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
-
-_STILL = 0.1
-"""Share of the gap below which the change of a set's controls counts as nothing [-]."""
-
-_SAME_PRICE = 0.3
-"""Relative difference of prices up to which a set that has converged is left alone [-]."""
 
 
 def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
     """Improve the incumbent by half-spaces of any direction, until little is gained.
 
     Every hazard keeps the side on which the plan passes it, by a half-space turned to where it
-    separates best along the plan. With one alternative for each avoidance the least effort at a
-    price of risk is a linear program with tangents; its plan turns the half-spaces anew.
+    separates best along the plan. Between them the least effort at a price of risk is a linear
+    program; its plan turns the half-spaces anew.
 
     Parameters
     ----------
@@ -99,7 +86,7 @@ def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> N
     rounds = incumbent.round_bounds
     unit_price = rounds[-1][1] if rounds else fleet.first_unit_price()
     turning = _Turning(fleet, incumbent, judge, incumbent.sets, unit_price / fleet.unit)
-    turning.run(_points(fleet, incumbent.sets, incumbent.controls), _ROUNDS)
+    turning.run(incumbent.controls, _ROUNDS)
 
 
 def plan_by_turning(
@@ -127,7 +114,7 @@ def plan_by_turning(
     # Risk counts for much more than effort until the plan is certified.
     price = _DEAR * fleet.first_unit_price() / fleet.unit
     turning = _Turning(fleet, incumbent, judge, sets, price)
-    turning.run(_points(fleet, sets, controls), 2 * _ROUNDS)
+    turning.run(controls, 2 * _ROUNDS)
 
 
 @dataclass(slots=True, eq=False)
@@ -136,14 +123,14 @@ class _Turning:
 
     Attributes
     ----------
+    sets : tuple of tuple of int
+        Who was planned together.
     price : float
         Shadow price of the risk, per unit of probability.
-    prices : dict
-        Sets that have converged, with the price at which they did.
-    risks : dict
-        What the rows of each set sum to [-].
+    risk : float
+        What the half-spaces' risks sum to in the last round [-].
     num_solves : int
-        Solves of sets so far.
+        Solves of groups so far.
     """
 
     fleet: Fleet
@@ -151,23 +138,32 @@ class _Turning:
     judge: Judge
     sets: tuple[Members, ...]
     price: float
-    prices: dict[Members, float] = field(default_factory=dict)
-    risks: dict[Members, float] = field(default_factory=dict)
+    risk: float = 0.0
     num_solves: int = 0
+    successive: SuccessiveLp = field(init=False)
+    groups: tuple[Members, ...] = field(init=False)
 
-    def run(self, points: Sequence[Vector], rounds: int) -> None:
+    def __post_init__(self) -> None:
+        """Lay out the fleet."""
+        fleet = self.fleet
+        hazards = Hazards.of(fleet.scenario, fleet.programs.models)
+        self.successive = SuccessiveLp(hazards, fleet.limits)
+        together = hazards.count <= _TOGETHER
+        self.groups = (tuple(range(hazards.count)),) if together else self.sets
+
+    def run(self, controls: Sequence[Matrix], rounds: int) -> None:
         """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
-        fleet, sets = self.fleet, self.sets
+        fleet, paths = self.fleet, self.successive.paths
+        self.successive.begin(controls)
         risk_bound = fleet.scenario.risk_bound
-        num_stalls, least = 0, self._take(points)
-        cheapest = _cost(fleet, sets, points) if least <= risk_bound else float("inf")
+        num_stalls, least = 0, self._take()
+        cheapest = paths.cost() if least <= risk_bound else float("inf")
         for number in range(rounds):
             has_spent = number >= _LEAST_ROUNDS and self.num_solves >= _MOST_SOLVES
             if fleet.limits.reached or num_stalls >= _MAX_STALLS or has_spent:
                 break
-            points = [self._turned(m, z) for m, z in zip(sets, points, strict=True)]
-            certified = self._take(points)
-            cost = _cost(fleet, sets, points)
+            self._turn(max(_LEAST_SPACING, _SPACING * _FINER**number))
+            certified, cost = self._take(), paths.cost()
             _LOG.info(
                 "turn %d of half-spaces: 1 %% of the risk bound at a price of %.3g; cost %.6g, "
                 "certificate %.3g of risk bound %g",
@@ -177,88 +173,30 @@ class _Turning:
             if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
             else:
-                # Little above Δ, a price so near the last may do that converged sets would skip it.
-                self.prices.clear()
                 is_little = certified > max(_LESS * least, _CLOSE * risk_bound)
             num_stalls = num_stalls + 1 if is_little else 0
             least = min(least, certified)
             ratio = float(np.clip(certified / (_AIM * risk_bound), 1.0 / _MOST_MOVE, _MOST_MOVE))
             self.price *= ratio**_DAMPING
 
-    def _take(self, points: Sequence[Vector]) -> float:
+    def _turn(self, spacing: float) -> None:
+        """Plan every group once."""
+        self.risk = 0.0
+        for group in self.groups:
+            if self.fleet.limits.reached:
+                return
+            self.risk += self.successive.share_risk(group, self.price, spacing)
+            self.num_solves += 1
+
+    def _take(self) -> float:
         """Keep a plan if it is certified and the cheapest; return its certificate."""
-        fleet, incumbent, sets = self.fleet, self.incumbent, self.sets
-        controls = fleet.programs.controls(sets, points)
-        certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
-        if certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
-            incumbent.controls, incumbent.cost, incumbent.certified, incumbent.sets = (
-                controls,
-                cost,
-                certified,
-                sets,
-            )
-            spent = sum(self.risks.get(m, 0.0) for m in sets)
+        incumbent, paths = self.incumbent, self.successive.paths
+        controls = tuple(paths.controls)
+        certified, cost = self.judge(controls).certified, paths.cost()
+        if certified <= self.fleet.scenario.risk_bound and cost < incumbent.cost:
+            incumbent.controls, incumbent.cost = controls, cost
+            incumbent.certified, incumbent.sets = certified, self.sets
             incumbent.turned_price = (
-                self.price * spent / max(certified, _NOTHING) if spent else None
+                self.price * self.risk / max(certified, _NOTHING) if self.risk else None
             )
         return certified
-
-    def _turned(self, members: Members, z: Vector) -> Vector:
-        """Return a set's plan with its half-spaces turned anew, unless it has converged."""
-        price = self.prices.get(members)
-        has_converged = price is not None and abs(self.price / price - 1.0) < _SAME_PRICE
-        if has_converged or self.fleet.limits.reached:
-            return z
-        self.num_solves += 1
-        found = _turned(self.fleet, members, z, self.price)
-        if found is None:
-            return z
-        new, self.risks[members] = found.z, found.risk
-        cost = self.fleet.programs.problem(members).program.cost
-        if float(cost @ np.abs(new - z)) <= _STILL * self.fleet.gap * float(cost @ new):
-            self.prices[members] = self.price
-        return new
-
-
-def _points(fleet: Fleet, sets: Sequence[Members], controls: Sequence[Matrix]) -> list[Vector]:
-    """Return a plan as points of its sets."""
-    points = []
-    for members in sets:
-        halves = [(np.maximum(controls[i], 0.0), np.maximum(-controls[i], 0.0)) for i in members]
-        points.append(np.concatenate([half.ravel() for pair in halves for half in pair]))
-    return points
-
-
-def _cost(fleet: Fleet, sets: Sequence[Members], points: Sequence[Vector]) -> float:
-    """Return the effort of a plan."""
-    return sum(
-        float(fleet.programs.problem(m).program.cost @ z) for m, z in zip(sets, points, strict=True)
-    )
-
-
-def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumbent | None:
-    """Return the best plan of a set whose half-spaces are turned to a given one."""
-    problem = fleet.programs.problem(members)
-    intervals = fleet.scenario.avoidance == "intervals"
-    turned = Turned(problem.models, problem.means(z), controls_of(problem.models, z), intervals)
-    alone = fleet.programs.alone[members]
-    program = build_program(alone, problem.models, risk_bound=alone.risk_bound, turned=turned)
-    rater = Rater(program, _ANY)
-    if rater.is_infeasible:
-        return None
-    rating = rater.rate(z)
-    # A plan that risks too much must be allowed to, or it could not become better step by step.
-    unit = max(fleet.unit, min(_SLACK * rating.risk, _ANY))
-    if unit < _ANY:
-        rater = Rater(program, unit)
-    tree = RiskTree(
-        program, unit, price * unit, gap=1e-5, scale=price * unit, limits=fleet.limits, rater=rater
-    )
-    near = tuple(
-        a
-        for a in rating.selection.tolist()
-        if rating.clearances[program.rows_of(a)].min(initial=np.inf) < _NEAR
-    )
-    tree.resume(((-np.inf, near),), price * unit, None)
-    tree.run(_NODES)
-    return tree.best

@@ -1,0 +1,132 @@
+"""A path past something, window by window, and the half-space that separates the two best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Tensor, Vector
+
+__all__ = ["Encounter", "Supports"]
+
+_FIRST_STEP = {2: 0.065, 3: 0.14}
+"""Angle by which the refinement begins, by dimension [rad]."""
+
+_LEVELS = 5
+"""Refinements around the best direction [-], each at a third of the angle: the last is at an
+eightieth of the first."""
+
+_LEAST_DEVIATION = 1e-9
+"""Least standard deviation assumed [m]: below it, directions are compared by their slack."""
+
+Supports = Callable[[Tensor], tuple[Vector, Vector]]
+"""Support function: from normals, (w, c, d), to how far what is avoided extends along them at both
+ends of each window, (w, c) each [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Encounter:
+    """A path past something at w windows.
+
+    Attributes
+    ----------
+    ends : tuple of (w, d) array
+        Mean (relative) position at the windows' ends; one where steps alone count [m].
+    covariances : tuple of tuple of (w, d, d) array
+        What the position deviates by at each end; two of them where feedback bends the path [m²].
+    sagittas : (w, d) array
+        How far the mean path hangs off its chord at mid-step [m].
+    supports : callable
+        Of what is avoided, grown by the vehicle's radius.
+    """
+
+    ends: tuple[Tensor, ...]
+    covariances: tuple[tuple[Tensor, ...], ...]
+    sagittas: Tensor
+    supports: Supports
+
+    def clearances(self, normals: Tensor) -> Vector:
+        """Return the least clearance of both ends along normals, at the best share, (w, c)."""
+        return self._rated(normals)[0]
+
+    def shares(self, normals: Tensor) -> Vector:
+        """Return the share of the near end that is best along normals, (w, c)."""
+        return self._rated(normals)[1]
+
+    def deviations(self, normals: Tensor) -> list[Vector]:
+        """Return the largest standard deviation along normals at each end, (w, c) each [m]."""
+        found = []
+        for events in self.covariances:
+            variances = [np.einsum("wca,wab,wcb->wc", normals, c, normals) for c in events]
+            found.append(np.sqrt(np.maximum(np.maximum.reduce(variances), 0.0)))
+        return found
+
+    def _rated(self, normals: Tensor) -> tuple[Vector, Vector]:
+        """Return least clearances along normals, and the shares that make them largest."""
+        reaches = self.supports(normals)[-len(self.ends) :]
+        margins = [
+            np.einsum("wcd,wd->wc", normals, end) - reach
+            for end, reach in zip(self.ends, reaches, strict=True)
+        ]
+        deviations = [np.maximum(d, _LEAST_DEVIATION) for d in self.deviations(normals)]
+        if len(self.ends) == 1:
+            alone: Vector = margins[0] / deviations[0]
+            return alone, np.full(alone.shape, 0.5)
+        sagitta = 4.0 * np.maximum(np.einsum("wcd,wd->wc", normals, self.sagittas), 0.0)
+        shares = _best_shares(margins, deviations, sagitta)
+        near: Vector = (margins[0] - np.square(shares) * sagitta) / deviations[0]
+        far: Vector = (margins[1] - np.square(1.0 - shares) * sagitta) / deviations[1]
+        return np.minimum(near, far), shares
+
+    def best_normals(self, tried: Tensor) -> Tensor:
+        """Return the best normal of each window, (w, d), from those tried on, (w, c, d).
+
+        Zeros among those tried stand for no direction.
+        """
+        count, _, dimension = tried.shape
+        every = np.arange(count)
+        scores = np.where(tried.any(axis=2), self.clearances(tried), -np.inf)
+        best: Tensor = tried[every, scores.argmax(axis=1)]
+        step = _FIRST_STEP[dimension]
+        for _ in range(_LEVELS):
+            around = _around(best, step)
+            best = around[every, self.clearances(around).argmax(axis=1)]
+            step /= 3.0
+        return best
+
+
+def _best_shares(
+    margins: Sequence[Vector], deviations: Sequence[Vector], sagitta: Vector
+) -> Vector:
+    """Return the shares of the near end at which both ends are as clear, (w, c).
+
+    With margins m and deviations σ, the clearances (m₀ − b θ²)/σ₀ and (m₁ − b (1 − θ)²)/σ₁ fall
+    and rise with θ: the least of them is largest where they meet, a root of a quadratic.
+    """
+    near, far = sagitta / deviations[0], sagitta / deviations[1]
+    gap: Vector = margins[0] / deviations[0] - margins[1] / deviations[1]
+    ahead = far + gap
+    root = far + np.sqrt(np.maximum(np.square(far) + (near - far) * ahead, 0.0))
+    curved = root > 0.0
+    shares: Vector = np.clip(np.where(curved, ahead, 0.5) / np.where(curved, root, 1.0), 0.0, 1.0)
+    return np.where(gap >= near, 1.0, np.where(gap <= -far, 0.0, shares))
+
+
+def _around(normals: Tensor, step: float) -> Tensor:
+    """Return normals and others one and two angular steps around them, (w, c, d)."""
+    dimension = normals.shape[1]
+    if dimension == 2:
+        tangents = np.stack([-normals[:, 1], normals[:, 0]], axis=1)[:, None, :]
+        moves = np.array([[0.0], [-2.0], [-1.0], [1.0], [2.0]])
+    else:
+        axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
+        first = np.cross(normals, axis)
+        first /= np.linalg.norm(first, axis=1, keepdims=True)
+        tangents = np.stack([first, np.cross(normals, first)], axis=1)
+        angles = 0.25 * np.pi * np.arange(8)
+        circle = np.column_stack([np.cos(angles), np.sin(angles)])
+        moves = np.vstack([np.zeros((1, 2)), circle, 2.0 * circle])
+    moved = normals[:, None, :] + step * np.einsum("cm,wmd->wcd", moves, tangents)
+    return np.asarray(moved / np.linalg.norm(moved, axis=2, keepdims=True))

@@ -1,0 +1,295 @@
+"""The linear program of a group of vehicles between given half-spaces, others where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import highspy
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.hazards import Hazards
+from radmpc.planners.certified.turned.margins import Margins
+from radmpc.planners.certified.turned.paths import Paths
+from radmpc.program.hard import hard_rows
+from radmpc.solvers.lp.highs_lp import quiet_highs
+
+__all__ = ["GroupLp", "GroupPlan"]
+
+_INF = float("inf")
+_NO_NUMBERS = np.zeros(0, dtype=np.int32)
+_NO_VALUES = np.zeros(0)
+
+_LITTLE = 1e-9
+"""Share or length below which a row is left out [-, m]."""
+
+_PIVOTS = 20
+"""Pivots per row and column after which a solve is given up [-], beside a thousand: nothing that
+ended needed a tenth of it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GroupPlan:
+    """What a group does between half-spaces.
+
+    Attributes
+    ----------
+    controls : tuple of (T, m) array
+        Of its members.
+    shortfall : float
+        How far half-spaces are missed in all [m].
+    risk : float
+        What the risks given up to sum to [-].
+    """
+
+    controls: tuple[Matrix, ...]
+    shortfall: float
+    risk: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """Rows of half-spaces, r of them: its half-space, its end, the multiple of the sagitta kept."""
+
+    spaces: Indices
+    ends: Indices
+    reserves: Vector
+
+    @property
+    def count(self) -> int:
+        """Number of rows r."""
+        return len(self.spaces)
+
+
+class GroupLp:
+    """Least effort of some vehicles to their goals; half-spaces are exchanged at every solve.
+
+    Columns: per member ``u+``, then ``u-``, then the mean positions from step 1 on; last, how far
+    each half-space is missed.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    members : sequence of int
+        The vehicles planned, ascending.
+    """
+
+    def __init__(self, hazards: Hazards, members: Sequence[int]) -> None:
+        self._hazards = hazards
+        self.members = tuple(members)
+        self._models = [hazards.models[i] for i in members]
+        self._slots = np.full(hazards.count, -1)
+        self._slots[list(members)] = np.arange(len(self.members))
+        # Systems may differ in their number of controls: zeros fill up.
+        most = max(model.control_bounds.shape[1] for model in self._models)
+        self._sagittas = np.zeros((len(self._models), hazards.dimension, most))
+        for slot, model in enumerate(self._models):
+            sagitta = model.vehicle.system.sagitta
+            self._sagittas[slot, :, : sagitta.shape[1]] = sagitta
+        self._highs = quiet_highs()
+        self._highs.setOptionValue("presolve", "off")
+        self._highs.setOptionValue("solver", "simplex")
+        self._num_rows = self._num_columns = 0
+        starts = [self._add_member(slot) for slot in range(len(self.members))]
+        self._controls = np.array([first for first, _ in starts])
+        self._positions = np.array([second for _, second in starts])
+        self._spans = np.array([model.control_bounds.size for model in self._models])
+        self._widths = np.array([model.control_bounds.shape[1] for model in self._models])
+        self._added_rows = self._added_columns = 0
+
+    def _add_member(self, slot: int) -> tuple[int, int]:
+        """Add a vehicle's columns and hard rows; return its first control and position."""
+        model = self._models[slot]
+        span, positions = model.control_bounds.size, model.position[1:]
+        count = positions.shape[0] * positions.shape[1]
+        upper = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
+        cost = np.full(2 * span, model.vehicle.cost_weight)
+        first = self._num_columns
+        self._add_columns(cost, np.zeros(2 * span), upper)
+        self._add_columns(np.zeros(count), np.full(count, -_INF), np.full(count, _INF))
+        rows, lower, upper = hard_rows(model)
+        prediction = positions.reshape(count, span)
+        drift = model.drift_position[1:].ravel()
+        hard = np.hstack([rows, -rows, np.zeros((len(rows), count))])
+        motion = np.hstack([-prediction, prediction, np.eye(count)])
+        both = csr_array(np.vstack([hard, motion]))
+        self._add_rows(both, first, np.append(lower, drift), np.append(upper, drift))
+        return first, first + 2 * span
+
+    def _add_columns(self, cost: Vector, lower: Vector, upper: Vector) -> None:
+        """Append empty columns."""
+        self._highs.addCols(
+            cost.size, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES
+        )
+        self._num_columns += cost.size
+
+    def _add_rows(self, matrix: csr_array, first: int, lower: Vector, upper: Vector) -> None:
+        """Append rows whose columns count from a first one."""
+        starts = matrix.indptr[:-1].astype(np.int32)
+        columns = (matrix.indices + first).astype(np.int32)
+        self._highs.addRows(
+            matrix.shape[0], lower, upper, matrix.nnz, starts, columns, matrix.data
+        )
+        self._num_rows += int(matrix.shape[0])
+
+    def alone(self) -> tuple[Matrix, ...] | None:
+        """Return the controls of least effort with nothing in the way; None where there are none."""
+        self._clear()
+        values = self._run()
+        return None if values is None else self._controls_of(values)
+
+    def solve(self, spaces: HalfSpaces, paths: Paths, margins: Margins) -> GroupPlan | None:
+        """Minimize effort between half-spaces, and what keeping less room than asked for costs.
+
+        Parameters
+        ----------
+        spaces : HalfSpaces
+            Turned to the latest paths of this group.
+        paths : Paths
+            Those paths, and everyone else's.
+        margins : Margins
+            What the half-spaces ask for.
+
+        Returns
+        -------
+        GroupPlan or None
+            None where HiGHS found none, as where a vehicle cannot reach its goal at all.
+        """
+        self._clear()
+        rights = spaces.offsets + margins.room
+        rows = self._rows(spaces, paths)
+        lengths = np.full((spaces.count, 2, margins.num_columns), _INF)
+        lengths[:, :, :-1] = margins.lengths
+        prices = np.full(lengths.shape, margins.penalty)
+        prices[:, :, :-1] = margins.prices
+        self._add_columns(prices.ravel(), np.zeros(lengths.size), lengths.ravel())
+        self._added_columns = lengths.size
+        matrix, lower = self._entries(spaces, paths, rights, rows)
+        self._add_rows(matrix, 0, lower, np.full(rows.count, _INF))
+        self._added_rows = rows.count
+        values = self._run()
+        if values is None:
+            return None
+        kept_less = values[self._num_columns - lengths.size :].reshape(lengths.shape)
+        risk = float(np.sum(kept_less[:, :, :-1] * margins.risks))
+        return GroupPlan(self._controls_of(values), float(kept_less[:, :, -1].sum()), risk)
+
+    def _clear(self) -> None:
+        """Take away the half-spaces of the last solve."""
+        if self._added_rows:
+            first = self._num_rows - self._added_rows
+            self._highs.deleteRows(
+                self._added_rows, np.arange(first, self._num_rows, dtype=np.int32)
+            )
+            self._num_rows, self._added_rows = first, 0
+        if self._added_columns:
+            first = self._num_columns - self._added_columns
+            self._highs.deleteCols(
+                self._added_columns, np.arange(first, self._num_columns, dtype=np.int32)
+            )
+            self._num_columns, self._added_columns = first, 0
+
+    def _run(self) -> Vector | None:
+        """Solve; return all columns, None without an optimum."""
+        most = 1000 + _PIVOTS * (self._num_rows + self._num_columns)
+        self._highs.setOptionValue("simplex_iteration_limit", most)
+        self._highs.run()
+        if self._highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            self._highs.clearSolver()
+            return None
+        return np.array(self._highs.getSolution().col_value)
+
+    def _controls_of(self, values: Vector) -> tuple[Matrix, ...]:
+        """Return the members' controls from all columns."""
+        found = []
+        for first, model in zip(self._controls.tolist(), self._models, strict=True):
+            span = model.control_bounds.size
+            plus, minus = values[first : first + span], values[first + span : first + 2 * span]
+            found.append((plus - minus).reshape(model.control_bounds.shape))
+        return tuple(found)
+
+    def _rows(self, spaces: HalfSpaces, paths: Paths) -> _Rows:
+        """Choose the rows: at each end the chord, and where the curve comes closer, its reserve.
+
+        With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's start keeps less
+        ``4θ²s`` and its end less ``4(1 - θ)²s``.
+        """
+        every = np.arange(spaces.count)
+        if not self._hazards.intervals:
+            return _Rows(every, np.ones(spaces.count, dtype=np.int64), np.zeros(spaces.count))
+        share = spaces.shares
+        spaces_of, ends, reserves = [], [], []
+        bends = self._can_bend(spaces, paths)
+        for end, kept in ((0, share), (1, 1.0 - share)):
+            # The first position is given.
+            plain = every[(spaces.windows > 0) | (end == 1)]
+            bent = every[bends & (kept > _LITTLE)]
+            spaces_of += [plain, bent]
+            ends += [np.full(plain.size + bent.size, end)]
+            reserves += [np.zeros(plain.size), 4.0 * np.square(kept[bent])]
+        return _Rows(np.concatenate(spaces_of), np.concatenate(ends), np.concatenate(reserves))
+
+    def _can_bend(self, spaces: HalfSpaces, paths: Paths) -> np.ndarray:
+        """Return whether any controls of the members bring the curve closer than its chord."""
+        most = np.zeros(spaces.count)
+        for sign, vehicles in ((1.0, spaces.first), (-1.0, spaces.second)):
+            slots = np.where(vehicles >= 0, self._slots[vehicles], -1)
+            for slot, model in enumerate(self._models):
+                mine = slots == slot
+                bounds = np.maximum(model.control_bounds, 0.0)[spaces.windows[mine]]
+                pulls = np.abs(spaces.normals[mine] @ model.vehicle.system.sagitta)
+                most[mine] += np.einsum("wm,wm->w", pulls, bounds)
+            still = (vehicles >= 0) & (slots < 0)
+            hang = paths.sagittas[vehicles[still], spaces.windows[still]]
+            most[still] += sign * np.einsum("wd,wd->w", spaces.normals[still], hang)
+        return np.asarray(most > _LITTLE)
+
+    def _entries(
+        self, spaces: HalfSpaces, paths: Paths, rights: Matrix, rows: _Rows
+    ) -> tuple[csr_array, Vector]:
+        """Return rows over all columns, and their lower bounds."""
+        chosen, ends = rows.spaces, rows.ends
+        normals, windows = spaces.normals[chosen], spaces.windows[chosen]
+        steps = windows + ends
+        lower = rights[chosen, ends].copy()
+        per_end = self._added_columns // max(2 * spaces.count, 1)
+        first = self._num_columns - self._added_columns + (2 * chosen + ends) * per_end
+        given_up = first[:, None] + np.arange(per_end)
+        where, columns = [np.repeat(np.arange(rows.count), per_end)], [given_up.ravel()]
+        values = [np.ones(given_up.size)]
+        for sign, everyone in ((1.0, spaces.first[chosen]), (-1.0, spaces.second[chosen])):
+            is_member = (everyone >= 0) & (self._slots[everyone] >= 0)
+            still = np.flatnonzero((everyone >= 0) & ~is_member)
+            at = paths.means[everyone[still], steps[still]]
+            hang = paths.sagittas[everyone[still], windows[still]]
+            fixed = at - rows.reserves[still, None] * hang
+            lower[still] -= sign * np.einsum("wd,wd->w", normals[still], fixed)
+            mine = np.flatnonzero(is_member)
+            slots = self._slots[everyone[mine]]
+            where.append(np.repeat(mine, normals.shape[1]))
+            moving = steps[mine] > 0
+            placed = self._positions[slots][:, None] + np.arange(normals.shape[1])
+            placed = placed + (normals.shape[1] * np.maximum(steps[mine] - 1, 0))[:, None]
+            columns.append(placed.ravel())
+            values.append((sign * normals[mine] * moving[:, None]).ravel())
+            given = np.flatnonzero(~moving)
+            start = paths.means[everyone[mine][given], 0]
+            lower[mine[given]] -= sign * np.einsum("wd,wd->w", normals[mine][given], start)
+            pulls = np.einsum("wd,wdm->wm", normals[mine], self._sagittas[slots])
+            pulls *= sign * rows.reserves[mine, None]
+            axes = np.arange(pulls.shape[1])
+            plus = (self._controls[slots] + windows[mine] * self._widths[slots])[:, None] + axes
+            for half, turn in ((0, -1.0), (1, 1.0)):
+                where.append(np.repeat(mine, axes.size))
+                columns.append((plus + half * self._spans[slots][:, None]).ravel())
+                values.append((turn * pulls).ravel())
+        data = np.concatenate(values)
+        kept = data != 0.0
+        places = (np.concatenate(where)[kept], np.concatenate(columns)[kept])
+        shape = (rows.count, self._num_columns)
+        return csr_array(coo_array((data[kept], places), shape=shape)), lower
+

@@ -1,0 +1,325 @@
+"""Half-spaces between a group of vehicles and what it passes, turned to the latest paths.
+
+The faces of a program are a choice of directions made beforehand. Any other direction is as valid:
+what a path keeps from a convex set along one unit normal, it keeps from the set. Turned to the path
+at hand, half-spaces allow it at least as much as faces do, and paths nearby mostly more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.planners.certified.turned.encounter import Encounter
+from radmpc.planners.certified.turned.hazards import Hazards
+from radmpc.planners.certified.turned.paths import Paths
+
+__all__ = ["HalfSpaces", "Near", "half_spaces"]
+
+_THROUGH = 1e-3
+"""Share of the distance to keep below which two paths count as through each other [-]: what is left
+between them tells no direction."""
+
+_TINY = 1e-12
+"""Stands for a length of 0 where one divides by it [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """Which windows get a half-space, and how carefully it is turned.
+
+    Attributes
+    ----------
+    clearance : float
+        Standard deviations that are kept in any case [-].
+    reach : float
+        Room beyond them up to which something counts as near [m].
+    is_refined : bool
+        Whether directions are refined to the best by clearance, or the line of closest approach
+        will do.
+    """
+
+    clearance: float
+    reach: float
+    is_refined: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HalfSpaces:
+    """Half-spaces ``normal @ (position of first - position of second) >= offset``, w of them.
+
+    Attributes
+    ----------
+    first, second : (w,) int array
+        Vehicles; the second is -1 where the half-space is that of an obstacle or the workspace.
+    windows : (w,) int array
+        Window k: the interval [k, k+1], or step k+1 alone.
+    normals : (w, d) array
+        Unit normals, away from what is avoided.
+    offsets : (w, 2) array
+        Right sides without noise at the window's start and end [m].
+    deviations : (w, 2) array
+        Standard deviations along the normals there [m].
+    shares : (w,) array
+        Share θ of the start in the reserve for the sagitta: ``4θ²`` of it there, ``4(1 - θ)²`` at
+        the end [-].
+    heights : (w, 2) array
+        Left sides on the latest paths, less the reserve [m].
+    """
+
+    first: Indices
+    second: Indices
+    windows: Indices
+    normals: Matrix
+    offsets: Matrix
+    deviations: Matrix
+    shares: Vector
+    heights: Matrix
+
+    @property
+    def count(self) -> int:
+        """Number of half-spaces w."""
+        return len(self.first)
+
+    @property
+    def clearances(self) -> Matrix:
+        """Standard deviations that the latest paths keep, (w, 2); large without noise."""
+        room: Matrix = self.heights - self.offsets
+        return room / np.maximum(self.deviations, _TINY)
+
+
+def half_spaces(
+    hazards: Hazards, paths: Paths, group: Sequence[int], near: Near, ahead: Paths | None = None
+) -> HalfSpaces:
+    """Turn half-spaces to the paths of a group, at all windows where something is near.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    paths : Paths
+        Everyone's latest paths.
+    group : sequence of int
+        Vehicles that are planned; ascending.
+    near : Near
+        What counts as near.
+    ahead : Paths or None
+        Where paths are expected to move, which directions are turned to; None is the latest paths.
+    """
+    ahead = paths if ahead is None else ahead
+    found: list[HalfSpaces] = []
+    members = np.zeros(hazards.count, dtype=bool)
+    members[list(group)] = True
+    every = np.arange(hazards.count)
+    for i in group:
+        others = np.flatnonzero(~members | (every > i))
+        if others.size:
+            found.append(_between(hazards, (paths, ahead), (i, others), near))
+        if hazards.shapes.count:
+            found.append(_around(hazards, (paths, ahead), i, near))
+        if hazards.workspace is not None:
+            found.append(_inside(hazards, paths, i, near))
+    if not found:
+        found.append(_inside(hazards, paths, group[0], near))
+    names = [field.name for field in fields(HalfSpaces)]
+    return HalfSpaces(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
+
+
+def _between(
+    hazards: Hazards, both: tuple[Paths, Paths], pairs: tuple[int, Indices], near: Near
+) -> HalfSpaces:
+    """Return half-spaces between a vehicle and others, along the line of closest approach."""
+    paths, ahead = both
+    i, others = pairs
+    relative = paths.means[i] - paths.means[others]
+    before, after = relative[:, :-1], relative[:, 1:]
+    moved = after - before
+    closest = after
+    if hazards.intervals:
+        squares = np.maximum(np.einsum("jtd,jtd->jt", moved, moved), _TINY)
+        along = np.clip(-np.einsum("jtd,jtd->jt", before, moved) / squares, 0.0, 1.0)
+        closest = before + along[..., None] * moved
+    apart = np.linalg.norm(closest, axis=2)
+    radii = hazards.radii[i] + hazards.radii[others]
+    noise = hazards.covariances[i, 1:] + hazards.covariances[others, 1:]
+    # The trace is never below the largest eigenvalue.
+    spread = np.sqrt(np.trace(noise, axis1=2, axis2=3))
+    number, window = np.nonzero(apart < radii[:, None] + near.clearance * spread + near.reach)
+    other, distance = others[number], radii[number]
+    length = apart[number, window]
+    normals = closest[number, window] / np.maximum(length, _TINY)[:, None]
+    through = length < _THROUGH * distance
+    if through.any():
+        signs = np.where(i < other[through], 1.0, -1.0)
+        normals[through] = _across(moved[number, window][through], signs)
+
+    def supports(directions: Tensor) -> tuple[Vector, Vector]:
+        both = np.broadcast_to(distance[:, None], directions.shape[:2])
+        return both, both
+
+    def encounter(paths: Paths) -> Encounter:
+        start = paths.means[i, window] - paths.means[other, window]
+        end = paths.means[i, window + 1] - paths.means[other, window + 1]
+        return Encounter(
+            _ends(hazards, start, end),
+            _noise(hazards, window, i, other),
+            paths.sagittas[i, window] - paths.sagittas[other, window],
+            supports,
+        )
+
+    if near.is_refined and other.size:
+        normals = encounter(ahead).best_normals(normals[:, None])
+    return _laid_out(encounter(paths), normals, (np.full(other.size, i), other, window))
+
+
+def _around(hazards: Hazards, both: tuple[Paths, Paths], i: int, near: Near) -> HalfSpaces:
+    """Return half-spaces between a vehicle and the obstacles, by the direction of most room."""
+    paths, ahead = both
+    shapes, path = hazards.shapes, paths.means[i]
+    begin = path[:-1] if hazards.intervals else path[1:]
+    lower, upper = np.minimum(begin, path[1:]), np.maximum(begin, path[1:])
+    gaps = np.maximum(np.maximum(shapes.lower - upper, lower - shapes.upper), 0.0)
+    spread = np.sqrt(np.trace(hazards.covariances[i, 1:], axis1=1, axis2=2))
+    radius = float(hazards.radii[i])
+    limit = radius + near.clearance * spread + near.reach
+    piece, window = np.nonzero(np.linalg.norm(gaps, axis=2) < limit)
+    corners = (
+        shapes.vertices[piece, window + (0 if hazards.intervals else 1)],
+        shapes.vertices[piece, window + 1],
+    )
+
+    def supports(directions: Tensor) -> tuple[Vector, Vector]:
+        start, end = (np.einsum("wcd,wvd->wcv", directions, c).max(axis=2) for c in corners)
+        return start + radius, end + radius
+
+    def encounter(paths: Paths) -> Encounter:
+        return Encounter(
+            _ends(hazards, paths.means[i, window], paths.means[i, window + 1]),
+            _noise(hazards, window, i, None),
+            paths.sagittas[i, window],
+            supports,
+        )
+
+    tried = _tried(shapes.faces[piece, window], corners, (begin[window], path[window + 1]))
+    if near.is_refined and piece.size:
+        normals = encounter(ahead).best_normals(tried)
+    else:
+        scores = np.where(tried.any(axis=2), encounter(paths).clearances(tried), -np.inf)
+        normals = tried[np.arange(piece.size), scores.argmax(axis=1)]
+    still = np.full(piece.size, -1)
+    return _laid_out(encounter(paths), normals, (np.full(piece.size, i), still, window))
+
+
+def _inside(hazards: Hazards, paths: Paths, i: int, near: Near) -> HalfSpaces:
+    """Return the faces of the workspace that a vehicle comes near."""
+    d, path = hazards.dimension, paths.means[i]
+    lower, upper = hazards.workspace or (np.full(d, -np.inf), np.full(d, np.inf))
+    sides = np.concatenate([np.eye(d), -np.eye(d)])
+    limits = np.concatenate([lower, -upper])
+    heights = path @ sides.T - limits
+    lowest = np.minimum(heights[:-1], heights[1:]) if hazards.intervals else heights[1:]
+    spread = np.sqrt(np.einsum("tdd->td", hazards.covariances[i, 1:]))
+    window, face = np.nonzero(lowest < near.clearance * np.tile(spread, 2) + near.reach)
+
+    def supports(directions: Tensor) -> tuple[Vector, Vector]:
+        both = np.broadcast_to(limits[face][:, None], directions.shape[:2])
+        return both, both
+
+    encounter = Encounter(
+        _ends(hazards, path[window], path[window + 1]),
+        _noise(hazards, window, i, None),
+        paths.sagittas[i, window],
+        supports,
+    )
+    still = np.full(window.size, -1)
+    return _laid_out(encounter, sides[face], (np.full(window.size, i), still, window))
+
+
+def _laid_out(
+    encounter: Encounter, normals: Matrix, who: tuple[Indices, Indices, Indices]
+) -> HalfSpaces:
+    """Return the half-spaces of an encounter along given normals."""
+    tried = normals[:, None]
+    offsets = np.stack([reach[:, 0] for reach in encounter.supports(tried)], axis=1)
+    deviations = [deviation[:, 0] for deviation in encounter.deviations(tried)]
+    shares = encounter.shares(tried)[:, 0]
+    heights = [np.einsum("wd,wd->w", normals, end) for end in encounter.ends]
+    if len(heights) == 2:
+        reserve = 4.0 * np.maximum(np.einsum("wd,wd->w", normals, encounter.sagittas), 0.0)
+        heights[0] = heights[0] - np.square(shares) * reserve
+        heights[1] = heights[1] - np.square(1.0 - shares) * reserve
+    both = (0, -1)
+    return HalfSpaces(
+        *who,
+        normals,
+        offsets,
+        np.stack([deviations[end] for end in both], axis=1),
+        shares,
+        np.stack([heights[end] for end in both], axis=1),
+    )
+
+
+def _ends(hazards: Hazards, start: Matrix, end: Matrix) -> tuple[Matrix, ...]:
+    """Return the ends of windows that count."""
+    return (start, end) if hazards.intervals else (end,)
+
+
+def _noise(
+    hazards: Hazards, window: Indices, i: int, other: Indices | None
+) -> tuple[tuple[Tensor, ...], ...]:
+    """Return the covariances at the windows' ends, those of bent paths beside them."""
+
+    def joint(covariances: Tensor, steps: Indices) -> Tensor:
+        mine = covariances[i, steps]
+        return mine if other is None else mine + covariances[other, steps]
+
+    end = (joint(hazards.covariances, window + 1),)
+    if not hazards.intervals:
+        return (end,)
+    start = [joint(hazards.covariances, window)]
+    if hazards.bent is not None:
+        start.append(joint(hazards.bent, window))
+    return (tuple(start), end)
+
+
+def _across(moved: Matrix, signs: Vector) -> Matrix:
+    """Return unit normals across relative motions, opposite ones for opposite motions or signs."""
+    length = np.linalg.norm(moved, axis=1, keepdims=True)
+    moves = length > _TINY
+    ahead = np.where(moves, moved / np.where(moves, length, 1.0), np.eye(moved.shape[1])[0])
+    if moved.shape[1] == 2:
+        across = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
+    else:
+        axis = np.eye(3)[np.abs(ahead).argmin(axis=1)]
+        across = np.cross(ahead, axis)
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+    return np.asarray(across * np.where(moves, 1.0, signs[:, None]))
+
+
+def _tried(faces: Tensor, corners: tuple[Tensor, Tensor], ends: tuple[Matrix, Matrix]) -> Tensor:
+    """Return unit directions from a shape to a path's chord, zeros where there is none, (w, c, d).
+
+    Its faces, the directions from its corners to the nearest points of the chord, and in the plane
+    the normals of the chord: the direction of most room without noise is among them there.
+    """
+    start, end = ends
+    moved = end - start
+    squares = np.einsum("wd,wd->w", moved, moved)
+    tried = [faces]
+    if moved.shape[1] == 2:
+        across = np.stack([-moved[:, 1], moved[:, 0]], axis=1)
+        moves = squares > _TINY
+        across = np.where(
+            moves[:, None], across / np.sqrt(np.where(moves, squares, 1.0))[:, None], 0.0
+        )
+        tried.append(np.stack([across, -across], axis=1))
+    for points in corners:
+        along = np.einsum("wvd,wd->wv", points - start[:, None], moved)
+        share = np.clip(along / np.maximum(squares, _TINY)[:, None], 0.0, 1.0)
+        away = start[:, None] + share[..., None] * moved[:, None] - points
+        length = np.linalg.norm(away, axis=2, keepdims=True)
+        tried.append(np.where(length > 1e-9, away / np.maximum(length, _TINY), 0.0))
+    return np.concatenate(tried, axis=1)

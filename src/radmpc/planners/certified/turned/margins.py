@@ -1,0 +1,96 @@
+"""What half-spaces ask for, and what it costs to keep less: fixed margins, or the price of risk."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.gaussian import tail_probability
+
+__all__ = ["Margins", "fixed_margins", "priced_margins"]
+
+_LADDER = (6.5, 5.0, 4.2, 3.7, 3.3, 3.0, 2.7, 2.4, 2.1, 1.8, 1.4, 0.9, 0.0)
+"""Clearances between which the risk of a row is interpolated [standard deviations]: chords lie above
+it by up to 4 % between 1.8 and 4."""
+
+_AROUND = (2.0, 1.0, 0.0, -1.0, -2.0)
+"""Clearances added around that of the latest path [spacings]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Margins:
+    """How much room each end of each half-space asks for, and what keeping less costs.
+
+    Attributes
+    ----------
+    room : (w, 2) array
+        Room beyond the half-spaces' offsets that is asked for [m].
+    lengths : (w, 2, m) array
+        Parts of it that may be given up, the cheapest first [m].
+    prices : (w, 2, m) array
+        Cost per meter of each.
+    risks : (w, 2, m) array
+        Probability per meter of each [1/m].
+    penalty : float
+        Cost per meter of what is missed beyond them.
+    """
+
+    room: Matrix
+    lengths: Tensor
+    prices: Tensor
+    risks: Tensor
+    penalty: float
+
+    @property
+    def num_columns(self) -> int:
+        """Columns per end: one for each part, and one for what is missed beyond them."""
+        return int(self.lengths.shape[2]) + 1
+
+
+def fixed_margins(deviations: Matrix, clearance: float, penalty: float) -> Margins:
+    """Ask for the same clearance everywhere.
+
+    Parameters
+    ----------
+    deviations : (w, 2) array
+        Standard deviations along the half-spaces [m].
+    clearance : float
+        Standard deviations to keep [-].
+    penalty : float
+        Cost of missing it by a meter.
+    """
+    none = np.zeros((*deviations.shape, 0))
+    return Margins(clearance * deviations, none, none, none, penalty)
+
+
+def priced_margins(
+    deviations: Matrix, latest: Matrix, costs: tuple[float, float], spacing: float
+) -> Margins:
+    """Let each end keep what the price of its risk is worth.
+
+    Between clearances of a ladder, finer around the latest, the risk is interpolated: never less
+    than it is. What costs least effort and priced risk is a linear program without further rows.
+
+    Parameters
+    ----------
+    deviations : (w, 2) array
+        Standard deviations along the half-spaces [m].
+    latest : (w, 2) array
+        Clearances that the latest paths keep [standard deviations].
+    costs : tuple of float
+        Cost of a unit of probability, and least cost of missing a half-space itself by a meter.
+    spacing : float
+        Between the clearances around the latest [standard deviations].
+    """
+    price, penalty = costs
+    ladder = np.broadcast_to(np.array(_LADDER), (*deviations.shape, len(_LADDER)))
+    around = np.clip(latest[..., None] + spacing * np.array(_AROUND), 0.0, _LADDER[0])
+    levels = -np.sort(-np.concatenate([ladder, around], axis=2), axis=2)
+    lengths = -np.diff(levels, axis=2) * deviations[..., None]
+    steps: Vector = np.diff(tail_probability(levels), axis=2)
+    risks = np.where(lengths > 0.0, steps / np.where(lengths > 0.0, lengths, 1.0), 0.0)
+    prices = price * risks
+    penalty = max(penalty, float(prices.max(initial=0.0)))
+    return Margins(_LADDER[0] * deviations, lengths, prices, risks, penalty)
