@@ -5,10 +5,15 @@ Prices are those of one unit of risk; `fleet` defines the unit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.repair import repriced
+from radmpc.planners.certified.set_searches import solve_sets
+from radmpc.planners.certified.state import SearchState
 
 __all__ = ["MORE_EFFORT", "OVERDRAWN", "next_price", "price_alone"]
 
@@ -41,50 +46,50 @@ _CLOSE = 0.03
 """Share of the budget that may stay unused when the price is right [-]."""
 
 
-def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
+def price_alone(fleet: Fleet, state: SearchState) -> SearchState:
     """Return a price at which vehicles that ignore each other do not exceed the budget by far.
 
     Parameters
     ----------
     fleet : Fleet
-        The fleet; every vehicle is searched alone.
-    tried : list of (float, float)
-        Unit prices and the risk at them [-]; empty before and after.
+        The fleet.
+    state : SearchState
+        Of a search that has not begun.
 
     Returns
     -------
-    float
-        The unit price to begin with.
+    SearchState
+        With the unit price to begin with; every vehicle was searched alone.
     """
-    unit_price = fleet.first_unit_price()
+    unit_price = fleet.first_unit_price(state.budget)
     # Where the chosen alternatives risk too much at any price, others are needed, not a higher one.
     most = _MOST * unit_price
-    fleet.solve(fleet.singles, unit_price, 1, is_rough=True)
+    state = solve_sets(fleet, state, fleet.singles, unit_price, 1, is_rough=True)
     effort = 1
-    while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
-        if fleet.limits.reached or fleet.without_plan() is not None or effort > _MOST_EFFORT:
-            return unit_price
+    while missing := [m for m in fleet.singles if state.set_states[m].best is None]:
+        if fleet.limits.reached or state.without_plan() is not None or effort > _MOST_EFFORT:
+            return replace(state, unit_price=unit_price)
         effort *= MORE_EFFORT
-        fleet.solve(missing, unit_price, effort)
-    plans = [fleet.best(m) for m in fleet.singles]
+        state = solve_sets(fleet, state, missing, unit_price, effort)
+    tried: list[tuple[float, float]] = []
+    plans = [state.best(m) for m in fleet.singles]
     for _ in range(_MAX_PRICES):
         risk = sum(plan.risk for plan in plans)
-        if risk <= OVERDRAWN * fleet.budget or fleet.limits.reached:
+        if risk <= OVERDRAWN * state.budget or fleet.limits.reached:
             break
         tried.append((unit_price, risk))
-        unit_price = min(next_price(tried, fleet.budget), most)
+        unit_price = min(next_price(tried, state.budget), most)
         # With the alternatives chosen so far: no need to search for others yet.
         plans = [
-            repriced(fleet.programs.problems[m], plan, fleet.unit, unit_price, fleet.limits)
+            repriced(fleet.programs.problem(m), plan, fleet.unit, unit_price, fleet.limits)
             if plan.risk > _LITTLE * fleet.unit
             else plan
             for m, plan in zip(fleet.singles, plans, strict=True)
         ]
-    tried.clear()
-    return unit_price
+    return replace(state, unit_price=unit_price)
 
 
-def next_price(tried: list[tuple[float, float]], budget: float) -> float:
+def next_price(tried: Sequence[tuple[float, float]], budget: float) -> float:
     """Return the price at which the budget is expected to be just used.
 
     Risk falls roughly in proportion to its price; between two prices on both sides of the budget,
@@ -93,7 +98,7 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
 
     Parameters
     ----------
-    tried : list of (float, float)
+    tried : sequence of (float, float)
         Prices, all in the same scale, and the risk at them [-]; the last one last.
     budget : float
         What may be risked [-].
@@ -121,7 +126,7 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
     return float(min(unit_price * np.clip(np.exp(step), 0.2, 5.0), max(most, unit_price)))
 
 
-def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
+def _stubbornness(tried: Sequence[tuple[float, float]], step: float) -> float:
     """Return by how much to lengthen a step in the logarithm of the price, at least 1.
 
     Where the last step moved the risk less than in proportion, the next is up to twice as long:

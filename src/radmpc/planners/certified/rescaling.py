@@ -44,7 +44,7 @@ def rescaled(
     tuple of (n,) array or None
         A point per set; None where these alternatives exceed the budget.
     """
-    problems = [fleet.programs.problems[m] for m in candidate.sets]
+    problems = [fleet.programs.problem(m) for m in candidate.sets]
     whole, budget = budget, budget - inter_set_risk
     plans = candidate.plans
     if budget < candidate.risk <= (1.0 + 2.0 * OVER) * budget:

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.state import SearchState
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
@@ -32,33 +32,41 @@ _NODES = 150
 """Nodes per vehicle for it [-]; any plan will do."""
 
 
-def turn_from_noiseless(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
+def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
     """Turn half-spaces to plans of the vehicles each alone, and of all without noise.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet; nothing is done where it is large.
-    incumbent : FleetIncumbent
-        Takes what is certified and cheaper than it.
+    state : SearchState
+        What is known of it.
     judge : callable
         The referee.
+
+    Returns
+    -------
+    SearchState
+        With what is certified and cheaper than the incumbent.
     """
     count = fleet.scenario.num_vehicles
     if count > _MOST_VEHICLES or fleet.limits.reached:
-        return
+        return state
     limits = fleet.limits.within(min(_SECONDS, _SHARE * fleet.limits.seconds_left))
     whole = tuple(range(count))
     alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
     starts = [_noiseless(fleet, whole, limits)]
     if alone and all(z is not None for z in alone):
         apart = np.concatenate([z for z in alone if z is not None])
-        plan_by_turning(fleet, incumbent, judge, fleet.singles, _controls(fleet, whole, apart))
+        controls = _controls(fleet, whole, apart)
+        state = plan_by_turning(fleet, state, judge, fleet.singles, controls)
         if starts[0] is None or not np.array_equal(apart, starts[0]):
             starts.append(apart)
     for z in starts:
         if z is not None:
-            plan_by_turning(fleet, incumbent, judge, (whole,), _controls(fleet, whole, z))
+            controls = _controls(fleet, whole, z)
+            state = plan_by_turning(fleet, state, judge, (whole,), controls)
+    return state
 
 
 def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.state import SearchState
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
@@ -80,7 +80,7 @@ _SAME_PRICE = 0.3
 """Relative difference of prices up to which a set that has converged is left alone [-]."""
 
 
-def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
+def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
     """Improve the incumbent by half-spaces of any direction, until little is gained.
 
     Every hazard keeps the side on which the plan passes it, by a half-space turned to where it
@@ -91,51 +91,62 @@ def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> N
     ----------
     fleet : Fleet
         The fleet.
-    incumbent : FleetIncumbent
-        Has a plan, and takes cheaper ones. What was proven stays as it is.
+    state : SearchState
+        With a certified plan.
     judge : callable
         The referee.
+
+    Returns
+    -------
+    SearchState
+        With a cheaper plan where there is one. What was proven stays as it is.
     """
-    rounds = incumbent.round_bounds
-    unit_price = rounds[-1][1] if rounds else fleet.first_unit_price()
-    turning = _Turning(fleet, incumbent, judge, incumbent.sets, unit_price / fleet.unit)
-    turning.run(_points(fleet, incumbent.sets, incumbent.controls), _ROUNDS)
+    incumbent, price = state.incumbent, state.last_unit_price(fleet) / fleet.unit
+    turning = _Turning(fleet, state, judge, incumbent.sets, price)
+    return turning.run(_points(fleet, incumbent.sets, incumbent.controls), _ROUNDS)
 
 
 def plan_by_turning(
     fleet: Fleet,
-    incumbent: FleetIncumbent,
+    state: SearchState,
     judge: Judge,
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
-) -> None:
+) -> SearchState:
     """Look for a certified plan near one that risks too much, by half-spaces turned to it.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    incumbent : FleetIncumbent
-        Takes the plan, if one is certified.
+    state : SearchState
+        What is known of it.
     judge : callable
         The referee.
     sets : tuple of tuple of int
         Who is planned together.
     controls : tuple of (T, m) array
         Of a plan without collisions, noise aside, in the scenario's order.
+
+    Returns
+    -------
+    SearchState
+        With the plan, if it is certified and cheaper.
     """
     # Risk counts for much more than effort until the plan is certified.
-    price = _DEAR * fleet.first_unit_price() / fleet.unit
-    turning = _Turning(fleet, incumbent, judge, sets, price)
-    turning.run(_points(fleet, sets, controls), 2 * _ROUNDS)
+    price = _DEAR * fleet.first_unit_price(state.budget) / fleet.unit
+    turning = _Turning(fleet, state, judge, sets, price)
+    return turning.run(_points(fleet, sets, controls), 2 * _ROUNDS)
 
 
 @dataclass(slots=True, eq=False)
 class _Turning:
-    """How far the turning of a plan has come.
+    """How far the turning of a plan has come; it lives for one plan, and nobody else writes to it.
 
     Attributes
     ----------
+    state : SearchState
+        With the best plan so far.
     price : float
         Shadow price of the risk, per unit of probability.
     prices : dict
@@ -147,7 +158,7 @@ class _Turning:
     """
 
     fleet: Fleet
-    incumbent: FleetIncumbent
+    state: SearchState
     judge: Judge
     sets: tuple[Members, ...]
     price: float
@@ -155,7 +166,7 @@ class _Turning:
     risks: dict[Members, float] = field(default_factory=dict)
     num_solves: int = 0
 
-    def run(self, points: Sequence[Vector], rounds: int) -> None:
+    def run(self, points: Sequence[Vector], rounds: int) -> SearchState:
         """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
         fleet, sets = self.fleet, self.sets
         risk_bound = fleet.scenario.risk_bound
@@ -184,23 +195,24 @@ class _Turning:
             least = min(least, certified)
             ratio = float(np.clip(certified / (_AIM * risk_bound), 1.0 / _MOST_MOVE, _MOST_MOVE))
             self.price *= ratio**_DAMPING
+        return self.state
 
     def _take(self, points: Sequence[Vector]) -> float:
         """Keep a plan if it is certified and the cheapest; return its certificate."""
-        fleet, incumbent, sets = self.fleet, self.incumbent, self.sets
+        fleet, incumbent, sets = self.fleet, self.state.incumbent, self.sets
         controls = fleet.programs.controls(sets, points)
         certified, cost = self.judge(controls).certified, _cost(fleet, sets, points)
         if certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
-            incumbent.controls, incumbent.cost, incumbent.certified, incumbent.sets = (
-                controls,
-                cost,
-                certified,
-                sets,
-            )
             spent = sum(self.risks.get(m, 0.0) for m in sets)
-            incumbent.turned_price = (
-                self.price * spent / max(certified, _NOTHING) if spent else None
+            better = replace(
+                incumbent,
+                controls=controls,
+                cost=cost,
+                certified=certified,
+                sets=sets,
+                turned_price=self.price * spent / max(certified, _NOTHING) if spent else None,
             )
+            self.state = replace(self.state, incumbent=better)
         return certified
 
     def _turned(self, members: Members, z: Vector) -> Vector:
@@ -241,7 +253,7 @@ def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumben
     problem = fleet.programs.problem(members)
     intervals = fleet.scenario.avoidance == "intervals"
     turned = Turned(problem.models, problem.means(z), controls_of(problem.models, z), intervals)
-    alone = fleet.programs.alone[members]
+    alone = fleet.programs.alone(members)
     program = build_program(alone, problem.models, risk_bound=alone.risk_bound, turned=turned)
     rater = Rater(program, _ANY)
     if rater.is_infeasible:
