@@ -81,7 +81,7 @@ def initial_plan(
 def _merged_through_others(
     sets: tuple[Members, ...], set_risks: Mapping[tuple[int, int], float], least: float
 ) -> tuple[Members, ...]:
-    """Merge all sets that are in each other's way, directly or through others."""
+    """Merge all sets in each other's way, directly or through others: greedy plans are cheap."""
     pairs = [pair for pair, risk in set_risks.items() if risk > least]
     if not pairs:
         return sets
