@@ -168,7 +168,7 @@ def _worst_first(risks: dict[tuple[int, int], float]) -> list[tuple[tuple[int, i
 def _merged_two_by_two(
     sets: Sequence[Members], pairs: Sequence[tuple[int, int]]
 ) -> tuple[Members, ...]:
-    """Merge pairs of sets, in this order, each set once at most: few may be enough, and are cheaper."""
+    """Merge pairs of sets, in this order, each set once at most: few merges may be enough."""
     taken: set[int] = set()
     result = []
     for i, j in pairs:
