@@ -6,38 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from radmpc.arrays import Vector
-from radmpc.planners.certified.bounds import SPENT
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Merging
 from radmpc.planners.certified.rescaling import rescaled
 from radmpc.planners.certified.rounds import Round
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge, Verdict
 
 __all__ = ["Acceptance", "accept_round"]
 
-_MAX_RESCALINGS = 5
-"""Budgets that the plan of one round is rescaled to at most [-]: each costs a linear program per
-set and a certificate."""
-
-_AIM = 0.95
-"""Share of Δ that the certificate is to come to at the next budget [-]: it grows a little faster
-than in proportion."""
-
-_BACK_OFF = 0.97
-"""Factor that keeps the next budget below one that the referee rejected [-]."""
-
-_STRETCH = 3.0
-"""Factor by which a budget grows at most from one rescaling to the next [-]."""
-
-_CLOSE = 0.03
-"""Relative difference below which two budgets are one [-]."""
+_TUNED = TUNING.acceptance
 
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
-
-_HIDDEN = 2.0
-"""Multiple of the risk estimated between sets up to which the referee's counts as explained [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +66,7 @@ def accept_round(fleet: Fleet, state: SearchState, candidate: Round, judge: Judg
         The next state, and what the referee said.
     """
     rescaling = _Rescaling(fleet, candidate, judge, state, state.budget, candidate.inter_set_risk)
-    for _ in range(_MAX_RESCALINGS):
+    for _ in range(_TUNED.max_rescalings):
         if not rescaling.step():
             break
     return rescaling.finish()
@@ -140,17 +122,17 @@ class _Rescaling:
             self.inter_set_risk = 2.0 * self.inter_set_risk + 0.02 * self.budget
         else:
             self.low = max(self.low, self.budget)
-            if verdict.certified >= SPENT * risk_bound:
+            if verdict.certified >= TUNING.budgets.spent * risk_bound:
                 return False
         following = self._next_budget(verdict)
-        is_same = abs(following - self.budget) <= _CLOSE * self.budget
+        is_same = abs(following - self.budget) <= _TUNED.same_budget * self.budget
         self.budget = following
         return not is_same
 
     def _next_budget(self, verdict: Verdict) -> float:
         """Return the budget at which the certificate is expected to come to Δ, or one between."""
-        aim = _AIM * self.fleet.scenario.risk_bound
-        following = self.budget * min(_STRETCH, aim / max(verdict.certified, _NOTHING))
+        aim = _TUNED.aim * self.fleet.scenario.risk_bound
+        following = self.budget * min(_TUNED.stretch, aim / max(verdict.certified, _NOTHING))
         if self.low and self.high < float("inf"):
             following = (self.low * self.high) ** 0.5
         return min(following, self.fleet.most_budget)
@@ -168,9 +150,11 @@ class _Rescaling:
         candidate, fleet = self.candidate, self.fleet
         union_bound = candidate.risk + candidate.inter_set_risk
         verdict = self._judge([plan.z for plan in candidate.plans], union_bound)
-        left = union_bound * _AIM * fleet.scenario.risk_bound / max(verdict.certified, _NOTHING)
+        left = (
+            union_bound * _TUNED.aim * fleet.scenario.risk_bound / max(verdict.certified, _NOTHING)
+        )
         budget = min(left, fleet.most_budget)
-        if self._merge_hidden(verdict) or budget <= self.budget * (1.0 + _CLOSE):
+        if self._merge_hidden(verdict) or budget <= self.budget * (1.0 + _TUNED.same_budget):
             return False
         self.budget = budget
         return True
@@ -181,7 +165,7 @@ class _Rescaling:
         if not self.has_merged:
             self.state = replace(self.state, has_failed=has_failed)
             if self.low:
-                budget = min(self.low, _BACK_OFF * self.state.rejected_budget)
+                budget = min(self.low, _TUNED.back_off * self.state.rejected_budget)
                 self.state = replace(self.state, budget=self.fleet.clipped_budget(budget))
             elif has_failed:
                 self._after_rejection()
@@ -199,13 +183,17 @@ class _Rescaling:
         self.state = replace(
             state,
             rejected_budget=min(state.rejected_budget, state.budget),
-            budget=fleet.clipped_budget(_BACK_OFF * (state.budget * fleet.least_budget) ** 0.5),
+            budget=fleet.clipped_budget(
+                _TUNED.back_off * (state.budget * fleet.least_budget) ** 0.5
+            ),
         )
 
     def _merge_hidden(self, verdict: Verdict) -> bool:
         """Merge sets where the referee finds much more between them than was estimated."""
         fleet = self.fleet
-        estimate = _HIDDEN * self.candidate.inter_set_risk + fleet.gap * fleet.scenario.risk_bound
+        estimate = (
+            _TUNED.hidden * self.candidate.inter_set_risk + fleet.gap * fleet.scenario.risk_bound
+        )
         merging = self.state.merging
         return self._merge(merging.reject_hidden(self.candidate.sets, verdict, estimate))
 

@@ -6,16 +6,24 @@ import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["SPENT", "bound_on_cost", "is_proven", "reported_bound", "shadow_price"]
+__all__ = ["bound_on_cost", "is_proven", "reported_bound", "shadow_price"]
 
-SPENT = 0.85
-"""Share of Δ from which on the certificate counts as having used it up [-]."""
+_TUNED = TUNING.budgets
 
 
 def bound_on_cost(fleet: Fleet, state: SearchState) -> float:
-    """Return a lower bound on the cost of any plan within the incumbent's budget or the fleet's."""
+    """Return a lower bound on the cost of any plan within the incumbent's budget or the fleet's.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        What is known of it.
+    """
     return _bound_within(fleet, state, max(state.budget, state.incumbent.union_bound))
 
 
@@ -48,7 +56,15 @@ def reported_bound(fleet: Fleet, state: SearchState, gap: float) -> float:
 
 
 def is_proven(fleet: Fleet, state: SearchState) -> bool:
-    """Whether no plan within Δ by union bounds is cheaper by more than the gap."""
+    """Whether no plan within Δ by union bounds is cheaper by more than the gap.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        What is known of it.
+    """
     return relative_gap(state.incumbent.cost, reported_bound(fleet, state, fleet.gap)) <= fleet.gap
 
 
@@ -73,8 +89,8 @@ def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
     incumbent, risk_bound = state.incumbent, fleet.scenario.risk_bound
     if not state.round_bounds or not incumbent.controls or incumbent.certified <= 0.0:
         return None
-    if incumbent.certified < SPENT * risk_bound:
-        return 0.0 if incumbent.union_bound < SPENT * fleet.most_budget else None
+    if incumbent.certified < _TUNED.spent * risk_bound:
+        return 0.0 if incumbent.union_bound < _TUNED.spent * fleet.most_budget else None
     if incumbent.turned_price is not None:
         return incumbent.turned_price
     units = max(state.budget, incumbent.union_bound) / fleet.unit

@@ -6,29 +6,15 @@ from dataclasses import replace
 
 from radmpc.planners.certified.bounds import is_proven
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.rounds import Round
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.solvers.priced.budget import OVER
 
 __all__ = ["close_gap"]
 
-_NODES_WITHIN = 400
-"""Nodes of a search within the budget, per vehicle of a set [-], multiplied by the effort."""
-
-_MAX_WITHIN = 12
-"""Budgets that are searched within, at most [-]."""
-
-_AIM = 0.97
-"""Share of Δ that the certificate is to come to at the next budget, and the factor by which a
-rejected budget falls at least [-]."""
-
-_SAME_BUDGET = 0.02
-"""Relative difference below which two budgets are one [-]."""
-
-_WORTHWHILE = 0.1
-"""Share of the gap by which a search within the budget must gain to be done again [-]."""
+_TUNED = TUNING.within
 
 
 def close_gap(
@@ -51,10 +37,10 @@ def close_gap(
         With what was found and certified, and the bounds that were proven.
     """
     fleet = within.fleet
-    max_nodes = _NODES_WITHIN * state.effort
+    max_nodes = _TUNED.nodes * state.effort
     budget = _used_budget(state) if candidate is None else state.budget
     passed, failed = 0.0, float("inf")
-    for _ in range(_MAX_WITHIN):
+    for _ in range(_TUNED.max_budgets):
         if fleet.limits.reached or is_proven(fleet, state):
             break
         sets, plans = state.incumbent.sets, within.plans(state.incumbent)
@@ -64,18 +50,17 @@ def close_gap(
         found = within.search(state, sets, plans, budget, max_nodes)
         state = found.state
         if found.is_limited and len(sets) == 1:
-            max_nodes *= MORE_EFFORT
+            max_nodes *= TUNING.prices.more_effort
         if found.first_certificate > fleet.scenario.risk_bound:
             failed = min(failed, budget)
         elif found.first_certificate > 0.0:
             passed = max(passed, budget)
-        has_gained = state.incumbent.cost < cost - _WORTHWHILE * fleet.gap * abs(
-            state.incumbent.cost
-        )
+        now = state.incumbent.cost
+        has_gained = now < cost - _TUNED.worthwhile * fleet.gap * abs(now)
         following = _next_budget(fleet, budget, passed, failed, found.first_certificate)
         if failed == float("inf") and has_gained:
             following = _used_budget(state)
-        is_same = abs(following - budget) <= _SAME_BUDGET * budget
+        is_same = abs(following - budget) <= _TUNED.same_budget * budget
         if is_same and not (found.is_limited or has_gained):
             break
         budget = following
@@ -101,5 +86,5 @@ def _next_budget(
     if budget <= least * (1.0 + OVER):
         # The union bounds are the referee's, and what exceeds them is rounding.
         return least * (1.0 - 10.0 * OVER)
-    share = _AIM * fleet.scenario.risk_bound / certificate if certificate > 0.0 else 1.0
-    return max(least, budget * min(_AIM, share))
+    share = _TUNED.aim * fleet.scenario.risk_bound / certificate if certificate > 0.0 else 1.0
+    return max(least, budget * min(_TUNED.aim, share))

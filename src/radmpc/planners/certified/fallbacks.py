@@ -8,17 +8,14 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.cures import has_plan_within
 from radmpc.planners.certified.infeasible.explanation import WhyNot, ended, why_not
 from radmpc.planners.certified.more_faces import finer_scenarios
-from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.certified.within_budget import replan_with_alternatives
 
 __all__ = ["LastResort", "last_resort"]
-
-_TRIAL = 1.5
-"""Time to find out whether more faces leave a plan to vehicles that have none [s]."""
 
 _FOUND = WhyNot("", is_proven=False)
 """What there is to explain where a plan was found after all: nothing."""
@@ -77,7 +74,7 @@ def last_resort(search: PriceSearch, state: SearchState) -> LastResort:
             if answer.is_proven and not state.has_plan:
                 return LastResort(search, state, answer)
         else:
-            state = replace(state, effort=state.effort * MORE_EFFORT)
+            state = replace(state, effort=state.effort * TUNING.prices.more_effort)
         if state.budget <= 0.0:
             break
         if not limits.reached:
@@ -106,7 +103,7 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | 
     for finer in finer_scenarios(scenario):
         part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
         tried.append(finer.text)
-        if limits.reached or not has_plan_within(part, limits.within(_TRIAL)):
+        if limits.reached or not has_plan_within(part, limits.within(TUNING.last_resort.trial)):
             continue
         other = Fleet.of(
             finer.scenario, fleet.gap, limits, progress=fleet.progress, executor=fleet.executor

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.programs import SetPrograms
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.endpoint_risk import EndpointHazard, start_hazards
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
@@ -30,19 +31,7 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["Fleet"]
 
-_SLACK = {"steps": (4.0, 1.5), "intervals": (12.0, 4.0)}
-"""The unit, and the budget to begin with, in multiples of Δ [-]. Union bounds sum to 1.3 to 2.5
-times the certificate on `paper(8)` at steps, often to 10 times along intervals."""
-
-_FILL = 0.9
-"""Share of the unit up to which the budget may grow [-]."""
-
-_LITTLE = 1e-2
-"""Least budget as a share of Δ [-]: starts may risk less by the referee than by union bounds."""
-
-_RISK_TO_COST = 0.006
-"""Value of the whole risk budget as a share of what plans cost without hazards [-]: the first guess
-of the price."""
+_TUNED = TUNING.budgets
 
 
 def _silent(*_: float) -> None:
@@ -123,7 +112,7 @@ class Fleet:
         # Union bounds may sum to more than the referee finds, by a factor that is not known yet.
         risk_bound = scenario.risk_bound
         # Where only risk is minimized, Δ itself is the scale.
-        most, begin = (1.0, 1.0) if is_costless else _SLACK[scenario.avoidance]
+        most, begin = (1.0, 1.0) if is_costless else _TUNED.slack[scenario.avoidance]
         unit = most * risk_bound
         programs = SetPrograms(scenario, unit, is_costless=is_costless)
         # Under intervals the start is part of what plans choose, and is charged there.
@@ -141,7 +130,7 @@ class Fleet:
             executor,
             programs,
             unit,
-            first_budget=max(risk_bound, min(begin * risk_bound, _FILL * unit)) - initial,
+            first_budget=max(risk_bound, min(begin * risk_bound, _TUNED.fill * unit)) - initial,
             start_hazards=hazards,
             initial=initial,
             base=tuple(
@@ -163,12 +152,12 @@ class Fleet:
     def least_budget(self) -> float:
         """What the union bounds of the starts leave of Δ; a little where they exceed it."""
         risk_bound = self.scenario.risk_bound
-        return max(risk_bound - self.initial, _LITTLE * risk_bound)
+        return max(risk_bound - self.initial, _TUNED.least_share * risk_bound)
 
     @property
     def most_budget(self) -> float:
         """The most that union bounds may sum to beyond the starts."""
-        return _FILL * self.unit - self.initial
+        return _TUNED.fill * self.unit - self.initial
 
     def clipped_budget(self, budget: float) -> float:
         """Return a budget that is allowed: Δ at least, the unit at most, less the starts."""
@@ -177,7 +166,7 @@ class Fleet:
     def first_unit_price(self, budget: float) -> float:
         """Guess the price of one unit of risk from what plans cost without hazards."""
         total = float(sum(self.base))
-        guess = max(_RISK_TO_COST * total, 1e-6 * max(1.0, total))
+        guess = max(_TUNED.risk_to_cost * total, 1e-6 * max(1.0, total))
         return guess * self.unit / (budget + self.initial)
 
 

@@ -13,6 +13,7 @@ from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.components import components
 from radmpc.solvers.priced.neighborhood import Neighborhood, Seek
 from radmpc.solvers.priced.nodes import Incumbent
@@ -20,12 +21,7 @@ from radmpc.solvers.priced.rating import Rater
 
 __all__ = ["initial_plan"]
 
-_ROUNDS = 8
-"""Rounds of merging sets and planning them anew, at most [-]: what is then left between sets is
-charged to the budget."""
-
-_NEGLIGIBLE = 1e-3
-"""Share of the unit that the risk between two sets may take before they are merged [-]."""
+_TUNED = TUNING.sets
 
 
 def initial_plan(
@@ -58,11 +54,11 @@ def initial_plan(
         if known.best is not None and not known.is_limited:
             plans[members] = known.best
     sets = tuple(part for m in sets for part in ((m,) if m in plans else tuple((i,) for i in m)))
-    for _ in range(_ROUNDS):
+    for _ in range(_TUNED.merging_rounds):
         pair_risks = fleet.programs.pair_risks(sets, [plans[m].z for m in sets])
         pair_risks |= {pair: 1.0 for pair in state.merging.to_merge(sets)}
         set_risks = by_sets(pair_risks, owners_of(sets))
-        merged = _merged_through_others(sets, set_risks, _NEGLIGIBLE * fleet.unit)
+        merged = _merged_through_others(sets, set_risks, _TUNED.negligible * fleet.unit)
         if merged == sets:
             break
         state = replace(state, merging=state.merging.remember(sets, merged, pair_risks))

@@ -18,6 +18,7 @@ from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_no
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state import SearchState
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import turn_half_spaces
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
@@ -26,16 +27,6 @@ from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
 
 __all__ = ["Certified"]
-
-_TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
-"""Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up to a
-larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks."""
-
-_LEAST_TURNING = 6.0
-"""Time that turning gets at least, if the limit leaves it [s]."""
-
-_UNSPENT = 0.5
-"""Share of Δ below which a certificate leaves so much that other alternatives are tried [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +66,10 @@ class Certified(Decomposition):
         run.found(state.incumbent.cost, _finite(reported_bound(fleet, state, planner.gap)))
         run.progress("improving", 0, 1)
         # Counts end it; the clock, only where a machine is slow: not longer than the search took.
-        seconds = max(_LEAST_TURNING, time.perf_counter() - begun)
+        seconds = max(TUNING.least_seconds, time.perf_counter() - begun)
         fleet = fleet.with_limits(run.limits.within(seconds))
         state = turn_half_spaces(fleet, state, run.judge)
-        if state.incumbent.certified < _UNSPENT * scenario.risk_bound:
+        if state.incumbent.certified < TUNING.unspent * scenario.risk_bound:
             # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
             state = turn_from_noiseless(fleet, state, run.judge)
@@ -111,7 +102,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     """Search for the best plan; where the search finds none, try what else leads to one."""
     limits = run.limits
     seconds = limits.seconds_left
-    kept = max(_TURNING_SHARE * seconds, min(_TURNING_SECONDS, _MOST_SHARE * seconds))
+    kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
     begin = limits if seconds == float("inf") else limits.within(seconds - kept)
     fleet = Fleet.of(
         scenario,

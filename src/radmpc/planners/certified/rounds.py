@@ -11,18 +11,15 @@ from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.set_searches import solve_sets
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.priced.nodes import Incumbent
 
 __all__ = ["Round", "run_round"]
 
-_INTER_SET_SHARE = 0.1
-"""Share of the gap that risk between sets may cost before they are merged [-]."""
+_TUNED = TUNING.sets
 
 _NO_PRICE = 1e-200
 """Stands for a unit price of 0 where one divides by it."""
-
-_INTER_SET_BUDGET = 0.2
-"""Share of the budget that risk between sets may take before they are merged [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,8 +151,8 @@ def _allowed_inter_set_risk(fleet: Fleet, state: SearchState, plans: Sequence[In
     return max(
         0.0,
         min(
-            _INTER_SET_SHARE * fleet.gap * cost / max(unit_price, _NO_PRICE) * fleet.unit,
-            _INTER_SET_BUDGET * state.budget,
+            _TUNED.inter_set_gap_share * fleet.gap * cost / max(unit_price, _NO_PRICE) * fleet.unit,
+            _TUNED.inter_set_budget_share * state.budget,
         ),
     )
 

@@ -9,45 +9,18 @@ from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.bounds import bound_on_cost, is_proven
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.pricing import MORE_EFFORT, OVERDRAWN, next_price, price_alone
+from radmpc.planners.certified.pricing import next_price, price_alone
 from radmpc.planners.certified.recording import recorded
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["PriceSearch"]
 
-_MAX_ROUNDS = 40
-"""Rounds at most [-]: a stop for risk that no price moves."""
-
-_SEARCH_SHARE = 0.5
-"""Share of the open gap that, left by the sets' own searches, calls for more nodes instead of
-another price [-]."""
-
-_MAX_INITIAL_PLANS = 8
-"""Prices at which an initial plan is sought, at most [-]."""
-
-_DOUBTFUL = 1e2
-"""Multiple of the first price at which, without any plan, the search for the safest plan decides
-whether there can be one [-]."""
-
-_DEAREST = 1e7
-"""Multiple of the first price that no price exceeds [-]: beyond it nothing changes."""
-
-_FAR = 1.6
-"""Multiple of the budget beyond which the initial plan is made again at a higher price [-]."""
-
-_SAME = 1e-4
-"""Relative difference below which two prices are one [-]."""
-
-_STUBBORN = 1e-3
-"""Relative difference below which two plans risk the same, whatever the price [-]."""
-
-_FINE = 2e-3
-"""Gap to plans within the same budget that is small enough once the gap to those within Δ is
-closed [-]."""
+_TUNED = TUNING.prices
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,13 +76,13 @@ class PriceSearch:
         fleet = self.fleet
         if state.unit_price == 0.0:
             state = price_alone(fleet, state)
-        for _ in range(_MAX_ROUNDS):
+        for _ in range(_TUNED.max_rounds):
             began = time.perf_counter()
             state, candidate = run_round(fleet, state)
             if candidate is None:
                 if fleet.limits.reached or state.without_plan() is not None:
                     return state
-                state = replace(state, effort=state.effort * MORE_EFFORT)
+                state = replace(state, effort=state.effort * _TUNED.more_effort)
                 continue
             proven = (candidate.least, state.unit_price)
             state = replace(state, round_bounds=(*state.round_bounds, proven))
@@ -133,11 +106,11 @@ class PriceSearch:
         if candidate.is_initial:
             return _after_initial_plan(fleet, state, candidate), False
         left_open = state.incumbent.cost - bound_on_cost(fleet, state)
-        if candidate.is_limited and candidate.open_gap > _SEARCH_SHARE * left_open:
+        if candidate.is_limited and candidate.open_gap > _TUNED.search_share * left_open:
             # The searches leave more open than a better price could close.
             if is_proven(fleet, state):
                 return state, True
-            return replace(state, effort=state.effort * MORE_EFFORT), False
+            return replace(state, effort=state.effort * _TUNED.more_effort), False
         state = replace(state, tried=(*state.tried, (state.unit_price, candidate.risk)))
         following = next_price(state.tried, state.budget - candidate.inter_set_risk)
         if _is_at_jump(state, candidate):
@@ -146,14 +119,14 @@ class PriceSearch:
             if state.has_plan:
                 return state, True
         first = fleet.first_unit_price(state.budget)
-        following = min(following, _DEAREST * first)
-        is_same = abs(following - state.unit_price) <= _SAME * state.unit_price
-        is_doubtful = not state.has_plan and following > _DOUBTFUL * first
+        following = min(following, _TUNED.dearest * first)
+        is_same = abs(following - state.unit_price) <= _TUNED.same * state.unit_price
+        is_doubtful = not state.has_plan and following > _TUNED.doubtful * first
         state = replace(state, unit_price=following)
         if is_doubtful or (is_same and not candidate.is_limited):
             return state, True
         if is_same:
-            state = replace(state, effort=state.effort * MORE_EFFORT)
+            state = replace(state, effort=state.effort * _TUNED.more_effort)
         return state, False
 
 
@@ -162,7 +135,7 @@ def _is_closed(fleet: Fleet, state: SearchState) -> bool:
     open_gap = relative_gap(state.incumbent.cost, bound_on_cost(fleet, state))
     if open_gap <= fleet.gap:
         return True
-    is_fine = open_gap <= max(fleet.gap, _FINE)
+    is_fine = open_gap <= max(fleet.gap, _TUNED.fine_gap)
     # No plan within Δ by union bounds is cheaper; what a larger budget could still gain is
     # little, or rejected by the referee, or takes long.
     return is_proven(fleet, state) and (state.has_failed or is_fine or state.effort > 1)
@@ -170,13 +143,13 @@ def _is_closed(fleet: Fleet, state: SearchState) -> bool:
 
 def _after_initial_plan(fleet: Fleet, state: SearchState, candidate: Round) -> SearchState:
     """Raise the price where the initial plan risks too much, before searching at length."""
-    if candidate.risk > OVERDRAWN * state.budget:
+    if candidate.risk > _TUNED.overdrawn * state.budget:
         tried = (*state.tried, (state.unit_price, candidate.risk))
         following = next_price(tried, state.budget - candidate.inter_set_risk)
         state = replace(state, tried=tried, unit_price=following)
     # Far from the budget, make it again at the new price.
-    is_near = state.has_plan or candidate.risk <= _FAR * state.budget
-    is_enough = is_near or len(state.tried) >= _MAX_INITIAL_PLANS
+    is_near = state.has_plan or candidate.risk <= _TUNED.far * state.budget
+    is_enough = is_near or len(state.tried) >= _TUNED.max_initial_plans
     return replace(state, has_tried_initial_plan=is_enough)
 
 
@@ -185,4 +158,4 @@ def _is_at_jump(state: SearchState, candidate: Round) -> bool:
     if len(candidate.sets) > 1 or candidate.is_limited or len(state.tried) < 2:
         return False
     (before, risk), (unit_price, same) = state.tried[-2:]
-    return unit_price > before and same > state.budget and risk <= same * (1.0 + _STUBBORN)
+    return unit_price > before and same > state.budget and risk <= same * (1.0 + _TUNED.stubborn)

@@ -12,6 +12,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.problem import Order, SetProblem, SetState, advance
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
 from radmpc.program.build import condensed_models
 from radmpc.solvers.priced.lp import SetBound
@@ -19,18 +20,7 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["SetSearch", "search_sets", "solve_sets"]
 
-_SET_SHARE = 0.5
-"""Share of the gap that the sets' own searches may use [-]; the rest is for the price."""
-
-_NODES = 400
-"""Nodes of the search tree that a set gets per vehicle and round [-], multiplied by the effort."""
-
-_TRIAL = 60
-"""Nodes per vehicle of a set of several until an initial plan was tried [-]: beyond it a set counts
-as hard."""
-
-_TRIAL_ALONE = 150
-"""Nodes of a vehicle alone until an initial plan was tried [-]."""
+_TUNED = TUNING.sets
 
 _CHUNKS = 16
 """Parts that a round's sets are handed out in [-]: each worth sending, enough to share."""
@@ -118,9 +108,9 @@ def _order(
 ) -> Order | None:
     """Return what a set is asked at a price; None where more search adds nothing."""
     known = state.set_states.get(members)
-    nodes = _NODES
+    nodes = _TUNED.nodes
     if not state.has_tried_initial_plan:
-        nodes = _TRIAL_ALONE if len(members) == 1 else _TRIAL
+        nodes = _TUNED.trial_nodes_alone if len(members) == 1 else _TUNED.trial_nodes
     target = nodes * effort * len(members)
     spent = known.nodes if known is not None and known.unit_price == unit_price else 0
     if known is not None and (
@@ -130,7 +120,7 @@ def _order(
     return Order(
         fleet.unit,
         unit_price,
-        _SET_SHARE * fleet.gap,
+        _TUNED.gap_share * fleet.gap,
         unit_price,
         target - spent,
         sum(fleet.base[i] for i in members),

@@ -95,7 +95,15 @@ class SearchState:
         return all(self.set_states[members].best is not None for members in sets)
 
     def is_hard(self, fleet: Fleet, sets: Sequence[Members]) -> bool:
-        """Whether a limit other than time ended the search of any set."""
+        """Whether a limit other than time ended the search of any set.
+
+        Parameters
+        ----------
+        fleet : Fleet
+            The fleet.
+        sets : sequence of tuple of int
+            Sets, each searched before.
+        """
         return not fleet.limits.reached and any(self.set_states[m].is_limited for m in sets)
 
     def without_plan(self) -> Members | None:
@@ -106,7 +114,20 @@ class SearchState:
         return None
 
     def hint(self, fleet: Fleet, members: Members) -> Vector | None:
-        """Return a set's point in some plan of the whole fleet, if there is one."""
+        """Return a set's point in some plan of the whole fleet.
+
+        Parameters
+        ----------
+        fleet : Fleet
+            The fleet.
+        members : tuple of int
+            The set.
+
+        Returns
+        -------
+        (n,) array or None
+            None where there is no such plan, or the set is one vehicle.
+        """
         if not self.incumbent_parts or len(members) == 1:
             return None
         return fleet.programs.assembled(members, self.incumbent_parts)

@@ -16,6 +16,7 @@ from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.rounds import Round
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
@@ -23,24 +24,13 @@ from radmpc.solvers.priced.rating import Rater
 
 __all__ = ["Searched", "WithinBudget", "replan_with_alternatives"]
 
+_TUNED = TUNING.within
+
 _INF = float("inf")
 """No limit, or, negated, no bound."""
 
-_TIE = 0.05
-"""Share of the gap that the whole budget costs [-]: enough to prefer less risk at equal effort."""
-
 _LEAST_SCALE = 1e-6
 """Cost below which gaps are taken of this instead."""
-
-_SHARE = 0.5
-"""Share of the gap that the search may use [-]."""
-
-_BISECTIONS = 14
-"""Prices tried for given alternatives [-]: enough to find the right one within 0.1 % of the range's
-logarithm."""
-
-_CHEAPEST, _DEAREST = 1e-3, 1e5
-"""Multiples of the first price between which given alternatives are priced [-]."""
 
 
 def replan_with_alternatives(
@@ -75,9 +65,9 @@ def replan_with_alternatives(
     unit_price = fleet.first_unit_price(state.budget)
     given = _round(sets, unit_price, plans, inter_set_risk)
     state = accept_round(fleet, state, given, judge).state
-    low, high = _CHEAPEST * unit_price, _DEAREST * unit_price
+    low, high = _TUNED.cheapest * unit_price, _TUNED.dearest * unit_price
     chosen = None
-    for _ in range(_BISECTIONS):
+    for _ in range(_TUNED.bisections):
         if fleet.limits.reached:
             break
         unit_price = (low * high) ** 0.5
@@ -203,12 +193,12 @@ class WithinBudget:
         if (members, budget) not in self._trees:
             problem = self.fleet.programs.problem(members)
             scale = max(plan.cost, _LEAST_SCALE)
-            unit_price = _TIE * self.fleet.gap * scale
+            unit_price = _TUNED.tie * self.fleet.gap * scale
             tree = BudgetTree(
                 problem.program,
                 budget,
                 unit_price,
-                gap=_SHARE * self.fleet.gap,
+                gap=_TUNED.gap_share * self.fleet.gap,
                 scale=scale,
                 limits=self.fleet.limits,
                 rater=Rater(problem.program, budget),

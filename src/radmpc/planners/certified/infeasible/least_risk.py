@@ -10,6 +10,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.state import SearchState
@@ -21,14 +22,8 @@ __all__ = ["LeastRisk", "least_risk"]
 _UNIT = 0.49
 """The unit of risk, and with it the row risk cap [-]: below one half a row's tail is convex."""
 
-_TOLERANCE = 0.02
-"""Share of the risk bound to which the least risk is sought [-]."""
-
 _HazardKey = tuple[str, str, str | None]
 """Cause, vehicle, and what it may hit."""
-
-_EFFORTS = (1, 4, 16)
-"""Multiples of the nodes of a round that are tried one after the other [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,13 +72,13 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
         With the set that has no plan at all, if there is one.
     """
     lenient = replace(scenario, risk_bound=_UNIT)
-    tolerance = _TOLERANCE * scenario.risk_bound / _UNIT
+    tolerance = TUNING.tolerance * scenario.risk_bound / _UNIT
     fleet = Fleet.of(lenient, tolerance, limits, is_costless=True)
     state = replace(SearchState.of(fleet), unit_price=1.0)
     best = LeastRisk(float("inf"), 0.0)
     if state.budget <= 0.0:
         return best
-    for effort in _EFFORTS:
+    for effort in TUNING.efforts:
         state = replace(state, effort=effort)
         while True:
             state, found = run_round(fleet, state)

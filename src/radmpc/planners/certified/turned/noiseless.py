@@ -13,6 +13,7 @@ import numpy as np
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
@@ -21,15 +22,6 @@ from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
 
 __all__ = ["turn_from_noiseless"]
-
-_MOST_VEHICLES = 8
-"""Vehicles of a fleet beyond which it is not planned as one without regard for risk [-]."""
-
-_SECONDS, _SHARE = 2.0, 0.3
-"""Time for a plan without regard for risk [s], at most this share of what is left [-]."""
-
-_NODES = 150
-"""Nodes per vehicle for it [-]; any plan will do."""
 
 
 def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
@@ -50,9 +42,11 @@ def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> Searc
         With what is certified and cheaper than the incumbent.
     """
     count = fleet.scenario.num_vehicles
-    if count > _MOST_VEHICLES or fleet.limits.reached:
+    if count > TUNING.most_vehicles or fleet.limits.reached:
         return state
-    limits = fleet.limits.within(min(_SECONDS, _SHARE * fleet.limits.seconds_left))
+    limits = fleet.limits.within(
+        min(TUNING.noiseless_seconds, TUNING.noiseless_share * fleet.limits.seconds_left)
+    )
     whole = tuple(range(count))
     alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
     starts = [_noiseless(fleet, whole, limits)]
@@ -80,7 +74,7 @@ def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | N
     program = problem.program
     margins = np.zeros(program.rows.count)
     return (
-        Branch(_NODES * len(members))
+        Branch(TUNING.noiseless_nodes * len(members))
         .solve(
             program,
             margins,

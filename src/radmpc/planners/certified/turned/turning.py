@@ -15,6 +15,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.turned import Turned
@@ -26,58 +27,11 @@ __all__ = ["plan_by_turning", "turn_half_spaces"]
 
 _LOG = logging.getLogger(__name__)
 
-_ROUNDS = 12
-"""Turns at most [-], twice as many from a plan that risks too much. The families of the benchmarks
-take 4 to 12 and mostly stop when little is gained; the first few often exceed Δ and are lost."""
-
-_MOST_SOLVES, _LEAST_ROUNDS = 48, 2
-"""Solves of sets after which no round is begun [-], but for so many rounds of all sets: large
-fleets gain little by the solve, and a count, unlike a clock, gives the same plan on any machine."""
-
-_NODES = 400
-"""Nodes per set and round [-]: avoidances have one alternative, nodes only add what comes near."""
-
-_NEAR = 12.0
-"""Clearance up to which an avoidance is chosen from the first node on [standard deviations]."""
-
-_AIM = 0.97
-"""Share of Δ that the certificate is to come to at the next price [-]."""
-
-_MOST_MOVE = 30.0
-"""Ratio of certificate to aim that a price follows at most, either way [-]."""
-
-_DAMPING = 0.8
-"""Power of that ratio that the price follows [-]: risk falls a little faster than in proportion."""
-
-_ENOUGH = 0.2
-"""Share of the gap below which a round gains too little to go on [-]."""
-
-_MAX_STALLS = 2
-"""Rounds in a row that gain too little, after which none follows [-]."""
-
-_LESS = 0.9
-"""Share of the least certificate so far that a round must come below while far above Δ [-]."""
-
-_CLOSE = 2.0
-"""Multiple of Δ up to which a certificate above it is left for the price to repair [-]."""
-
-_DEAR = 10.0
-"""Multiple of the first price at which turning begins from a plan that risks too much [-]."""
-
-_SLACK = 1.1
-"""What the rows may sum to, in multiples of what they do at the plan they are turned to [-]."""
-
 _ANY = 1e3
 """Sum of risks that is no limit [-]."""
 
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
-
-_STILL = 0.1
-"""Share of the gap below which the change of a set's controls counts as nothing [-]."""
-
-_SAME_PRICE = 0.3
-"""Relative difference of prices up to which a set that has converged is left alone [-]."""
 
 
 def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
@@ -103,7 +57,7 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     """
     incumbent, price = state.incumbent, state.last_unit_price(fleet) / fleet.unit
     turning = _Turning(fleet, state, judge, incumbent.sets, price)
-    return turning.run(_points(fleet, incumbent.sets, incumbent.controls), _ROUNDS)
+    return turning.run(_points(fleet, incumbent.sets, incumbent.controls), TUNING.rounds)
 
 
 def plan_by_turning(
@@ -134,9 +88,9 @@ def plan_by_turning(
         With the plan, if it is certified and cheaper.
     """
     # Risk counts for much more than effort until the plan is certified.
-    price = _DEAR * fleet.first_unit_price(state.budget) / fleet.unit
+    price = TUNING.dear * fleet.first_unit_price(state.budget) / fleet.unit
     turning = _Turning(fleet, state, judge, sets, price)
-    return turning.run(_points(fleet, sets, controls), 2 * _ROUNDS)
+    return turning.run(_points(fleet, sets, controls), 2 * TUNING.rounds)
 
 
 @dataclass(slots=True, eq=False)
@@ -173,8 +127,8 @@ class _Turning:
         num_stalls, least = 0, self._take(points)
         cheapest = _cost(fleet, sets, points) if least <= risk_bound else float("inf")
         for number in range(rounds):
-            has_spent = number >= _LEAST_ROUNDS and self.num_solves >= _MOST_SOLVES
-            if fleet.limits.reached or num_stalls >= _MAX_STALLS or has_spent:
+            has_spent = number >= TUNING.least_rounds and self.num_solves >= TUNING.most_solves
+            if fleet.limits.reached or num_stalls >= TUNING.max_stalls or has_spent:
                 break
             points = [self._turned(m, z) for m, z in zip(sets, points, strict=True)]
             certified = self._take(points)
@@ -184,17 +138,18 @@ class _Turning:
                 "certificate %.3g of risk bound %g",
                 number + 1, 0.01 * risk_bound * self.price, cost, certified, risk_bound,
             )  # fmt: skip
-            is_little = cheapest - cost < _ENOUGH * fleet.gap * abs(cost)
+            is_little = cheapest - cost < TUNING.enough * fleet.gap * abs(cost)
             if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
             else:
                 # Little above Δ, a price so near the last may do that converged sets would skip it.
                 self.prices.clear()
-                is_little = certified > max(_LESS * least, _CLOSE * risk_bound)
+                is_little = certified > max(TUNING.less * least, TUNING.close * risk_bound)
             num_stalls = num_stalls + 1 if is_little else 0
             least = min(least, certified)
-            ratio = float(np.clip(certified / (_AIM * risk_bound), 1.0 / _MOST_MOVE, _MOST_MOVE))
-            self.price *= ratio**_DAMPING
+            ratio, most = certified / (TUNING.aim * risk_bound), TUNING.most_move
+            ratio = float(np.clip(ratio, 1.0 / most, most))
+            self.price *= ratio**TUNING.damping
         return self.state
 
     def _take(self, points: Sequence[Vector]) -> float:
@@ -218,7 +173,7 @@ class _Turning:
     def _turned(self, members: Members, z: Vector) -> Vector:
         """Return a set's plan with its half-spaces turned anew, unless it has converged."""
         price = self.prices.get(members)
-        has_converged = price is not None and abs(self.price / price - 1.0) < _SAME_PRICE
+        has_converged = price is not None and abs(self.price / price - 1.0) < TUNING.same_price
         if has_converged or self.fleet.limits.reached:
             return z
         self.num_solves += 1
@@ -227,7 +182,7 @@ class _Turning:
             return z
         new, self.risks[members] = found.z, found.risk
         cost = self.fleet.programs.problem(members).program.cost
-        if float(cost @ np.abs(new - z)) <= _STILL * self.fleet.gap * float(cost @ new):
+        if float(cost @ np.abs(new - z)) <= TUNING.still * self.fleet.gap * float(cost @ new):
             self.prices[members] = self.price
         return new
 
@@ -260,7 +215,7 @@ def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumben
         return None
     rating = rater.rate(z)
     # A plan that risks too much must be allowed to, or it could not become better step by step.
-    unit = max(fleet.unit, min(_SLACK * rating.risk, _ANY))
+    unit = max(fleet.unit, min(TUNING.slack * rating.risk, _ANY))
     if unit < _ANY:
         rater = Rater(program, unit)
     tree = RiskTree(
@@ -269,8 +224,8 @@ def _turned(fleet: Fleet, members: Members, z: Vector, price: float) -> Incumben
     near = tuple(
         a
         for a in rating.selection.tolist()
-        if rating.clearances[program.rows_of(a)].min(initial=np.inf) < _NEAR
+        if rating.clearances[program.rows_of(a)].min(initial=np.inf) < TUNING.near
     )
     tree.resume(((-np.inf, near),), price * unit, None)
-    tree.run(_NODES)
+    tree.run(TUNING.nodes)
     return tree.best
