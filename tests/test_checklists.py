@@ -22,7 +22,7 @@ from radmpc.planners import (
     Solver,
 )
 from radmpc.planners.draft import Draft
-from radmpc.planners.policies import Family, Solved, SolveRequest
+from radmpc.planners.policies import Family, RiskUse, Solved, SolveRequest
 from radmpc.planning import plan
 from radmpc.program.allocation import margins_of
 from radmpc.solvers.solution import Solution
@@ -45,7 +45,9 @@ class Cautious(Policy):
         most = int(np.bincount(program.rows.risk_items, minlength=count).max(initial=1))
         allocation = np.full(count, 0.5 * request.budget / (count * most))
         solution = request.solve(margins_of(program, allocation))
-        step = request.step(0, solution, (0, 0, float(allocation.sum()), float("nan")))
+        step = request.step(
+            0, solution, RiskUse(allocated=float(allocation.sum()), used=float("nan"))
+        )
         return Solved(solution, allocation, (step,))
 
 

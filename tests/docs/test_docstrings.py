@@ -18,6 +18,7 @@ FILES = [
     # Options of commands document themselves in their help.
     if file.name != "cli.py"
 ]
+TUNED = [file for file in FILES if file.stem.endswith("tuning")]
 NUMBER = re.compile(r"[-\d.e_+*/ ()]+")
 
 
@@ -80,6 +81,21 @@ def gaps(source: str) -> list[str]:
     return found
 
 
+def unitless(source: str) -> list[str]:
+    """Attributes of tuned numbers whose text names no unit in brackets."""
+    found = []
+    for node in ast.parse(source).body:
+        if not isinstance(node, ast.ClassDef):
+            continue
+        _, _, told = (ast.get_docstring(node) or "").partition("Attributes\n----------\n")
+        for entry in re.split(r"\n(?=\S)", told):
+            names, _, text = entry.partition(" : ")
+            # What holds records of numbers is one itself.
+            if "Tuning\n" not in text and not re.search(r"\[[^\]]+\]", text):
+                found.append(f"{node.name}: {names}")
+    return found
+
+
 def bare_constants(source: str) -> list[str]:
     """Module constants that are numbers and have no docstring below them."""
     body = ast.parse(source).body
@@ -103,6 +119,13 @@ def test_numbers_of_a_file_say_what_they_do(file: Path) -> None:
     assert not bare_constants(file.read_text(encoding="utf-8"))
 
 
+@pytest.mark.parametrize(
+    "file", TUNED, ids=lambda file: str(file.relative_to(PACKAGE).with_suffix(""))
+)
+def test_every_tuned_number_has_a_unit(file: Path) -> None:
+    assert not unitless(file.read_text(encoding="utf-8"))
+
+
 def test_a_parameter_that_is_left_out_or_invented_is_noticed() -> None:
     text = (
         "def f(a, *, b):\n    '''Do.\n\n    Parameters\n    ----------\n    a, c : int\n    '''\n"
@@ -119,3 +142,11 @@ def test_an_attribute_that_is_left_out_is_noticed() -> None:
 
 def test_a_number_without_a_word_is_noticed() -> None:
     assert bare_constants("_TOL = 1e-6\n_MOST = 2 * 3\n'''Of all.'''\n") == ["_TOL"]
+
+
+def test_a_tuned_number_without_a_unit_is_noticed() -> None:
+    head = 'class Tuning:\n    """Two.\n\n    Attributes\n    ----------\n'
+    text = head + "    few : int\n        Nodes [-].\n    seconds : float\n        Time.\n"
+    assert unitless(text + '    """\n') == ["Tuning: seconds"]
+    assert unitless(text.replace("Time", "Time [s]") + '    """\n') == []
+    assert TUNED

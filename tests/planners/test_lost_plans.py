@@ -18,6 +18,8 @@ from radmpc.planners.certified import fallbacks, programs
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import inter_set_risks
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.set_searches import solve_sets
+from radmpc.planners.certified.state import SearchState
 from radmpc.planners.verdict import Verdict
 from radmpc.planning import plan
 from radmpc.referee import certify
@@ -101,11 +103,13 @@ def test_risk_between_sets_is_estimated_with_the_sagitta():
 
 def test_what_is_estimated_between_sets_counts_the_sagitta():
     scenario = scene("bow-merge-dear")
-    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
-    made.solve(made.singles, made.first_unit_price(), 1)
-    points = [made.best(m).z for m in made.singles]
+    made = Fleet.of(scenario, 1e-3, FOREVER)
+    state = SearchState.of(made)
+    first = made.first_unit_price(state.budget)
+    state = solve_sets(made, state, made.singles, first, 1)
+    points = [state.best(m).z for m in made.singles]
     means = np.array(
-        [made.programs.problems[m].means(z)[0] for m, z in zip(made.singles, points, strict=True)]
+        [made.programs.problem(m).means(z)[0] for m, z in zip(made.singles, points, strict=True)]
     )
     straight = inter_set_risks(scenario, means, made.programs.covariances, np.arange(3))
     estimate = made.programs.pair_risks(made.singles, points)
@@ -150,7 +154,7 @@ def test_the_worst_pair_is_blamed_first_and_small_ones_are_left_apart():
 
 def test_a_row_may_take_one_half_and_the_fleet_more():
     scenario = replace(scene("bow-merge-dear"), risk_bound=0.1)
-    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
+    made = Fleet.of(scenario, 1e-3, FOREVER)
     assert made.unit == pytest.approx(1.2)
     program = made.programs.problem((0, 1, 2)).program
     lp = RiskLp(program, made.unit, 1.0)
@@ -162,7 +166,7 @@ def test_a_row_may_take_one_half_and_the_fleet_more():
 
 def test_where_the_fleet_may_risk_less_than_one_half_so_may_each_row():
     scenario = replace(scene("bow-merge-dear"), risk_bound=0.01)
-    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
+    made = Fleet.of(scenario, 1e-3, FOREVER)
     assert made.unit == pytest.approx(0.12)
     assert RiskLp(made.programs.problem((0,)).program, made.unit, 1.0).row_cap == made.unit
 
@@ -170,7 +174,7 @@ def test_where_the_fleet_may_risk_less_than_one_half_so_may_each_row():
 def test_a_hard_budget_finds_what_no_price_leads_to():
     # Between two plans of other sides, which all prices choose, lies a third within the budget.
     scenario = scene("hopeless-price")
-    made = Fleet(scenario, 1e-3, FOREVER, lambda done, total: None)
+    made = Fleet.of(scenario, 1e-3, FOREVER)
     problem = made.programs.problem((0, 1))
     budget = 0.021
     tree = BudgetTree(
@@ -186,10 +190,10 @@ def test_a_hard_budget_finds_what_no_price_leads_to():
     assert not tree.is_limited
     assert tree.best.risk <= budget * (1.0 + OVER)
     assert tree.best.cost == pytest.approx(tree.bound, rel=2e-3)
-    risks = []
+    risks, state = [], SearchState.of(made)
     for price in np.geomspace(0.1, 100.0, 10):
-        made.solve(((0, 1),), price, 4)
-        risks.append(made.best((0, 1)).risk)
+        state = solve_sets(made, state, ((0, 1),), price, 4)
+        risks.append(state.best((0, 1)).risk)
     between = [risk for risk in risks if 0.8 * budget <= risk <= budget]
     assert not between
 
@@ -197,15 +201,14 @@ def test_a_hard_budget_finds_what_no_price_leads_to():
 def test_the_budget_stays_positive_where_the_starts_alone_exceed_the_bound():
     near = replace(scene("bow-merge-limit"), avoidance="steps", risk_bound=0.02)
     vehicles = tuple(replace(v, initial_covariance=2e-3 * np.eye(4)) for v in near.vehicles)
-    made = Fleet(replace(near, vehicles=vehicles), 1e-3, FOREVER, lambda done, total: None)
+    made = Fleet.of(replace(near, vehicles=vehicles), 1e-3, FOREVER)
     assert made.initial > near.risk_bound
-    made.set_budget(-1.0)
-    assert 0.0 < made.budget < near.risk_bound
+    assert 0.0 < made.clipped_budget(-1.0) < near.risk_bound
 
 
 @pytest.mark.slow
 def test_without_a_plan_half_spaces_are_turned_to_one_without_noise(monkeypatch):
-    monkeypatch.setattr(PriceSearch, "run", lambda self: None)
+    monkeypatch.setattr(PriceSearch, "run", lambda self, state: state)
     result = plan(paper(3, 2), "certified")
     assert result.is_certified
     assert result.cost <= 7.16
@@ -216,12 +219,12 @@ def test_without_a_plan_the_search_goes_on_by_way_of_the_safest(monkeypatch):
     calls = []
     run = PriceSearch.run
 
-    def late(self):
+    def late(self, state):
         calls.append(len(calls))
-        return None if len(calls) == 1 else run(self)
+        return state if len(calls) == 1 else run(self, state)
 
     monkeypatch.setattr(PriceSearch, "run", late)
-    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda *_: None)
+    monkeypatch.setattr(fallbacks, "turn_from_noiseless", lambda fleet, state, judge: state)
     result = plan(paper(3, 2), "certified")
     assert result.status is Status.OPTIMAL
     assert len(calls) == 2

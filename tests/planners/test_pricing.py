@@ -9,6 +9,8 @@ from radmpc.experiments.families import paper
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import next_price
 from radmpc.planners.certified.repair import repair
+from radmpc.planners.certified.set_searches import solve_sets
+from radmpc.planners.certified.state import SearchState
 from radmpc.solvers.solution import Limits
 
 BUDGET = 0.05
@@ -55,10 +57,12 @@ def test_risk_that_barely_moves_is_followed_in_longer_steps():
 @pytest.fixture(scope="module")
 def singles():
     """Return three vehicles, each planned alone at the first price."""
-    fleet = Fleet(paper(3, 2), 1e-3, Limits(), lambda done, total: None)
-    fleet.solve(fleet.singles, fleet.first_unit_price(), 1)
-    problems = [fleet.programs.problems[m] for m in fleet.singles]
-    return problems, [fleet.best(m) for m in fleet.singles]
+    fleet = Fleet.of(paper(3, 2), 1e-3, Limits())
+    state = SearchState.of(fleet)
+    first = fleet.first_unit_price(state.budget)
+    state = solve_sets(fleet, state, fleet.singles, first, 1)
+    problems = [fleet.programs.problem(m) for m in fleet.singles]
+    return problems, [state.best(m) for m in fleet.singles]
 
 
 def risk_and_cost(singles, points):

@@ -17,19 +17,9 @@ from radmpc.geometry import sphere_directions
 from radmpc.program.avoidance import Windows
 from radmpc.program.condensed import CondensedModel, joint_bent_covariances
 from radmpc.program.keepout import KeepOut
+from radmpc.program.turned_tuning import TUNING
 
 __all__ = ["Turned"]
-
-_COARSE = {2: 48, 3: 162}
-"""Number of directions tried first, by dimension [-]: 7.5 degrees apart in the plane, some 16 in
-space. More find the better of two valleys more often and take time in proportion."""
-
-_SPACING = {2: 0.13, 3: 0.28}
-"""Angle between neighbors among them, by dimension [rad]: the refinement starts at half of it."""
-
-_LEVELS = 5
-"""Refinements around the best direction [-], each at a third of the angle: the last is at an
-eightieth of the first."""
 
 _LEAST_DEVIATION = 1e-9
 """Least standard deviation assumed [m]: below it, directions are compared by their slack."""
@@ -92,8 +82,8 @@ class _Encounter:
         every = np.arange(count)
         scores = self.clearances(tried)
         best: Tensor = tried[every, scores.argmax(axis=1)]
-        step = 0.5 * _SPACING[dimension]
-        for _ in range(_LEVELS):
+        step = 0.5 * TUNING.spacing[dimension]
+        for _ in range(TUNING.levels):
             around = _around(best, step)
             best = around[every, self.clearances(around).argmax(axis=1)]
             step /= 3.0
@@ -147,7 +137,7 @@ class Turned:
             return first, last
 
         encounter = self._encounter(self.means[i], self._sagittas(i), (model,), supports)
-        coarse = sphere_directions(_COARSE[self.means.shape[2]], self.means.shape[2])
+        coarse = sphere_directions(TUNING.coarse[self.means.shape[2]], self.means.shape[2])
         tried = [np.broadcast_to(coarse, (count, *coarse.shape))]
         if np.isfinite(keepout.near).all():
             tried.append(keepout.normals)
@@ -184,7 +174,7 @@ class Turned:
             (one, two),
             supports,
         )
-        coarse = sphere_directions(_COARSE[self.means.shape[2]], self.means.shape[2])
+        coarse = sphere_directions(TUNING.coarse[self.means.shape[2]], self.means.shape[2])
         tried = np.broadcast_to(coarse, (self.means.shape[1] - 1, *coarse.shape))
         normals = encounter.best_normals(tried)[:, None, :]
         offsets = np.full((len(normals), 1), -distance)

@@ -3,42 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import SPENT, FleetIncumbent
+from radmpc.planners.certified.merging import Merging
 from radmpc.planners.certified.rescaling import rescaled
 from radmpc.planners.certified.rounds import Round
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge, Verdict
 
-__all__ = ["accept_round"]
+__all__ = ["Acceptance", "accept_round"]
 
-_MAX_RESCALINGS = 5
-"""Budgets that the plan of one round is rescaled to at most [-]: each costs a linear program per
-set and a certificate."""
-
-_AIM = 0.95
-"""Share of Δ that the certificate is to come to at the next budget [-]: it grows a little faster
-than in proportion."""
-
-_BACK_OFF = 0.97
-"""Factor that keeps the next budget below one that the referee rejected [-]."""
-
-_STRETCH = 3.0
-"""Factor by which a budget grows at most from one rescaling to the next [-]."""
-
-_CLOSE = 0.03
-"""Relative difference below which two budgets are one [-]."""
+_TUNED = TUNING.acceptance
 
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
 
-_HIDDEN = 2.0
-"""Multiple of the risk estimated between sets up to which the referee's counts as explained [-]."""
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Acceptance:
+    """What became of a round.
+
+    Attributes
+    ----------
+    state : SearchState
+        With the plan as incumbent if it is certified and cheaper, and the budget set by what the
+        referee passed and rejected.
+    has_merged : bool
+        Whether the referee rejected it for pairs across sets: they are planned together from now
+        on, whatever any estimate says.
+    first_certificate : float
+        What the referee found at the first budget [-]; 0 where it was not asked.
+    """
+
+    state: SearchState
+    has_merged: bool
+    first_certificate: float
 
 
-def accept_round(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judge: Judge) -> bool:
+def accept_round(fleet: Fleet, state: SearchState, candidate: Round, judge: Judge) -> Acceptance:
     """Make a round's plan the incumbent if it is certified and cheaper.
 
     What union bounds sum to and what the referee finds differ: the risks of the round are rescaled
@@ -47,24 +52,21 @@ def accept_round(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judg
     Parameters
     ----------
     fleet : Fleet
-        The fleet; its budget is set by what the referee passed and rejected.
+        The fleet.
+    state : SearchState
+        What is known of it.
     candidate : Round
         The plan.
-    incumbent : FleetIncumbent
-        Takes the plan.
     judge : callable
         The referee.
 
     Returns
     -------
-    bool
-        Whether the referee rejected it for pairs across sets: they are planned together from now
-        on, whatever any estimate says.
+    Acceptance
+        The next state, and what the referee said.
     """
-    rescaling = _Rescaling(
-        fleet, candidate, incumbent, judge, fleet.budget, candidate.inter_set_risk
-    )
-    for _ in range(_MAX_RESCALINGS):
+    rescaling = _Rescaling(fleet, candidate, judge, state, state.budget, candidate.inter_set_risk)
+    for _ in range(_TUNED.max_rescalings):
         if not rescaling.step():
             break
     return rescaling.finish()
@@ -74,23 +76,34 @@ def accept_round(fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judg
 class _Rescaling:
     """How far the search for the budget at which a round's certificate is just below Δ has come.
 
+    It lives while one round is judged, and nobody else writes to it.
+
     Attributes
     ----------
+    state : SearchState
+        With the best plan so far, and the pairs that were merged.
     budget, inter_set_risk : float
         What union bounds may sum to next, and how much of it is reserved for risk between sets [-].
     low, high : float
         The largest budget that the referee passed, and the least that it rejected [-].
+    first, last : Verdict or None
+        What the referee said at the first budget, and at the last; None before.
+    is_judged : bool
+        Whether the referee was asked of the round as it is, not rescaled.
+    has_merged : bool
+        Whether pairs across sets were merged.
     """
 
     fleet: Fleet
     candidate: Round
-    incumbent: FleetIncumbent
     judge: Judge
+    state: SearchState
     budget: float
     inter_set_risk: float
     low: float = 0.0
     high: float = float("inf")
-    verdict: Verdict | None = None
+    first: Verdict | None = None
+    last: Verdict | None = None
     is_judged: bool = False
     has_merged: bool = False
 
@@ -100,31 +113,29 @@ class _Rescaling:
         if points is None:
             return self._after_failure()
         risk_bound = self.fleet.scenario.risk_bound
-        is_first = self.verdict is None
-        verdict = self.verdict = _accept(
-            self.fleet, self.candidate, points, self.incumbent, self.judge, self.budget
-        )
-        if is_first:
-            self.incumbent.first_certificate = verdict.certified
+        verdict = self._judge(points, self.budget)
+        self.first, self.last = self.first or verdict, verdict
         if verdict.certified > risk_bound:
-            self.has_merged = _is_hidden(self.fleet, self.candidate, verdict)
-            if self.has_merged:
+            if self._merge_hidden(verdict):
                 return False
             self.high = min(self.high, self.budget)
             self.inter_set_risk = 2.0 * self.inter_set_risk + 0.02 * self.budget
         else:
             self.low = max(self.low, self.budget)
-            if verdict.certified >= SPENT * risk_bound:
+            if verdict.certified >= TUNING.budgets.spent * risk_bound:
                 return False
-        following = self.budget * min(
-            _STRETCH, _AIM * risk_bound / max(verdict.certified, _NOTHING)
-        )
-        if self.low and self.high < float("inf"):
-            following = (self.low * self.high) ** 0.5
-        following = min(following, self.fleet.most_budget)
-        is_same = abs(following - self.budget) <= _CLOSE * self.budget
+        following = self._next_budget(verdict)
+        is_same = abs(following - self.budget) <= _TUNED.same_budget * self.budget
         self.budget = following
         return not is_same
+
+    def _next_budget(self, verdict: Verdict) -> float:
+        """Return the budget at which the certificate is expected to come to Δ, or one between."""
+        aim = _TUNED.aim * self.fleet.scenario.risk_bound
+        following = self.budget * min(_TUNED.stretch, aim / max(verdict.certified, _NOTHING))
+        if self.low and self.high < float("inf"):
+            following = (self.low * self.high) ** 0.5
+        return min(following, self.fleet.most_budget)
 
     def _after_failure(self) -> bool:
         """Raise the budget where these alternatives exceed it; tell whether to go on."""
@@ -132,66 +143,86 @@ class _Rescaling:
             # Too little for these alternatives, and `high` too much.
             self.budget = 0.5 * (self.budget + self.high)
             return True
-        if self.is_judged or self.incumbent.controls:
+        if self.is_judged or self.state.has_plan:
             return False
         self.is_judged = True
-        budget, verdict = _left_by_referee(self.fleet, self.candidate, self.incumbent, self.judge)
-        self.has_merged = _is_hidden(self.fleet, self.candidate, verdict)
-        if self.has_merged or budget <= self.budget * (1.0 + _CLOSE):
+        # What union bounds may sum to, by what the referee finds in the round as it is.
+        candidate, fleet = self.candidate, self.fleet
+        union_bound = candidate.risk + candidate.inter_set_risk
+        verdict = self._judge([plan.z for plan in candidate.plans], union_bound)
+        left = (
+            union_bound * _TUNED.aim * fleet.scenario.risk_bound / max(verdict.certified, _NOTHING)
+        )
+        budget = min(left, fleet.most_budget)
+        if self._merge_hidden(verdict) or budget <= self.budget * (1.0 + _TUNED.same_budget):
             return False
         self.budget = budget
         return True
 
-    def finish(self) -> bool:
-        """Set the fleet's budget by what was found; tell whether sets were merged instead."""
-        fleet, incumbent = self.fleet, self.incumbent
-        if self.has_merged:
-            return True
-        incumbent.has_failed = self.high < float("inf") and not self.low
-        if self.low:
-            fleet.set_budget(min(self.low, _BACK_OFF * incumbent.rejected_budget))
-        elif incumbent.has_failed:
-            if self.verdict is not None and fleet.merging.reject(self.candidate.sets, self.verdict):
-                return True
-            # The referee finds more in these alternatives: go nearer to Δ, where it cannot.
-            incumbent.rejected_budget = min(incumbent.rejected_budget, fleet.budget)
-            fleet.set_budget(_BACK_OFF * (fleet.budget * fleet.least_budget) ** 0.5)
-        return False
+    def finish(self) -> Acceptance:
+        """Set the fleet's budget by what was found, unless sets are merged instead."""
+        has_failed = self.high < float("inf") and not self.low
+        if not self.has_merged:
+            self.state = replace(self.state, has_failed=has_failed)
+            if self.low:
+                budget = min(self.low, _TUNED.back_off * self.state.rejected_budget)
+                self.state = replace(self.state, budget=self.fleet.clipped_budget(budget))
+            elif has_failed:
+                self._after_rejection()
+        first = 0.0 if self.first is None else self.first.certified
+        return Acceptance(self.state, self.has_merged, first)
 
+    def _after_rejection(self) -> None:
+        """Merge the pairs that are to blame for a rejected plan; without any, lower the budget."""
+        fleet, state = self.fleet, self.state
+        if self.last is not None and self._merge(
+            state.merging.reject(self.candidate.sets, self.last)
+        ):
+            return
+        # The referee finds more in these alternatives: go nearer to Δ, where it cannot.
+        self.state = replace(
+            state,
+            rejected_budget=min(state.rejected_budget, state.budget),
+            budget=fleet.clipped_budget(
+                _TUNED.back_off * (state.budget * fleet.least_budget) ** 0.5
+            ),
+        )
 
-def _is_hidden(fleet: Fleet, candidate: Round, verdict: Verdict) -> bool:
-    """Merge sets where the referee finds much more between them than was estimated; tell if so."""
-    estimate = _HIDDEN * candidate.inter_set_risk + fleet.gap * fleet.scenario.risk_bound
-    return fleet.merging.is_hidden(candidate.sets, verdict, estimate)
+    def _merge_hidden(self, verdict: Verdict) -> bool:
+        """Merge sets where the referee finds much more between them than was estimated."""
+        fleet = self.fleet
+        estimate = (
+            _TUNED.hidden * self.candidate.inter_set_risk + fleet.gap * fleet.scenario.risk_bound
+        )
+        merging = self.state.merging
+        return self._merge(merging.reject_hidden(self.candidate.sets, verdict, estimate))
 
+    def _merge(self, merging: Merging | None) -> bool:
+        """Take the pairs that are planned together from now on; tell whether there are any."""
+        if merging is None:
+            return False
+        self.state, self.has_merged = replace(self.state, merging=merging), True
+        return True
 
-def _left_by_referee(
-    fleet: Fleet, candidate: Round, incumbent: FleetIncumbent, judge: Judge
-) -> tuple[float, Verdict]:
-    """Return what union bounds may sum to, by what the referee finds in a round as it is."""
-    union_bound = candidate.risk + candidate.inter_set_risk
-    raw = [plan.z for plan in candidate.plans]
-    verdict = _accept(fleet, candidate, raw, incumbent, judge, union_bound)
-    left = union_bound * _AIM * fleet.scenario.risk_bound / max(verdict.certified, _NOTHING)
-    return min(left, fleet.most_budget), verdict
-
-
-def _accept(
-    fleet: Fleet,
-    candidate: Round,
-    points: Sequence[Vector],
-    incumbent: FleetIncumbent,
-    judge: Judge,
-    union_bound: float,
-) -> Verdict:
-    """Keep a plan if it is certified and the cheapest; return what the referee says of it."""
-    controls = fleet.programs.controls(candidate.sets, points)
-    verdict = judge(controls)
-    pairs = zip(candidate.sets, points, strict=True)
-    cost = sum(float(fleet.programs.problems[m].program.cost @ z) for m, z in pairs)
-    if verdict.certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
-        incumbent.controls, incumbent.cost, incumbent.sets = controls, cost, candidate.sets
-        incumbent.union_bound = union_bound
-        incumbent.certified = verdict.certified
-        fleet.incumbent_parts = fleet.programs.split(candidate.sets, points)
-    return verdict
+    def _judge(self, points: Sequence[Vector], union_bound: float) -> Verdict:
+        """Keep a plan if it is certified and the cheapest; return what the referee says of it."""
+        fleet, sets = self.fleet, self.candidate.sets
+        controls = fleet.programs.controls(sets, points)
+        verdict = self.judge(controls)
+        pairs = zip(sets, points, strict=True)
+        cost = sum(float(fleet.programs.problem(m).program.cost @ z) for m, z in pairs)
+        incumbent = self.state.incumbent
+        if verdict.certified <= fleet.scenario.risk_bound and cost < incumbent.cost:
+            self.state = replace(
+                self.state,
+                incumbent=replace(
+                    incumbent,
+                    controls=controls,
+                    cost=cost,
+                    sets=sets,
+                    union_bound=union_bound,
+                    certified=verdict.certified,
+                ),
+                incumbent_parts=fleet.programs.split(sets, points),
+            )
+        return verdict

@@ -2,81 +2,100 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.infeasible.cures import has_plan_within
 from radmpc.planners.certified.infeasible.explanation import WhyNot, ended, why_not
 from radmpc.planners.certified.more_faces import finer_scenarios
-from radmpc.planners.certified.pricing import MORE_EFFORT
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.certified.within_budget import replan_with_alternatives
 
-__all__ = ["last_resort"]
-
-_TRIAL = 1.5
-"""Time to find out whether more faces leave a plan to vehicles that have none [s]."""
+__all__ = ["LastResort", "last_resort"]
 
 _FOUND = WhyNot("", is_proven=False)
 """What there is to explain where a plan was found after all: nothing."""
 
 
-def last_resort(search: PriceSearch) -> tuple[PriceSearch, WhyNot]:
+@dataclass(frozen=True, slots=True, eq=False)
+class LastResort:
+    """How the last resort ended.
+
+    Attributes
+    ----------
+    search : PriceSearch
+        The one that has a plan, if any has one after all: of the same fleet, or with more faces.
+    state : SearchState
+        How far its search has come.
+    answer : WhyNot
+        Why there is no plan; what there is to say about the plan where one was found.
+    """
+
+    search: PriceSearch
+    state: SearchState
+    answer: WhyNot
+
+
+def last_resort(search: PriceSearch, state: SearchState) -> LastResort:
     """Go on without a plan: from the safest, with more faces, with more effort, until time is up.
 
     Parameters
     ----------
     search : PriceSearch
         That found none.
+    state : SearchState
+        Where it ended.
 
     Returns
     -------
-    search : PriceSearch
-        The one that has a plan, if any has one after all: of the same fleet, or with more faces.
-    answer : WhyNot
-        The reason; what there is to say about the plan where one was found.
+    LastResort
+        With a plan if one was found after all; with the reason otherwise.
     """
-    fleet, incumbent = search.fleet, search.incumbent
+    fleet = search.fleet
     scenario, limits = fleet.scenario, fleet.limits
     answer: WhyNot | None = None
-    turn_from_noiseless(fleet, incumbent, search.judge)
-    if incumbent.controls and fleet.budget > 0.0 and fleet.without_plan() is None:
+    state = turn_from_noiseless(fleet, state, search.judge)
+    if state.has_plan and state.budget > 0.0 and state.without_plan() is None:
         # Prices that were doubtful without any plan are not so with one: go on for a bound.
-        search.run()
-    while not limits.reached and not incumbent.controls:
+        state = search.run(state)
+    while not limits.reached and not state.has_plan:
         if answer is None:
             answer = why_not(scenario, limits)
             if answer.controls:
-                _take(search, answer)
-            if answer.blocked and not incumbent.controls:
+                state = _from_safest(search, state, answer)
+            if answer.blocked and not state.has_plan:
                 other, answer = _with_more_faces(search, answer)
                 if other is not None:
-                    return other, answer
-            if answer.is_proven and not incumbent.controls:
-                return search, answer
+                    return other
+            if answer.is_proven and not state.has_plan:
+                return LastResort(search, state, answer)
         else:
-            search.effort *= MORE_EFFORT
-        if fleet.budget <= 0.0:
+            state = replace(state, effort=state.effort * TUNING.prices.more_effort)
+        if state.budget <= 0.0:
             break
         if not limits.reached:
-            search.run()
-    if incumbent.controls:
-        return search, _FOUND
+            state = search.run(state)
+    if state.has_plan:
+        return LastResort(search, state, _FOUND)
     if answer is None or not answer.explanation:
-        return search, WhyNot(ended(scenario, limits), is_proven=False)
-    return search, answer
+        answer = WhyNot(ended(scenario, limits), is_proven=False)
+    return LastResort(search, state, answer)
 
 
-def _take(search: PriceSearch, answer: WhyNot) -> None:
+def _from_safest(search: PriceSearch, state: SearchState, answer: WhyNot) -> SearchState:
     """Look for a certified plan from the safest that was met."""
-    fleet, incumbent, judge = search.fleet, search.incumbent, search.judge
-    replan_with_alternatives(fleet, incumbent, judge, answer.sets, answer.controls)
-    if not incumbent.controls:
-        plan_by_turning(fleet, incumbent, judge, answer.sets, answer.controls)
+    fleet, judge = search.fleet, search.judge
+    state = replan_with_alternatives(fleet, state, judge, answer.sets, answer.controls)
+    if state.has_plan:
+        return state
+    return plan_by_turning(fleet, state, judge, answer.sets, answer.controls)
 
 
-def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[PriceSearch | None, WhyNot]:
+def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[LastResort | None, WhyNot]:
     """Search where more faces leave a plan to vehicles that have none; say what was tried."""
     fleet = search.fleet
     scenario, limits = fleet.scenario, fleet.limits
@@ -84,15 +103,18 @@ def _with_more_faces(search: PriceSearch, answer: WhyNot) -> tuple[PriceSearch |
     for finer in finer_scenarios(scenario):
         part = finer.scenario.subset(answer.blocked, scenario.risk_bound)
         tried.append(finer.text)
-        if limits.reached or not has_plan_within(part, limits.within(_TRIAL)):
+        if limits.reached or not has_plan_within(part, limits.within(TUNING.last_resort.trial)):
             continue
-        other_fleet = Fleet(finer.scenario, fleet.gap, limits, fleet.progress, fleet.executor)
-        other = PriceSearch(other_fleet, FleetIncumbent(), search.gap, search.judge)
-        if other_fleet.budget > 0.0:
-            other.run()
-        if other.incumbent.controls:
+        other = Fleet.of(
+            finer.scenario, fleet.gap, limits, progress=fleet.progress, executor=fleet.executor
+        )
+        finer_search, state = PriceSearch.of(other, search.judge), SearchState.of(other)
+        if state.budget > 0.0:
+            state = finer_search.run(state)
+        if state.has_plan:
             text = f"Planned with {finer.text}. By the faces of the scenario itself: "
-            return other, WhyNot(text + answer.explanation, is_proven=False)
+            found = WhyNot(text + answer.explanation, is_proven=False)
+            return LastResort(finer_search, state, found), found
     text = answer.explanation
     if tried and not limits.reached:
         text += f" More faces opened no way: tried were {'; '.join(tried)}."

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.merging import Members, owners_of
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.components import components
 from radmpc.solvers.priced.neighborhood import Neighborhood, Seek
 from radmpc.solvers.priced.nodes import Incumbent
@@ -18,66 +21,63 @@ from radmpc.solvers.priced.rating import Rater
 
 __all__ = ["initial_plan"]
 
-_ROUNDS = 8
-"""Rounds of merging sets and planning them anew, at most [-]: what is then left between sets is
-charged to the budget."""
-
-_NEGLIGIBLE = 1e-3
-"""Share of the unit that the risk between two sets may take before they are merged [-]."""
+_TUNED = TUNING.sets
 
 
 def initial_plan(
-    fleet: Fleet, sets: tuple[Members, ...], unit_price: float
-) -> tuple[tuple[Members, ...], tuple[Incumbent, ...]] | None:
+    fleet: Fleet, state: SearchState, sets: tuple[Members, ...]
+) -> tuple[SearchState, tuple[tuple[Members, ...], tuple[Incumbent, ...]] | None]:
     """Plan vehicles that are in each other's way greedily, one after the other.
 
     Parameters
     ----------
     fleet : Fleet
-        With a plan of every vehicle alone.
+        The fleet.
+    state : SearchState
+        With a plan of every vehicle alone, and the price.
     sets : tuple of tuple of int
         A partition; what was searched to the end stays as it is, unless others get in its way.
-    unit_price : float
-        Cost of one unit of risk.
 
     Returns
     -------
-    tuple of sets and plans, or None
+    state : SearchState
+        With the parts of the plan, and why vehicles were planned together.
+    found : tuple of sets and plans, or None
         Sets between which the risk is negligible. None where no path was found for some vehicle.
     """
-    if any(fleet.states[m].best is None for m in fleet.singles):
-        return None
-    alone = {m[0]: fleet.best(m).z for m in fleet.singles}
-    plans: dict[Members, Incumbent] = {m: fleet.best(m) for m in fleet.singles}
+    if not state.is_planned(fleet.singles):
+        return state, None
+    alone = {m[0]: state.best(m).z for m in fleet.singles}
+    plans: dict[Members, Incumbent] = {m: state.best(m) for m in fleet.singles}
     for members in sets:
-        state = fleet.states[members]
-        if state.best is not None and not state.is_limited:
-            plans[members] = state.best
+        known = state.set_states[members]
+        if known.best is not None and not known.is_limited:
+            plans[members] = known.best
     sets = tuple(part for m in sets for part in ((m,) if m in plans else tuple((i,) for i in m)))
-    for _ in range(_ROUNDS):
+    for _ in range(_TUNED.merging_rounds):
         pair_risks = fleet.programs.pair_risks(sets, [plans[m].z for m in sets])
-        pair_risks |= {pair: 1.0 for pair in fleet.merging.to_merge(sets)}
+        pair_risks |= {pair: 1.0 for pair in state.merging.to_merge(sets)}
         set_risks = by_sets(pair_risks, owners_of(sets))
-        merged = _merged(sets, set_risks, _NEGLIGIBLE * fleet.unit)
+        merged = _merged_through_others(sets, set_risks, _TUNED.negligible * fleet.unit)
         if merged == sets:
             break
-        fleet.merging.remember(sets, merged, pair_risks)
+        state = replace(state, merging=state.merging.remember(sets, merged, pair_risks))
         sets = merged
         for members in sets:
             if members not in plans:
                 weights = _weights(fleet, members, alone)
-                plan = _planned_in_turn(fleet, members, unit_price, alone, weights)
+                plan = _planned_in_turn(fleet, state, members, alone, weights)
                 if plan is None:
-                    return None
+                    return state, None
                 plans[members] = plan
-    fleet.incumbent_parts = fleet.programs.split(sets, [plans[m].z for m in sets])
-    return sets, tuple(plans[m] for m in sets)
+    parts = fleet.programs.split(sets, [plans[m].z for m in sets])
+    return replace(state, incumbent_parts=parts), (sets, tuple(plans[m] for m in sets))
 
 
-def _merged(
+def _merged_through_others(
     sets: tuple[Members, ...], set_risks: Mapping[tuple[int, int], float], least: float
 ) -> tuple[Members, ...]:
-    """Merge all sets that are in each other's way, directly or through others."""
+    """Merge all sets in each other's way, directly or through others: greedy plans are cheap."""
     pairs = [pair for pair, risk in set_risks.items() if risk > least]
     if not pairs:
         return sets
@@ -98,17 +98,18 @@ def _weights(fleet: Fleet, members: Members, alone: Mapping[int, np.ndarray]) ->
 
 def _planned_in_turn(
     fleet: Fleet,
+    state: SearchState,
     members: Members,
-    unit_price: float,
     alone: Mapping[int, np.ndarray],
     weights: Mapping[int, float],
 ) -> Incumbent | None:
     """Plan the vehicles of a set one after the other, those with most risk first."""
     problem = fleet.programs.problem(members)
+    unit_price = state.unit_price
     if problem.rater.is_infeasible:
         return None
     values = [
-        fleet.best((i,)).cost + unit_price * fleet.best((i,)).risk / fleet.unit for i in members
+        state.best((i,)).cost + unit_price * state.best((i,)).risk / fleet.unit for i in members
     ]
     move = max(float(np.abs(np.diff(s.reach_upper, axis=0)).max()) for s in problem.models)
     seek = _seek(fleet, members, unit_price)
@@ -120,7 +121,7 @@ def _planned_in_turn(
     found = [around.place(start, order)]
     if found[0] is None and not fleet.limits.reached:
         found.append(around.place_in_haste(start, order))
-    known = fleet.hint(members)
+    known = state.hint(fleet, members)
     if known is not None:
         found.append(around.improve(known, [[block] for block in order]))
     plans = []

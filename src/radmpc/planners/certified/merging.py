@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,27 +22,27 @@ _TELLING = 1e-3
 merged [-]."""
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Merging:
-    """Why sets that were planned apart are planned together.
+    """Why sets that were planned apart are planned together; what is learned makes a new one.
 
     Attributes
     ----------
     scenario : Scenario
         The fleet.
-    coupling_risks : dict of (int, int) to float
+    coupling_risks : mapping of (int, int) to float
         The largest risk that two vehicles ran in plans made apart, for pairs whose sets were
         merged [-].
-    rejected_pairs : dict of (int, int) to float
+    rejected_pairs : mapping of (int, int) to float
         Pairs for which the referee rejected plans made apart, with their risk there [-]: planned
         together from then on, at every price.
     """
 
     scenario: Scenario
-    coupling_risks: dict[tuple[int, int], float] = field(default_factory=dict)
-    rejected_pairs: dict[tuple[int, int], float] = field(default_factory=dict)
+    coupling_risks: Mapping[tuple[int, int], float] = field(default_factory=dict)
+    rejected_pairs: Mapping[tuple[int, int], float] = field(default_factory=dict)
 
-    def reject(self, sets: Sequence[Members], verdict: Verdict) -> bool:
+    def reject(self, sets: Sequence[Members], verdict: Verdict) -> Merging | None:
         """Plan the pairs across sets that a rejected plan is to be blamed on together.
 
         Parameters
@@ -54,15 +54,18 @@ class Merging:
 
         Returns
         -------
-        bool
-            Whether there are such pairs.
+        Merging or None
+            With those pairs; None where there are no such pairs.
         """
         numbers = {v.name: i for i, v in enumerate(self.scenario.vehicles)}
         rejected = verdict.to_blame(owners_of(sets), numbers, self.scenario.risk_bound)
-        self.rejected_pairs |= rejected
-        return bool(rejected)
+        if not rejected:
+            return None
+        return replace(self, rejected_pairs={**self.rejected_pairs, **rejected})
 
-    def is_hidden(self, sets: Sequence[Members], verdict: Verdict, estimate: float) -> bool:
+    def reject_hidden(
+        self, sets: Sequence[Members], verdict: Verdict, estimate: float
+    ) -> Merging | None:
         """Reject a plan where the referee finds more between sets than was estimated.
 
         Parameters
@@ -76,12 +79,12 @@ class Merging:
 
         Returns
         -------
-        bool
-            Whether pairs are planned together because of it.
+        Merging or None
+            With the pairs that are planned together because of it; None where there are none.
         """
         numbers = {v.name: i for i, v in enumerate(self.scenario.vehicles)}
         across = verdict.across(owners_of(sets), numbers)
-        return sum(across.values()) > estimate and self.reject(sets, verdict)
+        return self.reject(sets, verdict) if sum(across.values()) > estimate else None
 
     def to_merge(self, sets: Sequence[Members]) -> dict[tuple[int, int], float]:
         """Return the rejected pairs of vehicles of different sets, with their risks."""
@@ -95,7 +98,7 @@ class Merging:
         apart: Sequence[Members],
         merged: Sequence[Members],
         pair_risks: Mapping[tuple[int, int], float],
-    ) -> None:
+    ) -> Merging:
         """Note which pairs of vehicles made sets planned apart into one.
 
         Parameters
@@ -104,6 +107,11 @@ class Merging:
             The partition of the fleet before and after.
         pair_risks : mapping of (int, int) to float
             Risks between vehicles of different sets, lower number first, when planned apart [-].
+
+        Returns
+        -------
+        Merging
+            With these.
         """
         old, new = owners_of(apart).tolist(), owners_of(merged).tolist()
         inside = {pair: risk for pair, risk in pair_risks.items() if new[pair[0]] == new[pair[1]]}
@@ -111,9 +119,11 @@ class Merging:
         for (i, j), risk in inside.items():
             key = (min(old[i], old[j]), max(old[i], old[j]))
             worst[key] = max(worst.get(key, 0.0), risk)
+        coupling_risks = dict(self.coupling_risks)
         for (i, j), risk in inside.items():
             if risk >= _TELLING * worst[min(old[i], old[j]), max(old[i], old[j])]:
-                self.coupling_risks[i, j] = max(self.coupling_risks.get((i, j), 0.0), risk)
+                coupling_risks[i, j] = max(coupling_risks.get((i, j), 0.0), risk)
+        return replace(self, coupling_risks=coupling_risks)
 
     def couplings(self, sets: Sequence[Members]) -> tuple[Coupling, ...]:
         """Return why the vehicles of these sets were planned together."""

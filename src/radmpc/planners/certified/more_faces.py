@@ -11,11 +11,11 @@ from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.tuning import TUNING
 
 __all__ = ["Finer", "finer_scenarios"]
 
-_FACES = {2: (8, 16, 32), 3: (14, 26)}
-"""Numbers of faces around pairs that are tried, by dimension [-]."""
+_TUNED = TUNING.last_resort
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +49,7 @@ def finer_scenarios(scenario: Scenario) -> Iterator[Finer]:
     """
     has_pairs = scenario.num_vehicles > 1
     has_corners = scenario.dimension == 2 and bool(scenario.obstacles)
-    for count in _FACES[scenario.dimension]:
+    for count in _TUNED.faces[scenario.dimension]:
         more = count > scenario.num_pair_faces
         if not (has_corners or (has_pairs and more)):
             continue

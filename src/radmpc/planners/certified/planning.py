@@ -10,12 +10,15 @@ import numpy as np
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.bounds import reported_bound, shadow_price
+from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.certified.state import SearchState
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import turn_half_spaces
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
@@ -24,16 +27,6 @@ from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
 
 __all__ = ["Certified"]
-
-_TURNING_SHARE, _TURNING_SECONDS, _MOST_SHARE = 0.1, 1.0, 0.3
-"""Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up to a
-larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks."""
-
-_LEAST_TURNING = 6.0
-"""Time that turning gets at least, if the limit leaves it [s]."""
-
-_UNSPENT = 0.5
-"""Share of Δ below which a certificate leaves so much that other alternatives are tried [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,20 +59,21 @@ class Certified(Decomposition):
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
         result = _searched(scenario, planner, run)
-        fleet, incumbent = result.search.fleet, result.search.incumbent
-        if result.answer is not None and not incumbent.controls:
+        if result.answer is not None and not result.state.has_plan:
             return _empty(scenario, result.answer, begun)
-        result.search.close()
-        run.found(incumbent.cost, _finite(incumbent.reported_bound(fleet, planner.gap)))
+        state = close_gap(result.search.within, result.state)
+        fleet = result.search.fleet
+        run.found(state.incumbent.cost, _finite(reported_bound(fleet, state, planner.gap)))
         run.progress("improving", 0, 1)
         # Counts end it; the clock, only where a machine is slow: not longer than the search took.
-        fleet.limits = run.limits.within(max(_LEAST_TURNING, time.perf_counter() - begun))
-        turn_half_spaces(fleet, incumbent, run.judge)
-        if incumbent.certified < _UNSPENT * scenario.risk_bound:
+        seconds = max(TUNING.least_seconds, time.perf_counter() - begun)
+        fleet = fleet.with_limits(run.limits.within(seconds))
+        state = turn_half_spaces(fleet, state, run.judge)
+        if state.incumbent.certified < TUNING.unspent * scenario.risk_bound:
             # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
-            turn_from_noiseless(fleet, incumbent, run.judge)
-        return _draft(result, planner.gap, time.perf_counter() - begun)
+            state = turn_from_noiseless(fleet, state, run.judge)
+        return _draft(fleet, state, result, time.perf_counter() - begun)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +83,8 @@ class _SearchResult:
     Attributes
     ----------
     search : PriceSearch
+        The last one.
+    state : SearchState
         With a plan, or without.
     answer : WhyNot or None
         What the last resort says, if it was asked.
@@ -97,6 +93,7 @@ class _SearchResult:
     """
 
     search: PriceSearch
+    state: SearchState
     answer: WhyNot | None
     stopped_by: str | None
 
@@ -105,45 +102,44 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     """Search for the best plan; where the search finds none, try what else leads to one."""
     limits = run.limits
     seconds = limits.seconds_left
-    kept = max(_TURNING_SHARE * seconds, min(_TURNING_SECONDS, _MOST_SHARE * seconds))
+    kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
     begin = limits if seconds == float("inf") else limits.within(seconds - kept)
-    incumbent = FleetIncumbent()
-
-    def tell(done: int, total: int) -> None:
-        run.progress("sets", done, total)
-        if incumbent.controls:
-            run.found(incumbent.cost, _finite(incumbent.reported_bound(fleet, planner.gap)))
-
-    fleet = Fleet(scenario, planner.gap, begin, tell, run.executor)
-    search = PriceSearch(fleet, incumbent, planner.gap, run.judge)
-    if fleet.budget > 0.0:
-        search.run()
+    fleet = Fleet.of(
+        scenario,
+        planner.gap,
+        begin,
+        progress=lambda done, total: run.progress("sets", done, total),
+        found=lambda cost, bound: run.found(cost, _finite(bound)),
+        executor=run.executor,
+    )
+    search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
+    if state.budget > 0.0:
+        state = search.run(state)
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
-    if search.incumbent.controls:
-        return _SearchResult(search, None, stopped_by)
-    fleet.limits = limits
-    search, answer = last_resort(search)
-    return _SearchResult(search, answer, stopped_by or begin.reason or None)
+    if state.has_plan:
+        return _SearchResult(search, state, None, stopped_by)
+    last = last_resort(search.with_limits(limits), state)
+    return _SearchResult(last.search, last.state, last.answer, stopped_by or begin.reason or None)
 
 
-def _draft(result: _SearchResult, gap: float, seconds: float) -> Draft:
+def _draft(fleet: Fleet, state: SearchState, result: _SearchResult, seconds: float) -> Draft:
     """Return the incumbent and what is proven of it."""
-    fleet, incumbent, answer = result.search.fleet, result.search.incumbent, result.answer
-    closed = gap * (1.0 + 1e-6)
-    bound = incumbent.reported_bound(fleet, closed)
+    incumbent, answer = state.incumbent, result.answer
+    closed = fleet.gap * (1.0 + 1e-6)
+    bound = reported_bound(fleet, state, closed)
     is_closed = relative_gap(incumbent.cost, bound) <= closed
     return Draft(
         Status.OPTIMAL if is_closed else Status.FEASIBLE,
         incumbent.controls,
         incumbent.sets,
-        tuple(incumbent.steps),
+        state.steps,
         (),
         {"sets": seconds},
         (answer.explanation if answer is not None else "") or None,
         lower_bound=_finite(bound),
-        price=incumbent.price(fleet),
-        couplings=fleet.merging.couplings(incumbent.sets),
+        price=shadow_price(fleet, state),
+        couplings=state.merging.couplings(incumbent.sets),
         stopped_by=result.stopped_by,
     )
 

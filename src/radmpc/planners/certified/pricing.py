@@ -5,86 +5,66 @@ Prices are those of one unit of risk; `fleet` defines the unit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.repair import repriced
+from radmpc.planners.certified.set_searches import solve_sets
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 
-__all__ = ["MORE_EFFORT", "OVERDRAWN", "next_price", "price_alone"]
+__all__ = ["next_price", "price_alone"]
 
-MORE_EFFORT = 3
-"""Factor by which searches that left too much open get more nodes [-]."""
-
-OVERDRAWN = 1.2
-"""Multiple of the budget that plans may risk at a price worth a search [-]."""
-
-_MOST_EFFORT = 10_000
-"""Effort beyond which more does not help [-]: what is left are programs that no solver solves."""
-
-_MAX_PRICES = 6
-"""Prices that vehicles alone are tried at [-]: linear programs at chosen alternatives."""
-
-_MOST = 12.0
-"""Multiple of the first guess that a price from vehicles alone may reach [-]."""
-
-_LITTLE = 1e-3
-"""Share of the unit below which a vehicle's plan is not replanned at a new price [-]."""
-
-_DEAREST = 1e6
-"""Multiple of the first price that no price exceeds [-]: effort counts for nothing beside risk."""
-
-_STEEPNESS = 1.15
-"""Power of the ratio of risk to budget that the price follows [-]: risk falls a little less than in
-proportion."""
-
-_CLOSE = 0.03
-"""Share of the budget that may stay unused when the price is right [-]."""
+_TUNED = TUNING.prices
 
 
-def price_alone(fleet: Fleet, tried: list[tuple[float, float]]) -> float:
+def price_alone(fleet: Fleet, state: SearchState) -> SearchState:
     """Return a price at which vehicles that ignore each other do not exceed the budget by far.
 
     Parameters
     ----------
     fleet : Fleet
-        The fleet; every vehicle is searched alone.
-    tried : list of (float, float)
-        Unit prices and the risk at them [-]; empty before and after.
+        The fleet.
+    state : SearchState
+        Of a search that has not begun.
 
     Returns
     -------
-    float
-        The unit price to begin with.
+    SearchState
+        With the unit price to begin with; every vehicle was searched alone.
     """
-    unit_price = fleet.first_unit_price()
+    unit_price = fleet.first_unit_price(state.budget)
     # Where the chosen alternatives risk too much at any price, others are needed, not a higher one.
-    most = _MOST * unit_price
-    fleet.solve(fleet.singles, unit_price, 1, is_rough=True)
+    most = _TUNED.dearest_alone * unit_price
+    state = solve_sets(fleet, state, fleet.singles, unit_price, 1, is_rough=True)
     effort = 1
-    while missing := [m for m in fleet.singles if fleet.states[m].best is None]:
-        if fleet.limits.reached or fleet.without_plan() is not None or effort > _MOST_EFFORT:
-            return unit_price
-        effort *= MORE_EFFORT
-        fleet.solve(missing, unit_price, effort)
-    plans = [fleet.best(m) for m in fleet.singles]
-    for _ in range(_MAX_PRICES):
+    while missing := [m for m in fleet.singles if state.set_states[m].best is None]:
+        if fleet.limits.reached or state.without_plan() is not None or effort > _TUNED.most_effort:
+            return replace(state, unit_price=unit_price)
+        effort *= _TUNED.more_effort
+        state = solve_sets(fleet, state, missing, unit_price, effort)
+    tried: list[tuple[float, float]] = []
+    plans = [state.best(m) for m in fleet.singles]
+    for _ in range(_TUNED.max_prices_alone):
         risk = sum(plan.risk for plan in plans)
-        if risk <= OVERDRAWN * fleet.budget or fleet.limits.reached:
+        if risk <= _TUNED.overdrawn * state.budget or fleet.limits.reached:
             break
         tried.append((unit_price, risk))
-        unit_price = min(next_price(tried, fleet.budget), most)
+        unit_price = min(next_price(tried, state.budget), most)
         # With the alternatives chosen so far: no need to search for others yet.
         plans = [
-            repriced(fleet.programs.problems[m], plan, fleet.unit, unit_price, fleet.limits)
-            if plan.risk > _LITTLE * fleet.unit
+            repriced(fleet.programs.problem(m), plan, fleet.unit, unit_price, fleet.limits)
+            if plan.risk > _TUNED.little * fleet.unit
             else plan
             for m, plan in zip(fleet.singles, plans, strict=True)
         ]
-    tried.clear()
-    return unit_price
+    return replace(state, unit_price=unit_price)
 
 
-def next_price(tried: list[tuple[float, float]], budget: float) -> float:
+def next_price(tried: Sequence[tuple[float, float]], budget: float) -> float:
     """Return the price at which the budget is expected to be just used.
 
     Risk falls roughly in proportion to its price; between two prices on both sides of the budget,
@@ -93,7 +73,7 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
 
     Parameters
     ----------
-    tried : list of (float, float)
+    tried : sequence of (float, float)
         Prices, all in the same scale, and the risk at them [-]; the last one last.
     budget : float
         What may be risked [-].
@@ -104,10 +84,10 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
         A price in the scale of those tried; the last one where it is right.
     """
     unit_price, risk = tried[-1]
-    most = _DEAREST * tried[0][0]
-    if 0.0 <= 1.0 - risk / budget <= _CLOSE:
+    most = _TUNED.dearest_step * tried[0][0]
+    if 0.0 <= 1.0 - risk / budget <= _TUNED.unused:
         return unit_price
-    budget *= 1.0 - 0.5 * _CLOSE
+    budget *= 1.0 - 0.5 * _TUNED.unused
     above = [(p, r) for p, r in tried if r > budget]
     below = [(p, r) for p, r in tried if 0.0 < r <= budget]
     if above and below:
@@ -116,12 +96,12 @@ def next_price(tried: list[tuple[float, float]], budget: float) -> float:
             share = np.log(r1 / budget) / np.log(r1 / r2)
             # A jump of the risk between them draws all prices to one side: keep off the ends.
             return float(p1 * (p2 / p1) ** np.clip(share, 0.15, 0.85))
-    step = _STEEPNESS * float(np.log(max(risk / budget, 1e-12)))
+    step = _TUNED.steepness * float(np.log(max(risk / budget, 1e-12)))
     step *= _stubbornness(tried, step)
     return float(min(unit_price * np.clip(np.exp(step), 0.2, 5.0), max(most, unit_price)))
 
 
-def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
+def _stubbornness(tried: Sequence[tuple[float, float]], step: float) -> float:
     """Return by how much to lengthen a step in the logarithm of the price, at least 1.
 
     Where the last step moved the risk less than in proportion, the next is up to twice as long:
@@ -135,5 +115,5 @@ def _stubbornness(tried: list[tuple[float, float]], step: float) -> float:
         return 1.0
     fall = max(risk / risk_before, 1e-12) if risk_before > 0.0 else 1.0
     slope = -float(np.log(fall)) / last if risk_before > 0.0 else 1.0
-    target = 1.0 / max(slope * _STEEPNESS, 1e-3)
+    target = 1.0 / max(slope * _TUNED.steepness, 1e-3)
     return float(np.clip(target, 1.0, max(1.0, 2.0 * abs(last / step))))

@@ -11,6 +11,7 @@ from radmpc.arrays import Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.policies import Ira, SolveRequest
 from radmpc.program.build import build_program
@@ -25,12 +26,7 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["Order", "SetProblem", "SetState", "advance"]
 
-_PATIENCE = 60
-"""Nodes per vehicle without any plan before heuristics look for one [-]."""
-
-_RESCUE_NODES = 80
-"""Nodes per vehicle that these get [-]: a few more than those after which `branch` turns to
-heuristics. Any plan will do, and half-spaces turned to it are better than the best by faces."""
+_TUNED = TUNING.sets
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -212,7 +208,7 @@ def advance(
         tree.resume(state.frontier, state.unit_price, state.best, order.base)
     if order.hint is not None:
         tree.consider(order.hint)
-    tree.run(min(order.max_nodes, _PATIENCE * len(problem.members)))
+    tree.run(min(order.max_nodes, _TUNED.patience * len(problem.members)))
     if tree.best is None and tree.is_limited and not limits.reached:
         _rescue(problem, scenario, tree, order, limits)
     has_time = tree.is_limited and not limits.reached
@@ -246,7 +242,7 @@ def _rescue(
     """Look for any plan by iterative risk allocation, which has heuristics for coupled sets."""
     request = SolveRequest(
         problem.program,
-        Branch(_RESCUE_NODES * len(problem.members)),
+        Branch(_TUNED.rescue_nodes * len(problem.members)),
         1e-2,
         limits,
         "rescue",

@@ -8,6 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
@@ -18,7 +19,10 @@ __all__ = ["SetPrograms"]
 
 
 class SetPrograms:
-    """The programs of all sets met so far, each built when first asked for.
+    """The programs of all sets, each built when first asked for.
+
+    What was built is kept: the answers are the same however often, and in whatever order, sets are
+    asked for.
 
     Parameters
     ----------
@@ -35,10 +39,6 @@ class SetPrograms:
         Those of all vehicles.
     covariances : (N, T+1, d, d) array
         Their position covariances [m²].
-    problems : dict
-        The sets' programs.
-    alone : dict
-        The sets' scenarios: their vehicles with the obstacles that these may hit.
     """
 
     def __init__(self, scenario: Scenario, unit: float, *, is_costless: bool) -> None:
@@ -48,16 +48,29 @@ class SetPrograms:
         self.models = condensed_models(scenario)
         self.covariances = np.array([s.position_covariances for s in self.models])
         self.surroundings = Surroundings(scenario, self.models)
-        self.problems: dict[Members, SetProblem] = {}
-        self.alone: dict[Members, Scenario] = {}
+        self._problems: dict[Members, SetProblem] = {}
+        self._alone: dict[Members, Scenario] = {}
+        self._hazards: Hazards | None = None
+
+    @property
+    def hazards(self) -> Hazards:
+        """The fleet and what it keeps clear of, laid out when first asked for."""
+        if self._hazards is None:
+            self._hazards = Hazards.of(self.scenario, self.models)
+        return self._hazards
 
     def problem(self, members: Members) -> SetProblem:
         """Return a set's program, built when first asked for."""
-        if members not in self.problems:
-            self.alone[members] = self.surroundings.of(members)
-            problem = SetProblem.of(self.alone[members], members, self.models, self.unit)
-            self.problems[members] = problem.without_cost() if self.is_costless else problem
-        return self.problems[members]
+        if members not in self._problems:
+            problem = SetProblem.of(self.alone(members), members, self.models, self.unit)
+            self._problems[members] = problem.without_cost() if self.is_costless else problem
+        return self._problems[members]
+
+    def alone(self, members: Members) -> Scenario:
+        """Return a set's scenario: its vehicles with the obstacles that these may hit."""
+        if members not in self._alone:
+            self._alone[members] = self.surroundings.of(members)
+        return self._alone[members]
 
     def assembled(self, members: Members, parts: Mapping[int, Vector]) -> Vector:
         """Return the point of a set made of points of its vehicles.
@@ -96,7 +109,7 @@ class SetPrograms:
             By the vehicles' numbers.
         """
         return {
-            i: z[self.problems[members].program.blocks == block]
+            i: z[self.problem(members).program.blocks == block]
             for members, z in zip(sets, points, strict=True)
             for block, i in enumerate(members)
         }
@@ -140,9 +153,9 @@ class SetPrograms:
         means = np.empty((self.scenario.num_vehicles, *self.models[0].drift_position.shape))
         sagittas = np.zeros((means.shape[0], means.shape[1] - 1, means.shape[2]))
         for members, z in zip(sets, points, strict=True):
-            means[list(members)] = self.problems[members].means(z)
+            means[list(members)] = self.problem(members).means(z)
             for i, controls in zip(
-                members, controls_of(self.problems[members].models, z), strict=True
+                members, controls_of(self.problem(members).models, z), strict=True
             ):
                 if self.scenario.vehicles[i].system.is_double_integrator:
                     sagittas[i] = self.scenario.dt**2 / 8.0 * controls

@@ -9,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.gaussian import CONVEX_RISK, clearance_for
 from radmpc.planners.certified.problem import SetProblem
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from radmpc.solvers.priced.nodes import Incumbent
@@ -17,8 +18,7 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["repair", "repriced"]
 
-_ROUNDS = 4
-"""Times that risks are rescaled, at most [-]: a linear program per set each."""
+_TUNED = TUNING.acceptance
 
 _LEAST = 1e-9
 """Share of the budget that every row is allocated at least [-]."""
@@ -61,7 +61,7 @@ def repair(
     points = [incumbent.z for incumbent in found]
     is_free = [True] * len(points)
     best, least = None, float("inf")
-    for _ in range(_ROUNDS):
+    for _ in range(_TUNED.repairs):
         risks = [
             p.program.event_risks(z, i.selection)
             for p, z, i in zip(problems, points, found, strict=True)

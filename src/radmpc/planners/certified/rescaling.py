@@ -6,21 +6,12 @@ from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.repair import repair, repriced
 from radmpc.planners.certified.rounds import Round
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.priced.budget import OVER
 
 __all__ = ["rescaled"]
 
-_TAKE_BACKS = 3
-"""Times that sets moved into each other's way get their plans of the round back, at most [-]."""
-
-_DEARER = (2.0, 6.0, 20.0, 100.0)
-"""Multiples of the round's price at which its alternatives are replanned if rescaling fails [-]."""
-
-_LITTLE = 1e-4
-"""Share of the unit below which a set's risk is left as it is [-]."""
-
-_INTER_SET_SHARE = 0.04
-"""Share of gap times unit by which rescaling may raise the risk between sets [-]."""
+_TUNED = TUNING.acceptance
 
 
 def rescaled(
@@ -44,20 +35,20 @@ def rescaled(
     tuple of (n,) array or None
         A point per set; None where these alternatives exceed the budget.
     """
-    problems = [fleet.programs.problems[m] for m in candidate.sets]
+    problems = [fleet.programs.problem(m) for m in candidate.sets]
     whole, budget = budget, budget - inter_set_risk
     plans = candidate.plans
     if budget < candidate.risk <= (1.0 + 2.0 * OVER) * budget:
         # At its budget up to rounding: nothing to rescale.
         whole, budget = whole + candidate.risk - budget, candidate.risk
     points = repair(problems, plans, budget)
-    for factor in _DEARER:
+    for factor in _TUNED.dearer:
         if points is not None:
             break
         # Scaled margins ask too much of some row; a higher price lets rows share as they can.
         plans = tuple(
             repriced(p, plan, fleet.unit, factor * candidate.unit_price, fleet.limits)
-            if plan.risk > _LITTLE * fleet.unit
+            if plan.risk > _TUNED.little * fleet.unit
             else plan
             for p, plan in zip(problems, plans, strict=True)
         )
@@ -81,11 +72,11 @@ def _kept_apart(
 ) -> tuple[Vector, ...]:
     """Give sets that were moved into another's way their plans of the round back."""
     chosen = list(points)
-    for _ in range(_TAKE_BACKS):
+    for _ in range(_TUNED.take_backs):
         set_risks = fleet.programs.inter_set_risks(candidate.sets, chosen)
         if (
             sum(set_risks.values())
-            <= 2.0 * candidate.inter_set_risk + _INTER_SET_SHARE * fleet.gap * fleet.unit
+            <= 2.0 * candidate.inter_set_risk + _TUNED.inter_set_share * fleet.gap * fleet.unit
         ):
             break
         for pair, risk in set_risks.items():

@@ -9,18 +9,17 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.initial_plan import initial_plan
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
+from radmpc.planners.certified.set_searches import solve_sets
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.priced.nodes import Incumbent
 
 __all__ = ["Round", "run_round"]
 
-_INTER_SET_SHARE = 0.1
-"""Share of the gap that risk between sets may cost before they are merged [-]."""
+_TUNED = TUNING.sets
 
 _NO_PRICE = 1e-200
 """Stands for a unit price of 0 where one divides by it."""
-
-_INTER_SET_BUDGET = 0.2
-"""Share of the budget that risk between sets may take before they are merged [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,79 +57,84 @@ class Round:
     is_initial: bool = False
 
 
-def run_round(fleet: Fleet, unit_price: float, effort: int) -> Round | None:
+def run_round(fleet: Fleet, state: SearchState) -> tuple[SearchState, Round | None]:
     """Plan all sets at a price, merging those that collide.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    unit_price : float
-        Cost of one unit of risk.
-    effort : int
-        Multiplies the nodes that every set gets [-].
+    state : SearchState
+        With the price, and the effort.
 
     Returns
     -------
-    Round or None
+    state : SearchState
+        With the states of all sets that were met.
+    found : Round or None
         None where a set has no plan, or a limit was reached before all had one. The first time
         that a set proves hard, the initial plan of the whole fleet.
     """
     sets: tuple[Members, ...] = fleet.singles
     while True:
-        has_plans = fleet.solve(sets, unit_price, effort)
-        if not fleet.has_tried_initial_plan and fleet.is_hard(sets):
-            fleet.has_tried_initial_plan = True
-            initial = _initial_round(fleet, sets, unit_price)
+        state = solve_sets(fleet, state, sets, state.unit_price, state.effort)
+        if not state.has_tried_initial_plan and state.is_hard(fleet, sets):
+            state, initial = _initial_round(
+                fleet, replace(state, has_tried_initial_plan=True), sets
+            )
             if initial is not None:
-                return initial
-            has_plans = fleet.solve(sets, unit_price, effort)
-        if not has_plans:
-            return None
-        plans = [fleet.best(m) for m in sets]
+                return state, initial
+            state = solve_sets(fleet, state, sets, state.unit_price, state.effort)
+        if not state.is_planned(sets):
+            return state, None
+        plans = [state.best(m) for m in sets]
         pair_risks = fleet.programs.pair_risks(sets, [plan.z for plan in plans])
         set_risks = by_sets(pair_risks, owners_of(sets))
         inter_set_risk = sum(set_risks.values())
-        allowed = _allowed_inter_set_risk(fleet, plans, unit_price)
-        rejected = fleet.merging.to_merge(sets)
+        allowed = _allowed_inter_set_risk(fleet, state, plans)
+        rejected = state.merging.to_merge(sets)
         if inter_set_risk <= allowed and not rejected:
-            return _round(fleet, sets, unit_price, inter_set_risk)
+            return state, _round(fleet, state, sets, inter_set_risk)
         ranked = _worst_first(by_sets(rejected, owners_of(sets)))
         for pair, risk in _worst_first(set_risks):
             if inter_set_risk <= allowed:
                 break
             inter_set_risk -= risk
             ranked.append((pair, risk))
-        merged = _merged(sets, [pair for pair, _ in ranked])
-        fleet.merging.remember(sets, merged, pair_risks | rejected)
+        merged = _merged_two_by_two(sets, [pair for pair, _ in ranked])
+        merging = state.merging.remember(sets, merged, pair_risks | rejected)
+        state = replace(state, merging=merging)
         sets = merged
 
 
 def _round(
-    fleet: Fleet, sets: tuple[Members, ...], unit_price: float, inter_set_risk: float
+    fleet: Fleet, state: SearchState, sets: tuple[Members, ...], inter_set_risk: float
 ) -> Round:
     """Sum up the sets at a price."""
-    plans = tuple(fleet.best(m) for m in sets)
-    is_limited = any(fleet.states[m].is_limited for m in sets)
-    least = sum(fleet.states[m].bound for m in sets)
+    plans = tuple(state.best(m) for m in sets)
+    is_limited = any(state.set_states[m].is_limited for m in sets)
+    least = sum(state.set_states[m].bound for m in sets)
     return _summed(
-        fleet, Round(sets, unit_price, plans, 0.0, inter_set_risk, least, 0.0, is_limited)
+        fleet, Round(sets, state.unit_price, plans, 0.0, inter_set_risk, least, 0.0, is_limited)
     )
 
 
-def _initial_round(fleet: Fleet, sets: tuple[Members, ...], unit_price: float) -> Round | None:
+def _initial_round(
+    fleet: Fleet, state: SearchState, sets: tuple[Members, ...]
+) -> tuple[SearchState, Round | None]:
     """Return the initial plan of the whole fleet, if there is one."""
-    initial_plans = initial_plan(fleet, sets, unit_price)
+    state, initial_plans = initial_plan(fleet, state, sets)
     if initial_plans is None:
-        return None
+        return state, None
     initial_sets, plans = initial_plans
     inter_set_risk = sum(
         fleet.programs.inter_set_risks(initial_sets, [plan.z for plan in plans]).values()
     )
-    least = sum(fleet.states[m].bound for m in sets)
-    return _summed(
-        fleet, Round(initial_sets, unit_price, plans, 0.0, inter_set_risk, least, 0.0, True, True)
+    least = sum(state.set_states[m].bound for m in sets)
+    initial = Round(
+        initial_sets, state.unit_price, plans, 0.0, inter_set_risk, least, 0.0, True, True
     )
+    return state, _summed(fleet, initial)
 
 
 def _summed(fleet: Fleet, candidate: Round) -> Round:
@@ -140,14 +144,15 @@ def _summed(fleet: Fleet, candidate: Round) -> Round:
     return replace(candidate, risk=risk, open_gap=value - candidate.least)
 
 
-def _allowed_inter_set_risk(fleet: Fleet, plans: Sequence[Incumbent], unit_price: float) -> float:
+def _allowed_inter_set_risk(fleet: Fleet, state: SearchState, plans: Sequence[Incumbent]) -> float:
     """Return the risk between sets that takes a small share of the gap, and of the budget."""
+    unit_price = state.unit_price
     cost = sum(plan.cost + unit_price * plan.risk / fleet.unit for plan in plans)
     return max(
         0.0,
         min(
-            _INTER_SET_SHARE * fleet.gap * cost / max(unit_price, _NO_PRICE) * fleet.unit,
-            _INTER_SET_BUDGET * fleet.budget,
+            _TUNED.inter_set_gap_share * fleet.gap * cost / max(unit_price, _NO_PRICE) * fleet.unit,
+            _TUNED.inter_set_budget_share * state.budget,
         ),
     )
 
@@ -157,8 +162,10 @@ def _worst_first(risks: dict[tuple[int, int], float]) -> list[tuple[tuple[int, i
     return sorted(risks.items(), key=lambda item: (-item[1], item[0]))
 
 
-def _merged(sets: Sequence[Members], pairs: Sequence[tuple[int, int]]) -> tuple[Members, ...]:
-    """Merge pairs of sets, in this order, each at most once."""
+def _merged_two_by_two(
+    sets: Sequence[Members], pairs: Sequence[tuple[int, int]]
+) -> tuple[Members, ...]:
+    """Merge pairs of sets, in this order, each set once at most: few merges may be enough."""
     taken: set[int] = set()
     result = []
     for i, j in pairs:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,110 +15,128 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.rounds import Round
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
 
-__all__ = ["WithinBudget", "replan_with_alternatives"]
+__all__ = ["Searched", "WithinBudget", "replan_with_alternatives"]
+
+_TUNED = TUNING.within
 
 _INF = float("inf")
 """No limit, or, negated, no bound."""
 
-_TIE = 0.05
-"""Share of the gap that the whole budget costs [-]: enough to prefer less risk at equal effort."""
-
 _LEAST_SCALE = 1e-6
 """Cost below which gaps are taken of this instead."""
-
-_SHARE = 0.5
-"""Share of the gap that the search may use [-]."""
-
-_BISECTIONS = 14
-"""Prices tried for given alternatives [-]: enough to find the right one within 0.1 % of the range's
-logarithm."""
-
-_CHEAPEST, _DEAREST = 1e-3, 1e5
-"""Multiples of the first price between which given alternatives are priced [-]."""
 
 
 def replan_with_alternatives(
     fleet: Fleet,
-    incumbent: FleetIncumbent,
+    state: SearchState,
     judge: Judge,
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
-) -> None:
+) -> SearchState:
     """Look for the cheapest certified plan with the alternatives of a given one.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    incumbent : FleetIncumbent
-        Takes the plan, if it is certified.
+    state : SearchState
+        What is known of it.
     judge : callable
         The referee.
     sets : tuple of tuple of int
         Who was planned together in the given plan.
     controls : tuple of (T, m) array
         Its controls, in the scenario's order.
+
+    Returns
+    -------
+    SearchState
+        With the plan, if it is certified and cheaper.
     """
     plans = tuple(_incumbent(fleet.programs.problem(m), [controls[i] for i in m]) for m in sets)
     inter_set_risk = sum(fleet.programs.inter_set_risks(sets, [plan.z for plan in plans]).values())
-    unit_price = fleet.first_unit_price()
+    unit_price = fleet.first_unit_price(state.budget)
     given = _round(sets, unit_price, plans, inter_set_risk)
-    accept_round(fleet, given, incumbent, judge)
-    low, high = _CHEAPEST * unit_price, _DEAREST * unit_price
+    state = accept_round(fleet, state, given, judge).state
+    low, high = _TUNED.cheapest * unit_price, _TUNED.dearest * unit_price
     chosen = None
-    for _ in range(_BISECTIONS):
+    for _ in range(_TUNED.bisections):
         if fleet.limits.reached:
             break
         unit_price = (low * high) ** 0.5
         priced = tuple(
-            repriced(fleet.programs.problems[m], plan, fleet.unit, unit_price, fleet.limits)
+            repriced(fleet.programs.problem(m), plan, fleet.unit, unit_price, fleet.limits)
             for m, plan in zip(sets, plans, strict=True)
         )
-        if sum(plan.risk for plan in priced) + inter_set_risk <= fleet.budget:
+        if sum(plan.risk for plan in priced) + inter_set_risk <= state.budget:
             high, chosen = unit_price, _round(sets, unit_price, priced, inter_set_risk)
         else:
             low = unit_price
-    if chosen is not None:
-        accept_round(fleet, chosen, incumbent, judge)
+    return state if chosen is None else accept_round(fleet, state, chosen, judge).state
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
+class Searched:
+    """How a search within a budget ended.
+
+    Attributes
+    ----------
+    state : SearchState
+        With what was found and certified, and the bounds that were proven.
+    first_certificate : float
+        What the referee found in it at this budget [-]; 0 where it was not asked.
+    is_limited : bool
+        Whether a limit ended the search of any set.
+    """
+
+    state: SearchState
+    first_certificate: float
+    is_limited: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class WithinBudget:
     """The search for the least cost within what union bounds may sum to.
 
     Where the whole fleet is one set, what is found is the best, and its bound that of any plan;
     several sets are improved one after the other, each within what the others leave.
 
+    Its search trees are kept beside the state: searched within the same budget again, a set's goes
+    on where it stood.
+
     Attributes
     ----------
     fleet : Fleet
         The fleet.
-    incumbent : FleetIncumbent
-        Takes what is found and certified.
-    gap : float
-        The relative gap asked for [-].
     judge : callable
         The referee.
     """
 
     fleet: Fleet
-    incumbent: FleetIncumbent
-    gap: float
     judge: Judge
     _trees: dict[tuple[Members, float], BudgetTree] = field(default_factory=dict)
 
     def search(
-        self, sets: tuple[Members, ...], plans: Sequence[Incumbent], budget: float, max_nodes: int
-    ) -> bool:
+        self,
+        state: SearchState,
+        sets: tuple[Members, ...],
+        plans: Sequence[Incumbent],
+        budget: float,
+        max_nodes: int,
+    ) -> Searched:
         """Look for a better plan, or for a first one.
 
         Parameters
         ----------
+        state : SearchState
+            What is known of the fleet.
         sets : tuple of tuple of int
             A partition of the fleet.
         plans : sequence of Incumbent
@@ -130,10 +148,10 @@ class WithinBudget:
 
         Returns
         -------
-        bool
-            Whether a limit ended the search of any set.
+        Searched
+            The next state, and how the search ended.
         """
-        fleet, incumbent = self.fleet, self.incumbent
+        fleet = self.fleet
         plans, is_limited, is_changed = list(plans), False, False
         inter_set_risk = sum(
             fleet.programs.inter_set_risks(sets, [plan.z for plan in plans]).values()
@@ -144,51 +162,48 @@ class WithinBudget:
             left = budget - inter_set_risk - others
             if not left > 0.0 or fleet.limits.reached:
                 continue
-            tree = self._tree(members, left, plan)
+            tree = self._tree(state, members, left, plan)
             tree.consider(plan.z)
             tree.run(max_nodes * len(members))
             is_limited |= tree.is_limited
             if tree.best is None:
                 continue
             if len(sets) == 1:
-                incumbent.budget_bounds.append((left, tree.bound - tree.price))
+                proven = (left, tree.bound - tree.price)
+                state = replace(state, budget_bounds=(*state.budget_bounds, proven))
             plans[number], is_changed = tree.best, True
-        if is_changed:
-            unit_price = (
-                incumbent.round_bounds[-1][1]
-                if incumbent.round_bounds
-                else fleet.first_unit_price()
-            )
-            fleet.set_budget(budget)
-            accept_round(
-                fleet, _round(sets, unit_price, plans, inter_set_risk), incumbent, self.judge
-            )
-        return is_limited
+        if not is_changed:
+            return Searched(state, 0.0, is_limited=is_limited)
+        found = _round(sets, state.last_unit_price(fleet), plans, inter_set_risk)
+        state = replace(state, budget=fleet.clipped_budget(budget))
+        accepted = accept_round(fleet, state, found, self.judge)
+        return Searched(accepted.state, accepted.first_certificate, is_limited=is_limited)
 
-    def plans(self) -> list[Incumbent]:
-        """Return the incumbent, set by set."""
-        fleet, incumbent = self.fleet, self.incumbent
+    def plans(self, incumbent: FleetIncumbent) -> list[Incumbent]:
+        """Return a certified plan, set by set."""
         return [
-            _incumbent(fleet.programs.problem(m), [incumbent.controls[i] for i in m])
+            _incumbent(self.fleet.programs.problem(m), [incumbent.controls[i] for i in m])
             for m in incumbent.sets
         ]
 
-    def _tree(self, members: Members, budget: float, plan: Incumbent) -> BudgetTree:
+    def _tree(
+        self, state: SearchState, members: Members, budget: float, plan: Incumbent
+    ) -> BudgetTree:
         """Return the search of a set within a budget, where it stood."""
         if (members, budget) not in self._trees:
             problem = self.fleet.programs.problem(members)
             scale = max(plan.cost, _LEAST_SCALE)
-            unit_price = _TIE * self.gap * scale
+            unit_price = _TUNED.tie * self.fleet.gap * scale
             tree = BudgetTree(
                 problem.program,
                 budget,
                 unit_price,
-                gap=_SHARE * self.gap,
+                gap=_TUNED.gap_share * self.fleet.gap,
                 scale=scale,
                 limits=self.fleet.limits,
                 rater=Rater(problem.program, budget),
             )
-            tree.resume(_frontier(self.fleet, members, budget), unit_price, None)
+            tree.resume(_frontier(self.fleet, state, members, budget), unit_price, None)
             self._trees[members, budget] = tree
         tree = self._trees[members, budget]
         tree.limits = self.fleet.limits
@@ -211,10 +226,10 @@ def _incumbent(problem: SetProblem, controls: Sequence[Matrix]) -> Incumbent:
     return Incumbent(z, rating.selection, float(problem.program.cost @ z), rating.risk)
 
 
-def _frontier(fleet: Fleet, members: Members, budget: float) -> Frontier:
+def _frontier(fleet: Fleet, state: SearchState, members: Members, budget: float) -> Frontier:
     """Return what the search at a price left open, with bounds on cost alone within a budget."""
-    state = fleet.states.get(members)
-    if state is None or not state.frontier:
+    known = state.set_states.get(members)
+    if known is None or not known.frontier:
         return ((-_INF, ()),)
-    paid = state.unit_price * budget / fleet.unit
-    return tuple((bound - paid, chosen) for bound, chosen in state.frontier)
+    paid = known.unit_price * budget / fleet.unit
+    return tuple((bound - paid, chosen) for bound, chosen in known.frontier)

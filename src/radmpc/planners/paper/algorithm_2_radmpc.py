@@ -25,7 +25,7 @@ from radmpc.planners.paper.temporal import (
     standing_obstacle,
 )
 from radmpc.planners.planner import Decomposition, Planner, Run
-from radmpc.planners.policies import Family, Ira, Policy, Pool, Solved, SolveRequest
+from radmpc.planners.policies import Family, Ira, Policy, Solved, SolveRequest
 from radmpc.planners.randomness import children
 from radmpc.program.build import build_program, controls_of
 from radmpc.program.condensed import CondensedModel
@@ -113,7 +113,7 @@ def approximate(scenario: Scenario, planner: Planner, run: Run) -> Approximation
     """
     state = _Radmpc(scenario, planner, run)
     total = scenario.horizon * scenario.num_vehicles
-    if state.risk_pool <= 0.0 and isinstance(planner.policy, Pool):
+    if state.risk_pool <= 0.0 and planner.policy.draws_from_pool:
         state.stuck = list(range(scenario.num_vehicles))
         return state.finish()
     for k in range(scenario.horizon):
@@ -271,7 +271,7 @@ class _Radmpc:
         if not self.has_plan[i]:
             program = self._program(model, k, share, [])
             alone = self._solve(program, i)
-            is_starved = isinstance(self.planner.policy, Pool)
+            is_starved = self.planner.policy.draws_from_pool
             if alone.solution.outcome is Outcome.INFEASIBLE and is_starved:
                 alone = self._solve(program, i, Ira(max_iterations=1))
             if alone.solution.z is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.planners.policies import Policy, Pool, Solved
+from radmpc.planners.policies import Policy, Solved
 from radmpc.program.program import DisjunctiveProgram
 
 __all__ = ["charged_risks"]
@@ -44,7 +44,7 @@ def charged_risks(
     events = np.unique(program.rows.events[program.selected_rows(solution.selection)])
     risk_items = program.rows.risk_items[events]
     risks = solved.allocation[risk_items]
-    if isinstance(policy, Pool) and policy.charge == "used":
+    if policy.charges_used:
         risks = np.minimum(risks, program.event_risks(solution.z, solution.selection)[events])
     np.add.at(charged, steps[risk_items], risks)
     if first_step == 0:

@@ -3,7 +3,7 @@
 from radmpc.planners.policies.deterministic import NoRisk, Sigmas
 from radmpc.planners.policies.ira import Ira
 from radmpc.planners.policies.optimal import Optimal
-from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
+from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 from radmpc.planners.policies.pool import Pool
 from radmpc.planners.policies.uniform import Uniform
 
@@ -14,6 +14,7 @@ __all__ = [
     "Optimal",
     "Policy",
     "Pool",
+    "RiskUse",
     "Sigmas",
     "SolveRequest",
     "Solved",

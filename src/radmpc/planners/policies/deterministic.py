@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from radmpc.arguments import is_number, told
 from radmpc.errors import ScenarioError
-from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
+from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 
 __all__ = ["NoRisk", "Sigmas"]
 
@@ -61,5 +61,5 @@ def _solve_at(count: float, request: SolveRequest) -> Solved:
     if any(risk >= 0.5 for _, risk in program.initial):
         return Solved.infeasible()
     solution = request.solve(count * program.rows.deviations)
-    step = request.step(0, solution, (0, 0, 0.0, 0.0))
+    step = request.step(0, solution, RiskUse())
     return Solved(solution, None, (step,) if solution.z is not None else ())

@@ -10,7 +10,7 @@ from radmpc.arguments import check_word, is_integer, is_number, told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.planners.draft import Step
-from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
+from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 from radmpc.planners.policies.uniform import spread_text
 from radmpc.program.allocation import (
     Spread,
@@ -123,8 +123,8 @@ class _Iteration:
                 is_paid_to_active=self.policy.direction == "to_active",
             )
             paid = allocated(request.program, allocation, solution.selection)
-            counts = (upper.num_active, upper.num_chosen, paid, upper.used)
-            steps.append(request.step(iteration, solution, counts))
+            risk_use = RiskUse(paid, upper.used, upper.num_active, upper.num_chosen)
+            steps.append(request.step(iteration, solution, risk_use))
             _tell(steps[-1], solution.seconds)
             fell = best is None or solution.cost < best.cost - request.gap * abs(best.cost)
             if best is None or solution.cost < best.cost:

@@ -14,7 +14,7 @@ from radmpc.planners.draft import Step
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver
 
-__all__ = ["Family", "Policy", "Propose", "SolveRequest", "Solved"]
+__all__ = ["Family", "Policy", "Propose", "RiskUse", "SolveRequest", "Solved"]
 
 Propose = Callable[[Vector], Indices | None]
 """Proposes one alternative per avoidance at given margins."""
@@ -57,6 +57,26 @@ class Solved:
             Without a point.
         """
         return cls(_NOTHING, None, ())
+
+
+@dataclass(frozen=True, slots=True)
+class RiskUse:
+    """How a solve used its risk; what a policy does not know stays as it is.
+
+    Attributes
+    ----------
+    allocated : float
+        Risk that the chosen rows were allocated [-].
+    used : float
+        Risk that they run [-]; nan where nobody reckoned it.
+    num_active, num_chosen : int
+        Risk items that used all their risk, and risk items with a chosen row.
+    """
+
+    allocated: float = 0.0
+    used: float = 0.0
+    num_active: int = 0
+    num_chosen: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,9 +142,7 @@ class SolveRequest:
             rng=self.rng,
         )
 
-    def step(
-        self, iteration: int, solution: Solution, counts: tuple[int, int, float, float]
-    ) -> Step:
+    def step(self, iteration: int, solution: Solution, risk_use: RiskUse) -> Step:
         """Make the record of a solve.
 
         Parameters
@@ -133,8 +151,8 @@ class SolveRequest:
             Counts from 0.
         solution : Solution
             The solve.
-        counts : tuple
-            `Step`'s ``num_active``, ``num_chosen``, ``allocated`` and ``used``.
+        risk_use : RiskUse
+            How it used its risk.
 
         Returns
         -------
@@ -146,7 +164,10 @@ class SolveRequest:
             self.vehicles,
             iteration,
             solution.cost,
-            *counts,
+            risk_use.num_active,
+            risk_use.num_chosen,
+            risk_use.allocated,
+            risk_use.used,
             gap=solution.gap,
             nodes=solution.nodes,
             seconds=solution.seconds,
@@ -168,6 +189,16 @@ class Policy(ABC):
 
     needs_proof: ClassVar[bool] = True
     """Whether it takes "none found" for "there is none", or costs for the least."""
+
+    @property
+    def draws_from_pool(self) -> bool:
+        """Whether it plans nothing where its share of a common pool of risk is used up."""
+        return self.family == "pooled"
+
+    @property
+    def charges_used(self) -> bool:
+        """Whether only the risk that rows run leaves the pool, not all that they were allocated."""
+        return False
 
     @abstractmethod
     def solve(self, request: SolveRequest) -> Solved:

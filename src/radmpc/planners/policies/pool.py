@@ -40,6 +40,11 @@ class Pool(Policy):
         name = "pool" if self.charge == "allocated" else f"pool({self.charge})"
         return name + spread_text(self.spread)
 
+    @property
+    def charges_used(self) -> bool:
+        """Whether only the risk that rows run leaves the pool; see `Policy.charges_used`."""
+        return self.charge == "used"
+
     def solve(self, request: SolveRequest) -> Solved:
         """Solve once, the subproblem's share spread evenly; see `Policy.solve`."""
         return solve_uniformly(request, self.spread)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from radmpc.arguments import check_word
-from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
+from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 from radmpc.program.allocation import Spread, allocated, margins_of, uniform_allocation
 
 __all__ = ["Uniform", "solve_uniformly", "spread_text"]
@@ -58,7 +58,7 @@ def solve_uniformly(request: SolveRequest, spread: Spread) -> Solved:
     if solution.selection is None or solution.z is None:
         return Solved(solution, allocation, ())
     paid = allocated(program, allocation, solution.selection)
-    step = request.step(0, solution, (0, 0, paid, float("nan")))
+    step = request.step(0, solution, RiskUse(allocated=paid, used=float("nan")))
     return Solved(solution, allocation, (step,))
 
 

@@ -8,19 +8,10 @@ from radmpc.arrays import Vector
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
+from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
 __all__ = ["search_around"]
-
-_OPEN = 0.8
-"""Difference of slack below which two alternatives are both left to the search [longest moves]."""
-
-_FAR = 1.0
-"""Slack from which the best alternative need not be held [longest moves]: the search stays near."""
-
-_GAP = 1e-3
-"""Relative gap at which the search stops [-]: it is small, and ends by its nodes where it is
-not."""
 
 
 def search_around(
@@ -67,7 +58,9 @@ def search_around(
     if rater.is_infeasible:
         return best
     held = _held(rater, slacks, move, is_rigid=is_rigid)
-    tree = RiskTree(rater.program, unit, price, gap=_GAP, scale=scale, limits=limits, rater=rater)
+    tree = RiskTree(
+        rater.program, unit, price, gap=TUNING.around_gap, scale=scale, limits=limits, rater=rater
+    )
     tree.resume(((-np.inf, held),), price, best)
     tree.run(max_nodes)
     return tree.best
@@ -85,8 +78,8 @@ def _held(rater: Rater, slacks: Vector, move: float, *, is_rigid: bool) -> tuple
     first = slack[every, places]
     slack[every, places] = -np.inf
     second = slack.max(axis=1)
-    is_held = (first < _FAR * move) & (second <= first - _OPEN * move)
+    is_held = (first < TUNING.far_slack * move) & (second <= first - TUNING.open_slack * move)
     if is_rigid:
-        is_held = first < _FAR * move
+        is_held = first < TUNING.far_slack * move
     best = rater.table[every, places]
     return tuple(int(alternative) for alternative in best[is_held])

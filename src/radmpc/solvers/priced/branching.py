@@ -8,16 +8,9 @@ import numpy as np
 
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.priced.rating import Rater, Rating
+from radmpc.solvers.priced.tuning import TUNING
 
 __all__ = ["BranchingChoice"]
-
-_SECOND_WEIGHT = 0.5
-"""Weight of the second best alternative's violation beside the best's in the choice of the
-avoidance to branch on [-]: where both are large, the bounds of both children rise."""
-
-_MISSING_FACTOR, _MISSING_LENGTH = 2.0, 5.0
-"""Violation assumed of an alternative that is impossible: so many times the best one's [-], and so
-much more [m]. Avoidances with a single alternative left come early."""
 
 
 class BranchingChoice:
@@ -77,9 +70,9 @@ class BranchingChoice:
         second = np.where(
             np.isfinite(nearest[:, 1]),
             nearest[:, 1],
-            _MISSING_FACTOR * nearest[:, 0] + _MISSING_LENGTH,
+            TUNING.missing_factor * nearest[:, 0] + TUNING.missing_length,
         )
-        return int(violated[(nearest[:, 0] + _SECOND_WEIGHT * second).argmax()]), True
+        return int(violated[(nearest[:, 0] + TUNING.second_weight * second).argmax()]), True
 
     def alternatives(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
         """Return the possible alternatives of an avoidance, the one violated least first.

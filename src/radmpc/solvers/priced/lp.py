@@ -22,14 +22,11 @@ from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability, tail_slope
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome, Numbers
+from radmpc.solvers.priced.tuning import TUNING
 
 __all__ = ["RiskLp", "SetBound"]
 
 _INF = float("inf")
-_FIRST_TANGENTS = (2.1, 2.6, 3.1)
-"""Clearances of a row's first tangents, beside that at its cap [standard deviations]: optimal plans
-of few vehicles keep near these."""
-
 _DEAR = 1e6
 """Price from which rows with prices in them are scaled down [cost]: HiGHS refuses entries of
 1e15."""
@@ -37,10 +34,6 @@ _DEAR = 1e6
 _APART = 1e-4
 """Least distance of two tangents of a row [standard deviations]: closer ones are nearly
 parallel."""
-
-_CROWD = 400
-"""Rows beyond which switched-off ones are dropped [-], beside twelve per active row: more are idle
-in every pivot, fewer are loaded anew more often. Larger pools were slower."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +94,7 @@ class RiskLp:
         rows = program.rows
         self._right = rows.offsets - rows.normals @ program.constant
         self._coefficients: dict[int, tuple[Numbers, Vector]] = {}
-        self._tangents = (self.floor, *(q for q in _FIRST_TANGENTS if q > self.floor + 0.2))
+        self._tangents = (self.floor, *(q for q in TUNING.first_tangents if q > self.floor + 0.2))
         self._bounds = tuple(sorted(bounds, key=lambda b: (len(b.blocks), sorted(b.blocks))))
         self._start()
 
@@ -145,7 +138,7 @@ class RiskLp:
     def activate(self, rows: Iterable[int]) -> None:
         """Switch exactly these chance rows on, adding those that are new."""
         target = set(rows)
-        if self._lp.num_rows > _CROWD + 12 * len(target):
+        if self._lp.num_rows > TUNING.crowd + 12 * len(target):
             # Rows switched off still cost time in every pivot: begin again without them.
             self.dropped_solves += self._lp.solves
             self._start()

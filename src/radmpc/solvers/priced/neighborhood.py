@@ -20,6 +20,7 @@ from radmpc.solvers.priced.around import search_around
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
+from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Neighborhood", "Seek"]
@@ -27,22 +28,6 @@ __all__ = ["Neighborhood", "Seek"]
 Seek = Callable[[Rater, int, bool], Incumbent | None]
 """Looks for a plan of one block around placed others, from its program laid out for rating and its
 number; greedily, as early as possible, where the last argument is true."""
-
-_ROUGH_GAP = 5e-3
-"""Relative gap at which the search for one group of blocks stops [-]: the whole is not optimal in
-any case, and smaller gaps take nodes from other groups."""
-
-_NODES_AROUND = 60
-"""Nodes per free block of the search around the plan at hand, before the search proper [-]."""
-
-_TRIES = 3
-"""Orders in which blocks are placed [-]; each new one begins with the block that found no path."""
-
-_TRIES_IN_HASTE = 5
-"""The same where each block is placed by the construction heuristic [-], whose runs are short."""
-
-_NODES = 200
-"""Nodes per free block [-]: it is a heuristic, not a proof."""
 
 
 @dataclass(eq=False)
@@ -98,7 +83,7 @@ class Neighborhood:
             a few times; then None.
         """
         order, tried = list(order), list[list[int]]()
-        for _ in range(_TRIES):
+        for _ in range(TUNING.tries):
             z = alone.copy()
             failed = None
             for place, block in enumerate(order):
@@ -130,7 +115,7 @@ class Neighborhood:
         """
         for sequence in (list(order), list(order)[::-1]):
             tried, following = list[list[int]](), sequence
-            for _ in range(_TRIES_IN_HASTE):
+            for _ in range(TUNING.tries_in_haste):
                 z, failed = self._placed_greedily(alone, following)
                 if failed is None:
                     return self.improve(z, [[block] for block in following])
@@ -188,18 +173,18 @@ class Neighborhood:
             part.program,
             self.unit,
             self.price,
-            gap=_ROUGH_GAP,
+            gap=TUNING.rough_gap,
             scale=self.scale,
             limits=self.limits,
             rater=rater,
         )
         tree.consider(z[part.columns])
         least = sum(self.least[b] for b in free)
-        if tree.value <= least + _ROUGH_GAP * max(least, self.scale):
+        if tree.value <= least + TUNING.rough_gap * max(least, self.scale):
             return z
         if tree.best is not None:
-            self._search_around(tree, tree.best, _NODES_AROUND * len(free))
-        tree.run(_NODES * len(free))
+            self._search_around(tree, tree.best, TUNING.nodes_around * len(free))
+        tree.run(TUNING.nodes * len(free))
         if tree.best is None and is_new and self.seek is not None and not self.limits.reached:
             found = self.seek(tree.rater, free[0], False)
             if found is not None:

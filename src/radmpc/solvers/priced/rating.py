@@ -9,13 +9,10 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.selection import alternative_table, possible_alternatives
 
 __all__ = ["Rater", "Rating"]
-
-_REFERENCE = 0.1
-"""Share of the unit at whose clearance an alternative counts as satisfied when branching [-]:
-larger ones branch on fewer avoidances, and leave more to the exact account of risks."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +71,9 @@ class Rater:
         self.row_cap = min(unit, CONVEX_RISK)
         self.floor = deviations * float(clearance_for(self.row_cap))
         self.possible = possible_alternatives(program, self.floor)
-        self._reference = deviations * float(clearance_for(min(_REFERENCE * unit, CONVEX_RISK)))
+        self._reference = deviations * float(
+            clearance_for(min(TUNING.reference * unit, CONVEX_RISK))
+        )
         self.table = alternative_table(program, self.possible)
         self._blank = self.table < 0
         self._every = np.arange(program.num_avoidances)

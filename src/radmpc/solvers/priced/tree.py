@@ -24,20 +24,13 @@ from radmpc.solvers.priced.lp import RiskLp, SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node
 from radmpc.solvers.priced.rating import Rater, Rating
 from radmpc.solvers.priced.tangents import Tangents
+from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.priced.value import negligible_difference, priced_value
 from radmpc.solvers.solution import Limits, cutoff_below
 
 __all__ = ["RiskTree"]
 
 _INF = float("inf")
-
-_PATIENCE = 100
-"""Nodes after which a dive without any solution gives up for the best bound [-]: fewer raise the
-bound sooner, more find a first plan sooner in narrow scenes."""
-
-_HEADROOM = 0.01
-"""Share of the cutoff by which linear programs run beyond it [-], so that their bounds serve at a
-higher price: for 48 vehicles, 51 of them instead of 589 when the price rises by a quarter."""
 
 
 class RiskTree:
@@ -106,7 +99,7 @@ class RiskTree:
         self._tangents = Tangents(program, unit)
         self._bounds = tuple(bounds)
         self._lp: RiskLp | None = None
-        self._open: Dives[Node] = Dives(_PATIENCE)
+        self._open: Dives[Node] = Dives(TUNING.patience)
         self._parked: list[Node] = []
         self._unsolved: list[Node] = []
         self._created = 0
@@ -256,7 +249,7 @@ class RiskTree:
         """Solve a node's linear program and raise its bound; cut off where it cannot matter."""
         cutoff = self._cutoff()
         # A little beyond the cutoff, so that the bound still serves at a higher price.
-        outcome, bound = self.lp.solve(cutoff + _HEADROOM * abs(cutoff))
+        outcome, bound = self.lp.solve(cutoff + TUNING.headroom * abs(cutoff))
         if outcome is not LpOutcome.OPTIMAL and node.chosen:
             self._choice.failed(node.chosen[-1])
         node.bound = max(node.bound, bound)

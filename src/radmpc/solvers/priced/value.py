@@ -5,19 +5,13 @@ from __future__ import annotations
 from radmpc.arrays import Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.priced.rating import Rating
+from radmpc.solvers.priced.tuning import TUNING
 
 __all__ = ["negligible_difference", "priced_value"]
-
-_EPSILON = 0.3
-"""Share of the gap within which a node's bound and its point's true value count as equal [-]."""
 
 _ROUNDING = 1e-6
 """How far a row held at its cap may exceed it by the linear solver's tolerance [-]. Such a point
 is a candidate at a price only: its risks are rescaled to the bound exactly afterwards."""
-
-_OVERDRAWN = 1.2
-"""Units of risk that a candidate may run in all [-]: its risks are rescaled to the bound
-afterwards."""
 
 
 def priced_value(
@@ -53,7 +47,7 @@ def priced_value(
     """
     if rating.largest > row_cap * (1.0 + _ROUNDING):
         return float("inf")
-    if rating.risk > _OVERDRAWN * unit:
+    if rating.risk > TUNING.overdrawn * unit:
         return float("inf")
     return float(program.cost @ z) + price * rating.risk / unit
 
@@ -70,4 +64,4 @@ def negligible_difference(value: float, gap: float, scale: float) -> float:
     scale : float
         Values below this count as this.
     """
-    return _EPSILON * gap * max(abs(value) if value < float("inf") else 0.0, scale)
+    return TUNING.tie * gap * max(abs(value) if value < float("inf") else 0.0, scale)

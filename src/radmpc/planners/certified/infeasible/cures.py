@@ -11,6 +11,7 @@ from radmpc.model.dynamics import lqr_gain
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.certified.infeasible.least_risk import least_risk
+from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import reserve_reason, sure_reasons
 from radmpc.planners.wording import listed
@@ -18,21 +19,6 @@ from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Cures", "cure_sentence", "find_cures", "has_plan_within"]
-
-_SECONDS = 2.0
-"""Time for all trials of one kind [s]: each takes 0.1 s for a vehicle among a few obstacles."""
-
-_ONE_TRIAL = 1.2
-"""Most that a single trial may take of it [s]."""
-
-_WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
-"""Weights R of the control tried for feedback, with Q = 1: a softer gain each."""
-
-_MOST_TIMES = 8
-"""Multiple of the horizon up to which the least time is sought."""
-
-_QUIETER = (0.5, 0.25, 0.1, 0.03)
-"""Factors of the noise's standard deviations tried."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,20 +54,20 @@ def find_cures(scenario: Scenario, limits: Limits) -> Cures:
     """
     found: list[str] = []
     failed: list[str] = []
-    horizon = _longer(scenario, limits.within(_SECONDS))
+    horizon = _longer(scenario, limits.within(TUNING.seconds))
     if isinstance(horizon, int):
         seconds = horizon * scenario.dt
         found.append(f"lengthen the horizon to {horizon} steps ({seconds:g} s)")
     elif horizon:
         failed.append(horizon)
     has_gain = any(v.gain is not None for v in scenario.vehicles)
-    feedback = _feedback(scenario, limits.within(_SECONDS))
+    feedback = _feedback(scenario, limits.within(TUNING.seconds))
     if feedback is not None:
         found.append(f"{'soften the' if has_gain else 'add'} feedback ({feedback})")
     elif _is_noisy(scenario):
         failed.append("softer feedback" if has_gain else "feedback")
     if not found:
-        factor = _quieter(scenario, limits.within(_SECONDS))
+        factor = _quieter(scenario, limits.within(TUNING.seconds))
         if factor is not None:
             found.append(f"reduce the noise to {factor:g} of its standard deviations")
     return Cures(tuple(found), tuple(failed))
@@ -153,7 +139,7 @@ def _least_time(scenario: Scenario, limits: Limits) -> int:
     failed, works = scenario.horizon - 1, scenario.horizon
     while not _reaches(scenario, works):
         failed, works = works, works + (works + 1) // 2
-        if limits.reached or works > _MOST_TIMES * scenario.horizon:
+        if limits.reached or works > TUNING.most_times * scenario.horizon:
             return scenario.horizon
     while works - failed > 1:
         middle = (failed + works) // 2
@@ -190,14 +176,14 @@ def _does(scenario: Scenario, horizon: int, limits: Limits) -> bool:
         longer = replace(scenario, horizon=horizon)
     except ScenarioError:  # a state that grows too far
         return False
-    return has_plan_within(longer, limits.within(_ONE_TRIAL))
+    return has_plan_within(longer, limits.within(TUNING.trial_seconds))
 
 
 def _feedback(scenario: Scenario, limits: Limits) -> str | None:
     """Return the feedback that does, softer than what there is."""
     if not _is_noisy(scenario):
         return None
-    for weight in _WEIGHTS:
+    for weight in TUNING.weights:
         if limits.reached:
             return None
         candidates = [_regulated(v, weight, scenario.horizon) for v in scenario.vehicles]
@@ -207,7 +193,7 @@ def _feedback(scenario: Scenario, limits: Limits) -> str | None:
             trial = replace(scenario, vehicles=tuple(v for v in candidates if v is not None))
         except ScenarioError:
             continue
-        if has_plan_within(trial, limits.within(_ONE_TRIAL)):
+        if has_plan_within(trial, limits.within(TUNING.trial_seconds)):
             return f"lqr with Q = 1, R = {weight:g} does"
     return None
 
@@ -233,8 +219,8 @@ def _quieter(scenario: Scenario, limits: Limits) -> float | None:
     """Return how much less noise does."""
     if not _is_noisy(scenario):
         return None
-    for factor in _QUIETER:
-        if has_plan_within(_with_noise(scenario, factor), limits.within(_ONE_TRIAL)):
+    for factor in TUNING.quieter:
+        if has_plan_within(_with_noise(scenario, factor), limits.within(TUNING.trial_seconds)):
             return factor
     return None
 

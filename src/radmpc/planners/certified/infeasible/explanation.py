@@ -10,6 +10,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.infeasible.cures import cure_sentence
 from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.infeasible.stuck import stuck_reason
+from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.explain import hazard_name, unable_alone
 from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
 from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
@@ -20,15 +21,6 @@ __all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
 
 _NAMED = 3
 """Hazards of the safest plan that are named [-]."""
-
-_MAX_CONFLICTS = 8
-"""Groups of stuck vehicles that are looked for, at most [-]: each takes a search."""
-
-_CURED = 2
-"""Groups of vehicles for which cures are tried [-]; more would take too long."""
-
-_QUICK = 0.4
-"""Time to look at what the others could do where some are ruled out at first sight [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +71,7 @@ def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
     texts = _told(scenario, reasons, limits)
     if rest:
         part = scenario.subset(rest, scenario.risk_bound)
-        quick = limits.within(_QUICK)
+        quick = limits.within(TUNING.quick_seconds)
         found = least_risk(part, quick, part.risk_bound)
         if found.stuck:
             members, text, many = stuck_reason(part, found.stuck, quick)
@@ -141,7 +133,7 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
     slow = {i for reason in reasons for i in reason.members}
     rest = [i for i in range(scenario.num_vehicles) if i not in slow]
     found: LeastRisk | None = None
-    while rest and len(reasons) < _MAX_CONFLICTS:
+    while rest and len(reasons) < TUNING.max_conflicts:
         part = scenario.subset(tuple(rest), scenario.risk_bound)
         found = least_risk(part, limits)
         if not found.stuck:
@@ -168,7 +160,7 @@ def why_not(scenario: Scenario, limits: Limits) -> WhyNot:
 
 def _told(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> list[str]:
     """Return reasons in words, each with what would help, as far as that can be tried."""
-    texts, left = [], _CURED
+    texts, left = [], TUNING.cured
     for group, sentence in grouped(scenario, reasons):
         texts.append(sentence)
         if group is None or left == 0:

@@ -10,8 +10,10 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.rounds import Round, run_round
+from radmpc.planners.certified.state import SearchState
 from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
 
@@ -20,14 +22,8 @@ __all__ = ["LeastRisk", "least_risk"]
 _UNIT = 0.49
 """The unit of risk, and with it the row risk cap [-]: below one half a row's tail is convex."""
 
-_TOLERANCE = 0.02
-"""Share of the risk bound to which the least risk is sought [-]."""
-
 _HazardKey = tuple[str, str, str | None]
 """Cause, vehicle, and what it may hit."""
-
-_EFFORTS = (1, 4, 16)
-"""Multiples of the nodes of a round that are tried one after the other [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,20 +72,22 @@ def least_risk(scenario: Scenario, limits: Limits, enough: float = 0.0) -> Least
         With the set that has no plan at all, if there is one.
     """
     lenient = replace(scenario, risk_bound=_UNIT)
-    tolerance = _TOLERANCE * scenario.risk_bound / _UNIT
-    fleet = Fleet(lenient, tolerance, limits, _silent, is_costless=True)
+    tolerance = TUNING.tolerance * scenario.risk_bound / _UNIT
+    fleet = Fleet.of(lenient, tolerance, limits, is_costless=True)
+    state = replace(SearchState.of(fleet), unit_price=1.0)
     best = LeastRisk(float("inf"), 0.0)
-    if fleet.budget <= 0.0:
+    if state.budget <= 0.0:
         return best
-    for effort in _EFFORTS:
+    for effort in TUNING.efforts:
+        state = replace(state, effort=effort)
         while True:
-            found = run_round(fleet, 1.0, effort)
+            state, found = run_round(fleet, state)
             if found is None or not found.is_initial:
                 break
             best = _better(fleet, best, found)
             if best.risk <= enough:
                 return best
-        stuck = fleet.without_plan()
+        stuck = state.without_plan()
         if stuck is not None:
             return LeastRisk(float("inf"), float("inf"), stuck=stuck)
         if found is not None:
@@ -104,7 +102,7 @@ def _better(fleet: Fleet, best: LeastRisk, found: Round) -> LeastRisk:
     initial = fleet.initial
     # At a price of 1, and with effort free, the value is the risk in units.
     bound = max(best.bound, fleet.unit * found.least + initial)
-    presolved = sum(fleet.programs.problems[m].program.presolved_risk for m in found.sets)
+    presolved = sum(fleet.programs.problem(m).program.presolved_risk for m in found.sets)
     risk = initial + presolved + found.risk + found.inter_set_risk
     if risk >= best.risk:
         return replace(best, bound=min(bound, best.risk))
@@ -125,7 +123,7 @@ def _takers(fleet: Fleet, found: Round) -> tuple[tuple[RiskItem, float], ...]:
         total[risk_item[:3]] += hazard.risk
         worst[risk_item[:3]] = (hazard.risk, risk_item)
     for members, plan in zip(found.sets, found.plans, strict=True):
-        program = fleet.programs.problems[members].program
+        program = fleet.programs.problem(members).program
         risks = program.event_risks(plan.z, plan.selection)
         for event in np.flatnonzero(risks > 0.0):
             risk_item = program.risk_items[int(program.rows.risk_items[event])]
@@ -135,8 +133,3 @@ def _takers(fleet: Fleet, found: Round) -> tuple[tuple[RiskItem, float], ...]:
                 worst[key] = (float(risks[event]), risk_item)
     ranked = sorted(total, key=lambda key: -total[key])
     return tuple((worst[key][1], total[key]) for key in ranked)
-
-
-def _silent(done: int, total: int) -> None:
-    """Take progress without showing it."""
-    del done, total

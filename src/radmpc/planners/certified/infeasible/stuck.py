@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.explain import trivially_infeasible
 from radmpc.planners.wording import listed
@@ -16,9 +17,6 @@ __all__ = ["stuck_reason"]
 
 _UNIT = 0.49
 """The unit of risk, and with it the row risk cap [-]: below one half a row's tail is convex."""
-
-_NODES = 400
-"""Nodes per vehicle to find out whether there is a plan once one thing is left out [-]."""
 
 _QUIET = 1e-6
 """Factor of covariances that leaves next to nothing of them [-]."""
@@ -109,7 +107,7 @@ def _search(scenario: Scenario, limits: Limits) -> RiskTree:
     tree = RiskTree(
         problem.program, _UNIT, 1.0, gap=1.0, scale=1.0, limits=limits, rater=problem.rater
     )
-    tree.run(_NODES * len(everyone))
+    tree.run(TUNING.nodes * len(everyone))
     return tree
 
 

@@ -12,21 +12,10 @@ from radmpc.planners.certified.lattice.half_planes import (
     gap_middles,
     limits_at,
 )
+from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 
 __all__ = ["Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
-
-_MOVES_AROUND = 3
-"""Cells by which a displacement may differ from that of the path which is refined [-]."""
-
-_MAX_CELLS = 20_000
-"""Positions of a coarse lattice at most [-]: its cells grow until it has no more."""
-
-_TUBE = 4
-"""Cells on each side of a path within which the next, finer one is sought [-]."""
-
-_NARROW = 3.0
-"""Width of gaps up to which their middles get a line of their own [cells]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +112,7 @@ def coarse_lattice(
     high = np.minimum(model.reach_upper, upper).max(axis=0)
     low, high = np.minimum(low - start, 0.0), np.maximum(high - start, 0.0)
     stride = longest / moves
-    while np.prod(np.floor(high / stride) - np.ceil(low / stride) + 1) > _MAX_CELLS:
+    while np.prod(np.floor(high / stride) - np.ceil(low / stride) + 1) > TUNING.max_cells:
         stride = stride * 1.25
     first = np.ceil(low / stride).astype(np.int64)
     last = np.floor(high / stride).astype(np.int64)
@@ -146,9 +135,9 @@ def finer_lattice(lattice: Lattice, cells: Indices) -> Lattice:
         0.5 * lattice.stride,
         lattice.start,
         2 * cells,
-        np.full(2, -_TUBE, dtype=np.int64),
-        (2 * _TUBE + 1, 2 * _TUBE + 1),
-        _MOVES_AROUND,
+        np.full(2, -TUNING.tube, dtype=np.int64),
+        (2 * TUNING.tube + 1, 2 * TUNING.tube + 1),
+        TUNING.moves_around,
     )
 
 
@@ -165,7 +154,7 @@ def snapped_lattice(lattice: Lattice, avoidances: list[list[AvoidanceHalfPlanes]
     lines = []
     for axis, line in enumerate(lattice.axes(lattice.reference[0])):
         stride = float(lattice.stride[axis])
-        for middle in gap_middles(avoidances, axis, _NARROW * stride):
+        for middle in gap_middles(avoidances, axis, TUNING.narrow * stride):
             nearest = int(np.abs(line - middle).argmin())
             if abs(line[nearest] - middle) <= 0.5 * stride:
                 line[nearest] = middle

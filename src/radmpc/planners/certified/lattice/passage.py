@@ -8,6 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.lattice.search import PathSearch
+from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.restrict import along
 from radmpc.solvers.priced.around import search_around
 from radmpc.solvers.priced.nodes import Incumbent
@@ -16,21 +17,6 @@ from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Passage"]
-
-_NODES = 50
-"""Nodes of a small search around a path or a plan [-]."""
-
-_NODES_ALONG = 150
-"""Nodes of each of the two searches for the earliest plan [-]."""
-
-_ROUGH_GAP = 0.05
-"""Relative gap of the second of these [-]: every vehicle is planned anew afterwards."""
-
-_TUBE = 1.0
-"""How far the earliest plan may be off its path on the lattice [longest displacements]."""
-
-_STEP_SHARE = 0.01
-"""Share of the risk bound that the earliest plan may risk to gain a step [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +65,7 @@ class Passage:
         Incumbent or None
             No worse than the plan given.
         """
-        best, pace = incumbent, _Pace(unit_price, scale, limits, _NODES)
+        best, pace = incumbent, _Pace(unit_price, scale, limits, TUNING.nodes)
         path = self.path_search.path(unit_price / self.path_search.unit)
         if path is not None:
             best = _better(
@@ -99,27 +85,29 @@ class Passage:
         # Where no effort is needed, or none counts, any cost of delay will do.
         delay_cost = path_search.motion.start_cost or 1.0
         # A step is worth about a hundredth of the bound.
-        price = delay_cost / (_STEP_SHARE * self.rater.program.risk_bound)
+        price = delay_cost / (TUNING.step_share * self.rater.program.risk_bound)
         path = path_search.path(price, delay_cost)
         if path is None:
             return None
-        room = np.tile(_TUBE * path_search.motion.longest, len(path))
+        room = np.tile(TUNING.earliest_tube * path_search.motion.longest, len(path))
         program = along(self.rater.program, path_search.places, path.ravel(), room)
         rater = Rater(program, unit)
-        found = self._along(rater, path, _Pace(price * unit, delay_cost, limits, _NODES_ALONG))
+        found = self._along(
+            rater, path, _Pace(price * unit, delay_cost, limits, TUNING.nodes_along)
+        )
         # The lattice ignores the sagitta: an alternative of its path may not hold, or not be best.
         tree = RiskTree(
             program,
             unit,
             price * unit,
-            gap=_ROUGH_GAP,
+            gap=TUNING.rough_gap,
             scale=delay_cost,
             limits=limits,
             rater=rater,
         )
         if found is not None:
             tree.consider(found.z)
-        tree.run(_NODES_ALONG)
+        tree.run(TUNING.nodes_along)
         return tree.best
 
     def _along(self, rater: Rater, path: Matrix, pace: _Pace) -> Incumbent | None:

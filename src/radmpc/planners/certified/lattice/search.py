@@ -28,16 +28,11 @@ from radmpc.planners.certified.lattice.moves import (
     snapped_lattice,
 )
 from radmpc.planners.certified.lattice.tables import INFEASIBLE, Float32, changed, shifted, tail_of
+from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 
 __all__ = ["PathSearch"]
-
-_MOVES = (3, 6)
-"""Cells that the longest displacement covers [-]; more where a coarser lattice has no path."""
-
-_NEAR = 1e-5
-"""Share of the unit below which a risk counts as nothing [-]."""
 
 
 @dataclass(eq=False)
@@ -75,7 +70,7 @@ class PathSearch:
     def __post_init__(self) -> None:
         """Derive the motion from the dynamics; the avoidances follow when first needed."""
         self.motion = Motion.of(self.model)
-        self._near_by = float(clearance_for(_NEAR * self.unit))
+        self._near_by = float(clearance_for(TUNING.near * self.unit))
 
     @property
     def is_possible(self) -> bool:
@@ -114,15 +109,15 @@ class PathSearch:
     def _refined_path(self, price: float, delay_cost: float) -> Matrix | None:
         """Seek a path, on finer lattices where coarser ones have none, from then on there alone."""
         while True:
-            moves = _MOVES[min(self.level, len(_MOVES) - 1)]
+            moves = TUNING.moves[min(self.level, len(TUNING.moves) - 1)]
             lattice = coarse_lattice(self.model, self._avoidances, self.motion.longest, moves)
-            if self.level == len(_MOVES):
+            if self.level == len(TUNING.moves):
                 # Narrow passages may lie between the lines.
                 lattice = snapped_lattice(lattice, self._avoidances)
             cells = self._search(lattice, price, delay_cost)
             if cells is not None:
                 break
-            if self.is_coarse_only or self.level == len(_MOVES):
+            if self.is_coarse_only or self.level == len(TUNING.moves):
                 return None
             self.level += 1
         if lattice.lines is None:

@@ -11,11 +11,11 @@ from scipy.sparse import coo_array, csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
-from radmpc.planners.certified.turned.hazards import Hazards
+from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hard import hard_rows
-from radmpc.solvers.lp.highs_lp import quiet_highs
+from radmpc.solvers.lp.highs_lp import FEASIBILITY_TOL, quiet_highs
 
 __all__ = ["GroupLp", "GroupPlan"]
 
@@ -93,6 +93,8 @@ class GroupLp:
         self._highs = quiet_highs()
         self._highs.setOptionValue("presolve", "off")
         self._highs.setOptionValue("solver", "simplex")
+        for kind in ("primal", "dual"):
+            self._highs.setOptionValue(f"{kind}_feasibility_tolerance", FEASIBILITY_TOL)
         self._num_rows = self._num_columns = 0
         starts = [self._add_member(slot) for slot in range(len(self.members))]
         self._controls = np.array([first for first, _ in starts])

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.coarse_search import propose_alternatives
 from radmpc.planners.verdict import Judge
@@ -22,43 +23,44 @@ from radmpc.solvers.solution import Limits
 
 __all__ = ["turn_from_noiseless"]
 
-_MOST_VEHICLES = 8
-"""Vehicles of a fleet beyond which it is not planned as one without regard for risk [-]."""
 
-_SECONDS, _SHARE = 2.0, 0.3
-"""Time for a plan without regard for risk [s], at most this share of what is left [-]."""
-
-_NODES = 150
-"""Nodes per vehicle for it [-]; any plan will do."""
-
-
-def turn_from_noiseless(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
+def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
     """Turn half-spaces to plans of the vehicles each alone, and of all without noise.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet; nothing is done where it is large.
-    incumbent : FleetIncumbent
-        Takes what is certified and cheaper than it.
+    state : SearchState
+        What is known of it.
     judge : callable
         The referee.
+
+    Returns
+    -------
+    SearchState
+        With what is certified and cheaper than the incumbent.
     """
     count = fleet.scenario.num_vehicles
-    if count > _MOST_VEHICLES or fleet.limits.reached:
-        return
-    limits = fleet.limits.within(min(_SECONDS, _SHARE * fleet.limits.seconds_left))
+    if count > TUNING.most_vehicles or fleet.limits.reached:
+        return state
+    limits = fleet.limits.within(
+        min(TUNING.noiseless_seconds, TUNING.noiseless_share * fleet.limits.seconds_left)
+    )
     whole = tuple(range(count))
     alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
     starts = [_noiseless(fleet, whole, limits)]
     if alone and all(z is not None for z in alone):
         apart = np.concatenate([z for z in alone if z is not None])
-        plan_by_turning(fleet, incumbent, judge, fleet.singles, _controls(fleet, whole, apart))
+        controls = _controls(fleet, whole, apart)
+        state = plan_by_turning(fleet, state, judge, fleet.singles, controls)
         if starts[0] is None or not np.array_equal(apart, starts[0]):
             starts.append(apart)
     for z in starts:
         if z is not None:
-            plan_by_turning(fleet, incumbent, judge, (whole,), _controls(fleet, whole, z))
+            controls = _controls(fleet, whole, z)
+            state = plan_by_turning(fleet, state, judge, (whole,), controls)
+    return state
 
 
 def _controls(fleet: Fleet, members: Members, z: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -72,7 +74,7 @@ def _noiseless(fleet: Fleet, members: Members, limits: Limits) -> np.ndarray | N
     program = problem.program
     margins = np.zeros(program.rows.count)
     return (
-        Branch(_NODES * len(members))
+        Branch(TUNING.noiseless_nodes * len(members))
         .solve(
             program,
             margins,

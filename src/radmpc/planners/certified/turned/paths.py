@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
-from radmpc.planners.certified.turned.hazards import Hazards
+from radmpc.planners.certified.hazards import Hazards
 
 __all__ = ["Paths"]
 

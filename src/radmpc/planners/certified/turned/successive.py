@@ -16,33 +16,16 @@ from radmpc.arrays import Matrix
 from radmpc.gaussian import tail_probability
 from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, Near, half_spaces
-from radmpc.planners.certified.turned.hazards import Hazards
+from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.margins import fixed_margins, priced_margins
 from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
 __all__ = ["SuccessiveLp"]
 
-_FIRST_PENALTY, _GROWTH, _LAST_PENALTY = 10.0, 1.3, 1e4
-"""Penalty for a meter missed, in multiples of what the cheapest meter of detour costs: in the first
-sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that several vehicles
-share a detour instead of the first one making all of it."""
-
 _MISSED = 1e-7
 """What half-spaces may be missed by in all [m]."""
-
-_SETTLED = 2e-3
-"""Relative change of the cost below which sweeps without a miss end [-]."""
-
-_STUCK = 8
-"""Sweeps in which what is missed falls by less than a tenth, after which nothing is expected [-]."""
-
-_AHEAD = 0.7
-"""Share of the last move by which half-spaces are turned ahead of the latest paths [-]: without it
-the last per mille takes twice as many rounds on `paper(8)`, from 2 on paths swing."""
-
-_KEPT = 3.0
-"""Clearance up to which directions are compared and windows count as near [standard deviations]."""
 
 Group = tuple[int, ...]
 
@@ -106,7 +89,7 @@ class SuccessiveLp:
             Whether all do.
         """
         least, num_stuck, cost = np.inf, 0, np.inf
-        penalty = _FIRST_PENALTY * self._meter
+        penalty = TUNING.first_penalty * self._meter
         order = range(self.hazards.count)
         for _ in range(max_sweeps):
             for i in order:
@@ -115,13 +98,13 @@ class SuccessiveLp:
                 self._plan_alone(i, clearance, penalty)
             order = order[::-1]
             missed, previous, cost = float(self.missed.sum()), cost, self.paths.cost()
-            if missed <= _MISSED and abs(previous - cost) <= _SETTLED * abs(cost):
+            if missed <= _MISSED and abs(previous - cost) <= TUNING.settled * abs(cost):
                 return True
             num_stuck = num_stuck + 1 if missed > 0.9 * least else 0
             least = min(least, missed)
-            if missed > _MISSED and num_stuck >= _STUCK:
+            if missed > _MISSED and num_stuck >= TUNING.stuck:
                 return False
-            penalty = min(_GROWTH * penalty, _LAST_PENALTY * self._meter)
+            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty * self._meter)
         return float(self.missed.sum()) <= _MISSED
 
     def _plan_alone(self, i: int, clearance: float, penalty: float) -> None:
@@ -146,9 +129,9 @@ class SuccessiveLp:
         spacing : float
             Between the clearances around the latest at which risk is interpolated [-].
         """
-        near = Near(_KEPT, float(self.hazards.moves[list(group)].max()), is_refined=True)
+        near = Near(TUNING.compared, float(self.hazards.moves[list(group)].max()), is_refined=True)
         spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
-        penalty = _LAST_PENALTY * self._meter
+        penalty = TUNING.last_penalty * self._meter
         margins = priced_margins(
             spaces.deviations, spaces.clearances, (price, penalty), spacing
         )
@@ -159,8 +142,8 @@ class SuccessiveLp:
             means, sagittas = self.paths.means[i].copy(), self.paths.sagittas[i].copy()
             self.paths.fly(i, controls)
             moved = self.paths.means[i] - means, self.paths.sagittas[i] - sagittas
-            self._ahead.means[i] = self.paths.means[i] + _AHEAD * moved[0]
-            self._ahead.sagittas[i] = self.paths.sagittas[i] + _AHEAD * moved[1]
+            self._ahead.means[i] = self.paths.means[i] + TUNING.ahead * moved[0]
+            self._ahead.sagittas[i] = self.paths.sagittas[i] + TUNING.ahead * moved[1]
         return plan.risk
 
     def _program(self, group: Group) -> GroupLp:

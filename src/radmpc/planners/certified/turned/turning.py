@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,59 +15,20 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.turned.hazards import Hazards
+from radmpc.planners.certified.state import SearchState
 from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
 
-__all__ = ["plan_by_turning", "turn_half_spaces"]
+__all__ = ["Turning", "plan_by_turning", "turn_half_spaces"]
 
 _LOG = logging.getLogger(__name__)
-
-_ROUNDS = 30
-"""Turns at most [-], twice as many from a plan that risks too much. The families of the benchmarks
-mostly stop earlier, when little is gained; the first few often exceed Δ and are lost."""
-
-_MOST_SOLVES, _LEAST_ROUNDS = 400, 2
-"""Solves of groups after which no round is begun [-], but for so many rounds of all: large fleets
-gain little by the solve, and a count, unlike a clock, gives the same plan on any machine."""
-
-_TOGETHER = 48
-"""Vehicles up to which the whole fleet is planned together [-]; the sets of the plan beyond. One
-linear program of 20 vehicles takes 30 ms."""
-
-_SPACING, _FINER, _LEAST_SPACING = 0.12, 0.7, 0.01
-"""Between clearances at which risk is interpolated around the latest: at first, its factor from round
-to round, and at least [standard deviations]."""
-
-_AIM = 0.985
-"""Share of Δ that the certificate is to come to at the next price [-]."""
-
-_MOST_MOVE = 30.0
-"""Ratio of certificate to aim that a price follows at most, either way [-]."""
-
-_DAMPING = 0.8
-"""Power of that ratio that the price follows [-]: risk falls a little faster than in proportion."""
-
-_ENOUGH = 0.1
-"""Share of the gap below which a round gains too little to go on [-]."""
-
-_MAX_STALLS = 3
-"""Rounds in a row that gain too little, after which none follows [-]."""
-
-_LESS = 0.9
-"""Share of the least certificate so far that a round must come below while far above Δ [-]."""
-
-_CLOSE = 2.0
-"""Multiple of Δ up to which a certificate above it is left for the price to repair [-]."""
-
-_DEAR = 10.0
-"""Multiple of the first price at which turning begins from a plan that risks too much [-]."""
 
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
 
 
-def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> None:
+def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
     """Improve the incumbent by half-spaces of any direction, until little is gained.
 
     Every hazard keeps the side on which the plan passes it, by a half-space turned to where it
@@ -78,55 +39,76 @@ def turn_half_spaces(fleet: Fleet, incumbent: FleetIncumbent, judge: Judge) -> N
     ----------
     fleet : Fleet
         The fleet.
-    incumbent : FleetIncumbent
-        Has a plan, and takes cheaper ones. What was proven stays as it is.
+    state : SearchState
+        With a certified plan.
     judge : callable
         The referee.
+
+    Returns
+    -------
+    SearchState
+        With a cheaper plan where there is one. What was proven stays as it is.
     """
-    rounds = incumbent.round_bounds
-    unit_price = rounds[-1][1] if rounds else fleet.first_unit_price()
-    turning = _Turning(fleet, incumbent, judge, incumbent.sets, unit_price / fleet.unit)
-    turning.run(incumbent.controls, _ROUNDS)
+    incumbent, price = state.incumbent, state.last_unit_price(fleet) / fleet.unit
+    turning = Turning.of(fleet, judge, incumbent, incumbent.sets, price)
+    turning.successive.begin(incumbent.controls)
+    return replace(state, incumbent=turning.run(TUNING.rounds))
 
 
 def plan_by_turning(
     fleet: Fleet,
-    incumbent: FleetIncumbent,
+    state: SearchState,
     judge: Judge,
     sets: tuple[Members, ...],
     controls: tuple[Matrix, ...],
-) -> None:
+) -> SearchState:
     """Look for a certified plan near one that risks too much, by half-spaces turned to it.
 
     Parameters
     ----------
     fleet : Fleet
         The fleet.
-    incumbent : FleetIncumbent
-        Takes the plan, if one is certified.
+    state : SearchState
+        What is known of it.
     judge : callable
         The referee.
     sets : tuple of tuple of int
         Who is planned together.
     controls : tuple of (T, m) array
         Of a plan without collisions, noise aside, in the scenario's order.
+
+    Returns
+    -------
+    SearchState
+        With the plan, if it is certified and cheaper.
     """
     # Risk counts for much more than effort until the plan is certified.
-    price = _DEAR * fleet.first_unit_price() / fleet.unit
-    turning = _Turning(fleet, incumbent, judge, sets, price)
-    turning.run(controls, 2 * _ROUNDS)
+    price = TUNING.dear * fleet.first_unit_price(state.budget) / fleet.unit
+    turning = Turning.of(fleet, judge, state.incumbent, sets, price)
+    turning.successive.begin(controls)
+    return replace(state, incumbent=turning.run(2 * TUNING.rounds))
 
 
 @dataclass(slots=True, eq=False)
-class _Turning:
-    """How far the turning of a plan has come.
+class Turning:
+    """How far the turning of a plan has come; it lives for one plan, and nobody else writes to it.
 
     Attributes
     ----------
+    fleet : Fleet
+        The fleet.
+    judge : callable
+        The referee.
+    incumbent : FleetIncumbent
+        The best plan so far.
     sets : tuple of tuple of int
-        Who was planned together.
+        Who is planned together.
     price : float
         Shadow price of the risk, per unit of probability.
+    successive : SuccessiveLp
+        The latest paths, and what improves them.
+    groups : tuple of tuple of int
+        Who shares a linear program: everyone in a small fleet, else the sets.
     risk : float
         What the half-spaces' risks sum to in the last round [-].
     num_solves : int
@@ -134,50 +116,79 @@ class _Turning:
     """
 
     fleet: Fleet
-    incumbent: FleetIncumbent
     judge: Judge
+    incumbent: FleetIncumbent
     sets: tuple[Members, ...]
     price: float
+    successive: SuccessiveLp
+    groups: tuple[Members, ...] = field(init=False)
     risk: float = 0.0
     num_solves: int = 0
-    successive: SuccessiveLp = field(init=False)
-    groups: tuple[Members, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Lay out the fleet."""
-        fleet = self.fleet
-        hazards = Hazards.of(fleet.scenario, fleet.programs.models)
-        self.successive = SuccessiveLp(hazards, fleet.limits)
-        together = hazards.count <= _TOGETHER
-        self.groups = (tuple(range(hazards.count)),) if together else self.sets
+        """Choose who shares a linear program."""
+        count = self.fleet.scenario.num_vehicles
+        together = count <= TUNING.most_together
+        self.groups = (tuple(range(count)),) if together else self.sets
 
-    def run(self, controls: Sequence[Matrix], rounds: int) -> None:
-        """Turn half-spaces to the plan and plan again, until little is gained or nothing helps."""
+    @classmethod
+    def of(
+        cls,
+        fleet: Fleet,
+        judge: Judge,
+        incumbent: FleetIncumbent,
+        sets: tuple[Members, ...],
+        price: float,
+    ) -> Turning:
+        """Lay out a fleet.
+
+        Parameters
+        ----------
+        fleet, judge, incumbent, sets, price
+            As the attributes.
+        """
+        successive = SuccessiveLp(fleet.programs.hazards, fleet.limits)
+        return cls(fleet, judge, incumbent, sets, price, successive)
+
+    def run(self, rounds: int) -> FleetIncumbent:
+        """Turn half-spaces to the latest paths and plan again, until little is gained.
+
+        Parameters
+        ----------
+        rounds : int
+            Turns at most [-].
+
+        Returns
+        -------
+        FleetIncumbent
+            The best certified plan so far.
+        """
         fleet, paths = self.fleet, self.successive.paths
-        self.successive.begin(controls)
         risk_bound = fleet.scenario.risk_bound
         num_stalls, least = 0, self._take()
         cheapest = paths.cost() if least <= risk_bound else float("inf")
         for number in range(rounds):
-            has_spent = number >= _LEAST_ROUNDS and self.num_solves >= _MOST_SOLVES
-            if fleet.limits.reached or num_stalls >= _MAX_STALLS or has_spent:
+            has_spent = number >= TUNING.least_rounds and self.num_solves >= TUNING.most_solves
+            if fleet.limits.reached or num_stalls >= TUNING.max_stalls or has_spent:
                 break
-            self._turn(max(_LEAST_SPACING, _SPACING * _FINER**number))
+            self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
             certified, cost = self._take(), paths.cost()
             _LOG.info(
                 "turn %d of half-spaces: 1 %% of the risk bound at a price of %.3g; cost %.6g, "
                 "certificate %.3g of risk bound %g",
                 number + 1, 0.01 * risk_bound * self.price, cost, certified, risk_bound,
             )  # fmt: skip
-            is_little = cheapest - cost < _ENOUGH * fleet.gap * abs(cost)
+            is_little = cheapest - cost < TUNING.enough * fleet.gap * abs(cost)
             if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
             else:
-                is_little = certified > max(_LESS * least, _CLOSE * risk_bound)
+                is_little = certified > max(TUNING.less * least, TUNING.close * risk_bound)
             num_stalls = num_stalls + 1 if is_little else 0
             least = min(least, certified)
-            ratio = float(np.clip(certified / (_AIM * risk_bound), 1.0 / _MOST_MOVE, _MOST_MOVE))
-            self.price *= ratio**_DAMPING
+            ratio, most = certified / (TUNING.aim * risk_bound), TUNING.most_move
+            ratio = float(np.clip(ratio, 1.0 / most, most))
+            self.price *= ratio**TUNING.damping
+        return self.incumbent
 
     def _turn(self, spacing: float) -> None:
         """Plan every group once."""
@@ -189,14 +200,18 @@ class _Turning:
             self.num_solves += 1
 
     def _take(self) -> float:
-        """Keep a plan if it is certified and the cheapest; return its certificate."""
-        incumbent, paths = self.incumbent, self.successive.paths
+        """Keep the latest paths if they are certified and the cheapest; return the certificate."""
+        paths = self.successive.paths
         controls = tuple(paths.controls)
         certified, cost = self.judge(controls).certified, paths.cost()
-        if certified <= self.fleet.scenario.risk_bound and cost < incumbent.cost:
-            incumbent.controls, incumbent.cost = controls, cost
-            incumbent.certified, incumbent.sets = certified, self.sets
-            incumbent.turned_price = (
-                self.price * self.risk / max(certified, _NOTHING) if self.risk else None
+        if certified <= self.fleet.scenario.risk_bound and cost < self.incumbent.cost:
+            price = self.price * self.risk / max(certified, _NOTHING)
+            self.incumbent = replace(
+                self.incumbent,
+                controls=controls,
+                cost=cost,
+                certified=certified,
+                sets=self.sets,
+                turned_price=price if self.risk else None,
             )
         return certified

@@ -1,0 +1,105 @@
+"""What the rounds of a search prove: lower bounds on the cost, and the shadow price of Δ."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.tuning import TUNING
+from radmpc.solvers.solution import relative_gap
+
+__all__ = ["bound_on_cost", "is_proven", "reported_bound", "shadow_price"]
+
+_TUNED = TUNING.budgets
+
+
+def bound_on_cost(fleet: Fleet, state: SearchState) -> float:
+    """Return a lower bound on the cost of any plan within the incumbent's budget or the fleet's.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        What is known of it.
+    """
+    return _bound_within(fleet, state, max(state.budget, state.incumbent.union_bound))
+
+
+def reported_bound(fleet: Fleet, state: SearchState, gap: float) -> float:
+    """Return a lower bound on the cost of any plan whose union bounds sum to Δ at most.
+
+    If the gap is closed, that of all plans whose union bounds sum to no more than the incumbent's:
+    it is lower and holds for more plans.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        What is known of it.
+    gap : float
+        The relative gap asked for [-].
+
+    Returns
+    -------
+    float
+        No more than the cost of the incumbent; -inf where nothing is proven.
+    """
+    cost = state.incumbent.cost
+    bound = bound_on_cost(fleet, state)
+    left = fleet.scenario.risk_bound - fleet.initial
+    if relative_gap(cost, bound) > gap and left > 0.0:
+        bound = _bound_within(fleet, state, left)
+    return min(bound, cost)
+
+
+def is_proven(fleet: Fleet, state: SearchState) -> bool:
+    """Whether no plan within Δ by union bounds is cheaper by more than the gap.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        What is known of it.
+    """
+    return relative_gap(state.incumbent.cost, reported_bound(fleet, state, fleet.gap)) <= fleet.gap
+
+
+def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
+    """Return what a little more Δ would save, per unit of probability; None if unknown.
+
+    The union bounds may sum to more in proportion to Δ, and what that saves is the price of the
+    round with the best bound. Where the plan leaves much of Δ unused, Δ is not what limits it.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        What is known of it.
+
+    Returns
+    -------
+    float or None
+        The shadow price of Δ.
+    """
+    incumbent, risk_bound = state.incumbent, fleet.scenario.risk_bound
+    if not state.round_bounds or not incumbent.controls or incumbent.certified <= 0.0:
+        return None
+    if incumbent.certified < _TUNED.spent * risk_bound:
+        return 0.0 if incumbent.union_bound < _TUNED.spent * fleet.most_budget else None
+    if incumbent.turned_price is not None:
+        return incumbent.turned_price
+    units = max(state.budget, incumbent.union_bound) / fleet.unit
+    _, unit_price = max(state.round_bounds, key=lambda bound: bound[0] - bound[1] * units)
+    return unit_price / fleet.unit * incumbent.union_bound / incumbent.certified
+
+
+def _bound_within(fleet: Fleet, state: SearchState, budget: float) -> float:
+    """Return the least cost within a budget."""
+    bounds = [least - unit_price * budget / fleet.unit for least, unit_price in state.round_bounds]
+    bounds += [bound for most, bound in state.budget_bounds if budget <= most * (1.0 + 1e-12)]
+    return max(bounds, default=-np.inf)

@@ -1,0 +1,113 @@
+"""The numbers that turning half-spaces was tuned with, in one record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["TUNING", "Tuning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """How long half-spaces are turned, and at which price.
+
+    A value that was measured names the scenes; of the others no measurement is recorded.
+
+    Attributes
+    ----------
+    rounds : int
+        Turns at most [-], twice as many from a plan that risks too much. The families of the
+        benchmarks take 5 to 20 and mostly stop when little is gained; the first few often exceed Δ
+        and are lost.
+    most_solves, least_rounds : int
+        Solves of groups after which no round is begun [-], but for so many rounds of all: large
+        fleets gain little by the solve, and a count, unlike a clock, gives the same plan on any
+        machine.
+    most_together : int
+        Vehicles up to which the whole fleet shares one linear program [-]. One of 20 vehicles in
+        space takes 30 ms, by sets of their own the same plans are 0.1 % dearer.
+    spacing, finer, least_spacing : float
+        Between clearances at which risk is interpolated around the latest: at first, its factor
+        from round to round, and at least [standard deviations]. At 0.12 `empty_20agents_3` is
+        0.03 % dearer.
+    ahead : float
+        Share of the last move by which half-spaces are turned ahead of the latest paths [-]: without
+        it the last per mille takes twice as many rounds on `paper(8)`, from 2 on paths swing.
+    first_penalty, penalty_growth, last_penalty : float
+        Penalty for a meter missed, in multiples of what the cheapest meter of detour costs: in the
+        first sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that
+        several vehicles share a detour instead of the first one making all of it.
+    settled : float
+        Relative change of the cost below which sweeps without a miss end [-].
+    stuck : int
+        Sweeps in which what is missed falls by less than a tenth, after which nothing is expected
+        [-].
+    compared : float
+        Clearance up to which windows count as near at a price of risk [standard deviations].
+    aim : float
+        Share of Δ that the certificate is to come to at the next price [-].
+    most_move : float
+        Ratio of certificate to aim that a price follows at most, either way [-].
+    damping : float
+        Power of the ratio of certificate to aim that the price follows [-]: risk falls a little
+        faster than in proportion.
+    enough : float
+        Share of the gap below which a round gains too little to go on [-].
+    max_stalls : int
+        Rounds in a row that gain too little, after which none follows [-].
+    less : float
+        Share of the least certificate so far that a round must come below while far above Δ [-].
+    close : float
+        Multiple of Δ up to which a certificate above it is left for the price to repair [-].
+    dear : float
+        Multiple of the first price at which turning begins from a plan that risks too much [-].
+    time_share, seconds, most_time_share : float
+        Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up
+        to a larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks.
+    least_seconds : float
+        Time that turning gets at least, if the limit leaves it [s].
+    unspent : float
+        Share of Δ below which a certificate leaves so much that other alternatives are tried [-].
+    most_vehicles : int
+        Vehicles of a fleet beyond which it is not planned as one without regard for risk [-].
+    noiseless_seconds, noiseless_share : float
+        Time for a plan without regard for risk [s], at most this share of what is left [-].
+    noiseless_nodes : int
+        Nodes per vehicle for such a plan [-]; any will do.
+    """
+
+    rounds: int = 30
+    most_solves: int = 400
+    least_rounds: int = 2
+    most_together: int = 48
+    spacing: float = 0.12
+    finer: float = 0.7
+    least_spacing: float = 0.01
+    ahead: float = 0.7
+    first_penalty: float = 10.0
+    penalty_growth: float = 1.3
+    last_penalty: float = 1e4
+    settled: float = 2e-3
+    stuck: int = 8
+    compared: float = 3.0
+    aim: float = 0.985
+    most_move: float = 30.0
+    damping: float = 0.8
+    enough: float = 0.1
+    max_stalls: int = 3
+    less: float = 0.9
+    close: float = 2.0
+    dear: float = 10.0
+    time_share: float = 0.1
+    seconds: float = 1.0
+    most_time_share: float = 0.3
+    least_seconds: float = 6.0
+    unspent: float = 0.5
+    most_vehicles: int = 8
+    noiseless_seconds: float = 2.0
+    noiseless_share: float = 0.3
+    noiseless_nodes: int = 150
+
+
+TUNING = Tuning()
+"""The values in use."""
