@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -73,6 +73,9 @@ class Certified(Decomposition):
             # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
             state = turn_from_noiseless(fleet, state, run.judge)
+        if state.first.cost < state.incumbent.cost:
+            best = replace(state.first, union_bound=state.incumbent.union_bound)
+            state = replace(state, incumbent=best)
         return _draft(fleet, state, result, time.perf_counter() - begun)
 
 
@@ -117,6 +120,8 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
         state = search.run(state)
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
+    if not state.has_plan and state.first.controls:
+        state = replace(state, incumbent=state.first)
     if state.has_plan:
         return _SearchResult(search, state, None, stopped_by)
     last = last_resort(search.with_limits(limits), state)

@@ -14,6 +14,7 @@ from radmpc.planners.certified.recording import recorded
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.state import SearchState
 from radmpc.planners.certified.tuning import TUNING
+from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.solution import Limits, relative_gap
@@ -76,6 +77,9 @@ class PriceSearch:
         fleet = self.fleet
         if state.unit_price == 0.0:
             state = price_alone(fleet, state)
+            state = first_plan(fleet, state, self.judge)
+            if state.first.controls:
+                fleet.found(state.first.cost, -float("inf"))
         for _ in range(_TUNED.max_rounds):
             began = time.perf_counter()
             state, candidate = run_round(fleet, state)

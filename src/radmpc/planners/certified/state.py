@@ -45,7 +45,10 @@ class SearchState:
     tried : tuple of (float, float)
         Unit prices, and the risk at them [-].
     incumbent : FleetIncumbent
-        The best certified plan.
+        The best certified plan of the search.
+    first : FleetIncumbent
+        A certified plan by turned half-spaces, made before the search; its cost is not to be
+        compared with plans by faces, which become cheaper once theirs are turned.
     rejected_budget : float
         The least budget for which the referee rejected the plan of a round [-].
     has_failed : bool
@@ -67,6 +70,7 @@ class SearchState:
     effort: int = 1
     tried: tuple[tuple[float, float], ...] = ()
     incumbent: FleetIncumbent = field(default_factory=FleetIncumbent)
+    first: FleetIncumbent = field(default_factory=FleetIncumbent)
     rejected_budget: float = float("inf")
     has_failed: bool = False
     round_bounds: tuple[tuple[float, float], ...] = ()

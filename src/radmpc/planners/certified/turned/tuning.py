@@ -42,6 +42,15 @@ class Tuning:
     stuck : int
         Sweeps in which what is missed falls by less than a tenth, after which nothing is expected
         [-].
+    max_sweeps : int
+        Sweeps over the fleet for a first plan, at most [-]; `empty_40agents_3` takes nine.
+    first_share : float
+        Share of Δ per vehicle that every half-space may risk in these sweeps [-].
+    many : int
+        Vehicles in each other's way from which on a first plan is made before sets are searched
+        [-].
+    noticed : float
+        Share of the unit from which on a risk between two counts as in each other's way [-].
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].
     aim : float
@@ -89,6 +98,10 @@ class Tuning:
     last_penalty: float = 1e4
     settled: float = 2e-3
     stuck: int = 8
+    max_sweeps: int = 40
+    first_share: float = 0.5
+    many: int = 5
+    noticed: float = 1e-3
     compared: float = 3.0
     aim: float = 0.985
     most_move: float = 30.0
