@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Tensor, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
@@ -78,6 +78,8 @@ class Hazards:
         Their radii [m].
     covariances : (N, T+1, d, d) array
         Of their positions [m²].
+    variances : (N, T) array
+        No less than the largest along any direction, from step 1 on: their traces [m²].
     bent : (N, T, d, d) array or None
         What feedback held over a step makes of them [m²]; None where no path bends by it.
     intervals : bool
@@ -93,6 +95,7 @@ class Hazards:
     models: tuple[CondensedModel, ...]
     radii: Vector
     covariances: Tensor
+    variances: Matrix
     bent: Tensor | None
     intervals: bool
     shapes: Shapes
@@ -115,10 +118,12 @@ class Hazards:
             bent = np.array([_bent(model) for model in models])
         workspace = scenario.workspace
         reaches = [(model.reach_lower, model.reach_upper) for model in models]
+        covariances = np.array([model.position_covariances for model in models])
         return cls(
             tuple(models),
             np.array([model.vehicle.radius for model in models]),
-            np.array([model.position_covariances for model in models]),
+            covariances,
+            np.trace(covariances[:, 1:], axis1=2, axis2=3),
             bent,
             scenario.avoidance == "intervals",
             Shapes.of(scenario),

@@ -110,82 +110,87 @@ def half_spaces(
         Where paths are expected to move, which directions are turned to; None is the latest paths.
     """
     ahead = paths if ahead is None else ahead
-    found: list[HalfSpaces] = []
-    members = np.zeros(hazards.count, dtype=bool)
-    members[list(group)] = True
-    every = np.arange(hazards.count)
-    for i in group:
-        others = np.flatnonzero(~members | (every > i))
-        if others.size:
-            found.append(_between(hazards, (paths, ahead), (i, others), near))
-        if hazards.shapes.count:
-            found.append(_around(hazards, (paths, ahead), i, near))
-        if hazards.workspace is not None:
-            found.append(_inside(hazards, paths, i, near))
-    if not found:
-        found.append(_inside(hazards, paths, group[0], near))
+    both, members = (paths, ahead), np.asarray(group)
+    found = [_between(hazards, both, _pairs(hazards, members), near)]
+    if hazards.shapes.count:
+        found.append(_around(hazards, both, members, near))
+    if hazards.workspace is not None:
+        found.append(_inside(hazards, paths, members, near))
     names = [field.name for field in fields(HalfSpaces)]
     return HalfSpaces(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
 
 
+def _pairs(hazards: Hazards, members: Indices) -> tuple[Indices, Indices]:
+    """Return every pair of members, and of a member and another vehicle, once."""
+    is_member = np.zeros(hazards.count, dtype=bool)
+    is_member[members] = True
+    one, two = np.divmod(np.arange(members.size * hazards.count), hazards.count)
+    one = members[one]
+    kept = (two > one) | ~is_member[two]
+    return one[kept], two[kept]
+
+
 def _between(
-    hazards: Hazards, both: tuple[Paths, Paths], pairs: tuple[int, Indices], near: Near
+    hazards: Hazards, both: tuple[Paths, Paths], pairs: tuple[Indices, Indices], near: Near
 ) -> HalfSpaces:
-    """Return half-spaces between a vehicle and others, along the line of closest approach."""
+    """Return half-spaces between pairs of vehicles, along the line of closest approach."""
     paths, ahead = both
-    i, others = pairs
-    relative = paths.means[i] - paths.means[others]
+    one, two = pairs
+    relative = paths.means[one] - paths.means[two]
     before, after = relative[:, :-1], relative[:, 1:]
     moved = after - before
     closest = after
     if hazards.intervals:
-        squares = np.maximum(np.einsum("jtd,jtd->jt", moved, moved), _TINY)
-        along = np.clip(-np.einsum("jtd,jtd->jt", before, moved) / squares, 0.0, 1.0)
+        squares = np.maximum(np.einsum("ptd,ptd->pt", moved, moved), _TINY)
+        along = np.clip(-np.einsum("ptd,ptd->pt", before, moved) / squares, 0.0, 1.0)
         closest = before + along[..., None] * moved
-    apart = np.linalg.norm(closest, axis=2)
-    radii = hazards.radii[i] + hazards.radii[others]
-    noise = hazards.covariances[i, 1:] + hazards.covariances[others, 1:]
-    # The trace is never below the largest eigenvalue.
-    spread = np.sqrt(np.trace(noise, axis1=2, axis2=3))
-    number, window = np.nonzero(apart < radii[:, None] + near.clearance * spread + near.reach)
-    other, distance = others[number], radii[number]
+    apart = np.sqrt(np.einsum("ptd,ptd->pt", closest, closest))
+    radii = hazards.radii[one] + hazards.radii[two]
+    spread = np.sqrt(hazards.variances[one] + hazards.variances[two])
+    limit = radii[:, None] + near.clearance * spread + near.reach
+    number, window = np.nonzero(apart < limit)
+    first, second, distance = one[number], two[number], radii[number]
     length = apart[number, window]
     normals = closest[number, window] / np.maximum(length, _TINY)[:, None]
     through = length < _THROUGH * distance
     if through.any():
-        signs = np.where(i < other[through], 1.0, -1.0)
-        normals[through] = _across(moved[number, window][through], signs)
+        signs = np.where(first < second, 1.0, -1.0)
+        normals[through] = _across(moved[number, window][through], signs[through])
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
-        both = np.broadcast_to(distance[:, None], directions.shape[:2])
-        return both, both
+        reach = np.broadcast_to(distance[:, None], directions.shape[:2])
+        return reach, reach
 
     def encounter(paths: Paths) -> Encounter:
-        start = paths.means[i, window] - paths.means[other, window]
-        end = paths.means[i, window + 1] - paths.means[other, window + 1]
+        start = paths.means[first, window] - paths.means[second, window]
+        end = paths.means[first, window + 1] - paths.means[second, window + 1]
         return Encounter(
             _ends(hazards, start, end),
-            _noise(hazards, window, i, other),
-            paths.sagittas[i, window] - paths.sagittas[other, window],
+            _noise(hazards, window, first, second),
+            paths.sagittas[first, window] - paths.sagittas[second, window],
             supports,
         )
 
-    if near.is_refined and other.size:
+    if near.is_refined and first.size:
         normals = encounter(ahead).best_normals(normals[:, None])
-    return _laid_out(encounter(paths), normals, (np.full(other.size, i), other, window))
+    return _laid_out(encounter(paths), normals, (first, second, window))
 
 
-def _around(hazards: Hazards, both: tuple[Paths, Paths], i: int, near: Near) -> HalfSpaces:
-    """Return half-spaces between a vehicle and the obstacles, by the direction of most room."""
+def _around(
+    hazards: Hazards, both: tuple[Paths, Paths], members: Indices, near: Near
+) -> HalfSpaces:
+    """Return half-spaces between vehicles and obstacles, by the direction of most room."""
     paths, ahead = both
-    shapes, path = hazards.shapes, paths.means[i]
-    begin = path[:-1] if hazards.intervals else path[1:]
-    lower, upper = np.minimum(begin, path[1:]), np.maximum(begin, path[1:])
+    shapes, path = hazards.shapes, paths.means[members]
+    begin = path[:, :-1] if hazards.intervals else path[:, 1:]
+    lower = np.minimum(begin, path[:, 1:])[:, None]
+    upper = np.maximum(begin, path[:, 1:])[:, None]
     gaps = np.maximum(np.maximum(shapes.lower - upper, lower - shapes.upper), 0.0)
-    spread = np.sqrt(np.trace(hazards.covariances[i, 1:], axis1=1, axis2=2))
-    radius = float(hazards.radii[i])
-    limit = radius + near.clearance * spread + near.reach
-    piece, window = np.nonzero(np.linalg.norm(gaps, axis=2) < limit)
+    spread = np.sqrt(hazards.variances[members])
+    limit = hazards.radii[members][:, None] + near.clearance * spread + near.reach
+    is_near = np.einsum("mowd,mowd->mow", gaps, gaps) < np.square(limit)[:, None]
+    place, piece, window = np.nonzero(is_near)
+    first, radius = members[place], hazards.radii[members[place]][:, None]
     corners = (
         shapes.vertices[piece, window + (0 if hazards.intervals else 1)],
         shapes.vertices[piece, window + 1],
@@ -197,45 +202,47 @@ def _around(hazards: Hazards, both: tuple[Paths, Paths], i: int, near: Near) -> 
 
     def encounter(paths: Paths) -> Encounter:
         return Encounter(
-            _ends(hazards, paths.means[i, window], paths.means[i, window + 1]),
-            _noise(hazards, window, i, None),
-            paths.sagittas[i, window],
+            _ends(hazards, paths.means[first, window], paths.means[first, window + 1]),
+            _noise(hazards, window, first, None),
+            paths.sagittas[first, window],
             supports,
         )
 
-    tried = _tried(shapes.faces[piece, window], corners, (begin[window], path[window + 1]))
+    chord = begin[place, window], path[place, window + 1]
+    tried = _tried(shapes.faces[piece, window], corners, chord)
     if near.is_refined and piece.size:
         normals = encounter(ahead).best_normals(tried)
     else:
         scores = np.where(tried.any(axis=2), encounter(paths).clearances(tried), -np.inf)
         normals = tried[np.arange(piece.size), scores.argmax(axis=1)]
-    still = np.full(piece.size, -1)
-    return _laid_out(encounter(paths), normals, (np.full(piece.size, i), still, window))
+    return _laid_out(encounter(paths), normals, (first, np.full(piece.size, -1), window))
 
 
-def _inside(hazards: Hazards, paths: Paths, i: int, near: Near) -> HalfSpaces:
-    """Return the faces of the workspace that a vehicle comes near."""
-    d, path = hazards.dimension, paths.means[i]
+def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> HalfSpaces:
+    """Return the faces of the workspace that vehicles come near."""
+    d = hazards.dimension
     lower, upper = hazards.workspace or (np.full(d, -np.inf), np.full(d, np.inf))
     sides = np.concatenate([np.eye(d), -np.eye(d)])
     limits = np.concatenate([lower, -upper])
-    heights = path @ sides.T - limits
-    lowest = np.minimum(heights[:-1], heights[1:]) if hazards.intervals else heights[1:]
-    spread = np.sqrt(np.einsum("tdd->td", hazards.covariances[i, 1:]))
-    window, face = np.nonzero(lowest < near.clearance * np.tile(spread, 2) + near.reach)
+    heights = paths.means[members] @ sides.T - limits
+    lowest = heights[:, 1:]
+    if hazards.intervals:
+        lowest = np.minimum(heights[:, :-1], lowest)
+    spread = np.sqrt(hazards.variances[members])[:, :, None]
+    place, window, face = np.nonzero(lowest < near.clearance * spread + near.reach)
+    first = members[place]
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
-        both = np.broadcast_to(limits[face][:, None], directions.shape[:2])
-        return both, both
+        reach = np.broadcast_to(limits[face][:, None], directions.shape[:2])
+        return reach, reach
 
     encounter = Encounter(
-        _ends(hazards, path[window], path[window + 1]),
-        _noise(hazards, window, i, None),
-        paths.sagittas[i, window],
+        _ends(hazards, paths.means[first, window], paths.means[first, window + 1]),
+        _noise(hazards, window, first, None),
+        paths.sagittas[first, window],
         supports,
     )
-    still = np.full(window.size, -1)
-    return _laid_out(encounter, sides[face], (np.full(window.size, i), still, window))
+    return _laid_out(encounter, sides[face], (first, np.full(first.size, -1), window))
 
 
 def _laid_out(
@@ -268,13 +275,13 @@ def _ends(hazards: Hazards, start: Matrix, end: Matrix) -> tuple[Matrix, ...]:
 
 
 def _noise(
-    hazards: Hazards, window: Indices, i: int, other: Indices | None
+    hazards: Hazards, window: Indices, first: Indices, second: Indices | None
 ) -> tuple[tuple[Tensor, ...], ...]:
     """Return the covariances at the windows' ends, those of bent paths beside them."""
 
     def joint(covariances: Tensor, steps: Indices) -> Tensor:
-        mine = covariances[i, steps]
-        return mine if other is None else mine + covariances[other, steps]
+        mine = covariances[first, steps]
+        return mine if second is None else mine + covariances[second, steps]
 
     end = (joint(hazards.covariances, window + 1),)
     if not hazards.intervals:
