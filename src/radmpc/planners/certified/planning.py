@@ -10,13 +10,13 @@ import numpy as np
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.bounds import reported_bound, shadow_price
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import turn_half_spaces

@@ -14,7 +14,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import build_program, controls_of

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from radmpc.arrays import Vector
 from radmpc.errors import NoPlanError
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members, Merging
 from radmpc.planners.certified.problem import SetState
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.draft import Step
 from radmpc.solvers.priced.nodes import Incumbent
 
