@@ -25,6 +25,10 @@ __all__ = ["SearchState"]
 class SearchState:
     """What is known at some moment of a search; `dataclasses.replace` makes the next one.
 
+    From one state to the next the incumbent never becomes dearer, bounds and rejected pairs are
+    only added, and the budget stays within `Fleet.least_budget` and `Fleet.most_budget` once the
+    referee was asked.
+
     Attributes
     ----------
     budget : float
