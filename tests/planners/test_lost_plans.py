@@ -19,7 +19,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import inter_set_risks
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.set_searches import solve_sets
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.verdict import Verdict
 from radmpc.planning import plan
 from radmpc.referee import certify

@@ -10,7 +10,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import next_price
 from radmpc.planners.certified.repair import repair
 from radmpc.planners.certified.set_searches import solve_sets
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.solvers.solution import Limits
 
 BUDGET = 0.05

@@ -10,7 +10,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Merging
 from radmpc.planners.certified.rescaling import rescaled
 from radmpc.planners.certified.rounds import Round
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge, Verdict
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from radmpc.planners.certified.bounds import is_proven
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.rounds import Round
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.bounds import is_proven
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.solvers.priced.budget import OVER

@@ -9,7 +9,7 @@ from radmpc.planners.certified.infeasible.cures import has_plan_within
 from radmpc.planners.certified.infeasible.explanation import WhyNot, ended, why_not
 from radmpc.planners.certified.more_faces import finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.turning import plan_by_turning

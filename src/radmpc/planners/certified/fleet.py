@@ -21,10 +21,12 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.programs import SetPrograms
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.endpoint_risk import EndpointHazard, start_hazards
+from radmpc.program.build import condensed_models
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.solution import Limits
@@ -94,6 +96,7 @@ class Fleet:
         found: Callable[[float, float], None] = _silent,
         executor: Executor | None = None,
         is_costless: bool = False,
+        hazards: Hazards | None = None,
     ) -> Fleet:
         """Build every vehicle's own program, and choose the scale of risk.
 
@@ -103,6 +106,8 @@ class Fleet:
             As in `Fleet`.
         is_costless : bool
             Whether effort counts for nothing, so that at a unit price of 1 only risk is minimized.
+        hazards : Hazards or None
+            The scenario laid out, if that was done before.
 
         Returns
         -------
@@ -114,13 +119,15 @@ class Fleet:
         # Where only risk is minimized, Δ itself is the scale.
         most, begin = (1.0, 1.0) if is_costless else _TUNED.slack[scenario.avoidance]
         unit = most * risk_bound
-        programs = SetPrograms(scenario, unit, is_costless=is_costless)
+        if hazards is None:
+            hazards = Hazards.of(scenario, condensed_models(scenario))
+        programs = SetPrograms(scenario, unit, hazards, is_costless=is_costless)
         # Under intervals the start is part of what plans choose, and is charged there.
         at_start = scenario.avoidance == "steps"
-        hazards = start_hazards(scenario, programs.models) if at_start else ()
+        at_starts = start_hazards(scenario, programs.models) if at_start else ()
         # Presolved avoidances are not charged here: what they run at most is no part of a bound,
         # and what they run in a plan is for the referee to say.
-        initial = sum(hazard.risk for hazard in hazards)
+        initial = sum(hazard.risk for hazard in at_starts)
         return cls(
             scenario,
             gap,
@@ -131,7 +138,7 @@ class Fleet:
             programs,
             unit,
             first_budget=max(risk_bound, min(begin * risk_bound, _TUNED.fill * unit)) - initial,
-            start_hazards=hazards,
+            start_hazards=at_starts,
             initial=initial,
             base=tuple(
                 _cost_without_hazards(programs.problem((i,)).program)

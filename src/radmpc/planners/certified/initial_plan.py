@@ -12,7 +12,7 @@ from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.merging import Members, owners_of
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.components import components
 from radmpc.solvers.priced.neighborhood import Neighborhood, Seek

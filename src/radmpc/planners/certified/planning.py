@@ -10,19 +10,24 @@ import numpy as np
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.bounds import reported_bound, shadow_price
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
+from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import turn_half_spaces
+from radmpc.planners.certified.turned.turning import Task, turn_half_spaces
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
+from radmpc.program.build import condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
 
@@ -61,9 +66,14 @@ class Certified(Decomposition):
         result = _searched(scenario, planner, run)
         if result.answer is not None and not result.state.has_plan:
             return _empty(scenario, result.answer, begun)
-        state = close_gap(result.search.within, result.state)
-        fleet = result.search.fleet
-        run.found(state.incumbent.cost, _finite(reported_bound(fleet, state, planner.gap)))
+        fleet, state, first = result.search.fleet, result.state, result.first
+        if not state.has_plan:
+            return _draft(fleet, replace(state, incumbent=first), result, begun)
+        state = close_gap(result.search.within, state)
+        run.found(
+            min(first.cost, state.incumbent.cost),
+            _finite(reported_bound(fleet, state, planner.gap)),
+        )
         run.progress("improving", 0, 1)
         # Counts end it; the clock, only where a machine is slow: not longer than the search took.
         seconds = max(TUNING.least_seconds, time.perf_counter() - begun)
@@ -73,10 +83,10 @@ class Certified(Decomposition):
             # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
             state = turn_from_noiseless(fleet, state, run.judge)
-        if state.first.cost < state.incumbent.cost:
-            best = replace(state.first, union_bound=state.incumbent.union_bound)
-            state = replace(state, incumbent=best)
-        return _draft(fleet, state, result, time.perf_counter() - begun)
+        if first.cost < state.incumbent.cost:
+            first = replace(first, union_bound=state.incumbent.union_bound)
+            state = replace(state, incumbent=first)
+        return _draft(fleet, state, result, begun)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +99,9 @@ class _SearchResult:
         The last one.
     state : SearchState
         With a plan, or without.
+    first : FleetIncumbent
+        A certified plan made before the search, if any. The search does not compare its plans with
+        it: they become cheaper once their half-spaces are turned, too.
     answer : WhyNot or None
         What the last resort says, if it was asked.
     stopped_by : str or None
@@ -97,6 +110,7 @@ class _SearchResult:
 
     search: PriceSearch
     state: SearchState
+    first: FleetIncumbent
     answer: WhyNot | None
     stopped_by: str | None
 
@@ -107,12 +121,17 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     seconds = limits.seconds_left
     kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
     begin = limits if seconds == float("inf") else limits.within(seconds - kept)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    bound = scenario.risk_bound
+    task = Task(hazards, run.judge, begin, planner.gap, bound, lambda cost: run.found(cost, None))
+    first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost)
     fleet = Fleet.of(
         scenario,
         planner.gap,
         begin,
+        hazards=hazards,
         progress=lambda done, total: run.progress("sets", done, total),
-        found=lambda cost, bound: run.found(cost, _finite(bound)),
+        found=lambda cost, bound: run.found(min(first.cost, cost), _finite(bound)),
         executor=run.executor,
     )
     search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
@@ -120,15 +139,14 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
         state = search.run(state)
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
-    if not state.has_plan and state.first.controls:
-        state = replace(state, incumbent=state.first)
-    if state.has_plan:
-        return _SearchResult(search, state, None, stopped_by)
+    if state.has_plan or first.controls:
+        return _SearchResult(search, state, first, None, stopped_by)
     last = last_resort(search.with_limits(limits), state)
-    return _SearchResult(last.search, last.state, last.answer, stopped_by or begin.reason or None)
+    stopped_by = stopped_by or begin.reason or None
+    return _SearchResult(last.search, last.state, first, last.answer, stopped_by)
 
 
-def _draft(fleet: Fleet, state: SearchState, result: _SearchResult, seconds: float) -> Draft:
+def _draft(fleet: Fleet, state: SearchState, result: _SearchResult, begun: float) -> Draft:
     """Return the incumbent and what is proven of it."""
     incumbent, answer = state.incumbent, result.answer
     closed = fleet.gap * (1.0 + 1e-6)
@@ -140,7 +158,7 @@ def _draft(fleet: Fleet, state: SearchState, result: _SearchResult, seconds: flo
         incumbent.sets,
         state.steps,
         (),
-        {"sets": seconds},
+        {"sets": time.perf_counter() - begun},
         (answer.explanation if answer is not None else "") or None,
         lower_bound=_finite(bound),
         price=shadow_price(fleet, state),

@@ -13,7 +13,7 @@ import numpy as np
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.set_searches import solve_sets
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 
 __all__ = ["next_price", "price_alone"]

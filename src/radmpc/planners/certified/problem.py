@@ -218,22 +218,25 @@ def advance(
             tree.consider(found.z)
     if tree.is_limited and tree.nodes < order.max_nodes:
         tree.run(order.max_nodes - tree.nodes)
-    # Parts of a set share neither cost nor risk: what single vehicles cost adds up.
-    alone = [b.value for b in order.bounds if len(b.blocks) == 1]
-    bound = max([tree.bound, sum(alone), *(b.value for b in order.bounds)])
-    if tree.best is not None:
-        bound = min(bound, tree.value)
     is_same = state is not None and state.unit_price == order.unit_price
     before = (state.nodes, state.lps) if state is not None and is_same else (0, 0)
     return SetState(
         order.unit_price,
         tree.best,
-        bound,
+        _proven(tree, order),
         tree.frontier,
         before[0] + tree.nodes,
         before[1] + tree.lps,
         tree.is_limited,
     )
+
+
+def _proven(tree: RiskTree, order: Order) -> float:
+    """Return the best lower bound on the value of a set's plans: never above the best plan's."""
+    # Parts of a set share neither cost nor risk: what single vehicles cost adds up.
+    alone = [b.value for b in order.bounds if len(b.blocks) == 1]
+    bound = max([tree.bound, sum(alone), *(b.value for b in order.bounds)])
+    return bound if tree.best is None else min(bound, tree.value)
 
 
 def _rescue(

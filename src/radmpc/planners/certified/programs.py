@@ -13,7 +13,7 @@ from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import SetProblem
-from radmpc.program.build import condensed_models, controls_of
+from radmpc.program.build import controls_of
 
 __all__ = ["SetPrograms"]
 
@@ -32,6 +32,8 @@ class SetPrograms:
         The risk that 1 stands for in programs [-], see `radmpc.planners.certified.fleet`.
     is_costless : bool
         Whether effort counts for nothing.
+    hazards : Hazards
+        The fleet, laid out.
 
     Attributes
     ----------
@@ -41,23 +43,18 @@ class SetPrograms:
         Their position covariances [m²].
     """
 
-    def __init__(self, scenario: Scenario, unit: float, *, is_costless: bool) -> None:
+    def __init__(
+        self, scenario: Scenario, unit: float, hazards: Hazards, *, is_costless: bool
+    ) -> None:
         self.scenario = scenario
         self.unit = unit
         self.is_costless = is_costless
-        self.models = condensed_models(scenario)
-        self.covariances = np.array([s.position_covariances for s in self.models])
+        self.hazards = hazards
+        self.models = hazards.models
+        self.covariances = hazards.covariances
         self.surroundings = Surroundings(scenario, self.models)
         self._problems: dict[Members, SetProblem] = {}
         self._alone: dict[Members, Scenario] = {}
-        self._hazards: Hazards | None = None
-
-    @property
-    def hazards(self) -> Hazards:
-        """The fleet and what it keeps clear of, laid out when first asked for."""
-        if self._hazards is None:
-            self._hazards = Hazards.of(self.scenario, self.models)
-        return self._hazards
 
     def problem(self, members: Members) -> SetProblem:
         """Return a set's program, built when first asked for."""

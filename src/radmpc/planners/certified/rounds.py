@@ -10,7 +10,7 @@ from radmpc.planners.certified.initial_plan import initial_plan
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.set_searches import solve_sets
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.priced.nodes import Incumbent
 

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from dataclasses import dataclass, replace
 
 from radmpc.planners.certified.acceptance import accept_round
-from radmpc.planners.certified.bounds import bound_on_cost, is_proven
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.pricing import next_price, price_alone
-from radmpc.planners.certified.recording import recorded
 from radmpc.planners.certified.rounds import Round, run_round
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.bounds import bound_on_cost, is_proven
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
-from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.within_budget import WithinBudget
+from radmpc.planners.draft import Step
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.solution import Limits, relative_gap
 
 __all__ = ["PriceSearch"]
 
+_LOG = logging.getLogger(__name__)
 _TUNED = TUNING.prices
 
 
@@ -77,9 +78,6 @@ class PriceSearch:
         fleet = self.fleet
         if state.unit_price == 0.0:
             state = price_alone(fleet, state)
-            state = first_plan(fleet, state, self.judge)
-            if state.first.controls:
-                fleet.found(state.first.cost, -float("inf"))
         for _ in range(_TUNED.max_rounds):
             began = time.perf_counter()
             state, candidate = run_round(fleet, state)
@@ -92,7 +90,7 @@ class PriceSearch:
             state = replace(state, round_bounds=(*state.round_bounds, proven))
             accepted = accept_round(fleet, state, candidate, self.judge)
             seconds = time.perf_counter() - began
-            state = recorded(fleet, accepted.state, candidate, seconds)
+            state = _recorded(fleet, accepted.state, candidate, seconds)
             if fleet.limits.reached or _is_closed(fleet, state):
                 return state
             if accepted.has_merged:
@@ -163,3 +161,51 @@ def _is_at_jump(state: SearchState, candidate: Round) -> bool:
         return False
     (before, risk), (unit_price, same) = state.tried[-2:]
     return unit_price > before and same > state.budget and risk <= same * (1.0 + _TUNED.stubborn)
+
+
+def _recorded(fleet: Fleet, state: SearchState, candidate: Round, seconds: float) -> SearchState:
+    """Log a round, and add it to the record of the rounds; nothing else is changed."""
+    state = replace(state, steps=(*state.steps, _step(fleet, state, candidate, seconds)))
+    _tell(fleet, state, candidate)
+    return state
+
+
+def _tell(fleet: Fleet, state: SearchState, candidate: Round) -> None:
+    """Log a round."""
+    step, incumbent, plan = state.steps[-1], state.incumbent, "no plan yet"
+    if incumbent.controls:
+        plan = (
+            f"best cost {incumbent.cost:.6g}, gap {100.0 * step.gap:.2g} %, certificate "
+            f"{incumbent.certified:.3g} of risk bound {fleet.scenario.risk_bound:g}"
+        )
+    _LOG.info(
+        "%s %d: %d sets, the largest of %d; 1 %% of the risk bound at a price of %.3g; union "
+        "bounds sum to %.3g, up to %.3g allowed; %s; %.2f s",
+        step.stage,
+        step.iteration + 1,
+        len(candidate.sets),
+        max(len(members) for members in candidate.sets),
+        candidate.unit_price / fleet.unit * 0.01 * fleet.scenario.risk_bound,
+        candidate.risk + candidate.inter_set_risk,
+        state.budget,
+        plan,
+        step.seconds,
+    )
+
+
+def _step(fleet: Fleet, state: SearchState, candidate: Round, seconds: float) -> Step:
+    """Return the record of a round."""
+    plans = candidate.plans
+    return Step(
+        stage="initial" if candidate.is_initial else "round",
+        vehicles=tuple(v.name for v in fleet.scenario.vehicles),
+        iteration=len(state.steps),
+        cost=sum(plan.cost for plan in plans),
+        num_active=0,
+        num_chosen=sum(plan.selection.size for plan in plans),
+        allocated=state.budget,
+        used=candidate.risk + candidate.inter_set_risk,
+        gap=relative_gap(state.incumbent.cost, bound_on_cost(fleet, state)),
+        nodes=sum(state.set_states[m].nodes for m in candidate.sets if m in state.set_states),
+        seconds=seconds,
+    )

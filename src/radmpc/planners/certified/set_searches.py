@@ -7,11 +7,11 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.bounds import reported_bound
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.problem import Order, SetProblem, SetState, advance
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.bounds import reported_bound
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
 from radmpc.program.build import condensed_models

@@ -10,12 +10,12 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.repair import repriced
 from radmpc.planners.certified.rounds import Round
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.priced.budget import BudgetTree

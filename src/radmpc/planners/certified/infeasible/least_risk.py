@@ -13,7 +13,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.rounds import Round, run_round
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
 

@@ -1,74 +1,78 @@
-"""A first plan of a crowded fleet by successive linear programs, before any set is searched."""
+"""A first plan of a fleet by successive linear programs, before anything is searched."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 
-from radmpc.arrays import Matrix
+import numpy as np
+
 from radmpc.gaussian import CONVEX_RISK, clearance_for
-from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
-from radmpc.planners.certified.inter_set_risk import by_sets
-from radmpc.planners.certified.merging import owners_of
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.hazards import Hazards
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.turned.detours import detours
+from radmpc.planners.certified.turned.half_spaces import Near, half_spaces
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import Turning
+from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.components import components
-from radmpc.planners.verdict import Judge
-from radmpc.program.build import controls_of
 
 __all__ = ["first_plan"]
 
 
-def first_plan(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
-    """Plan a crowded fleet one vehicle after the other, then all at a price of risk.
+def first_plan(task: Task, price: float) -> FleetIncumbent:
+    """Plan a fleet one vehicle after the other, then all at a price of risk.
 
-    Where few vehicles get in each other's way, searching their sets is as quick, and nothing is
+    Vehicles begin with what they do alone; those that an obstacle stops begin with the shortest way
+    around. Where few get in each other's way, searching their sets is as quick, and nothing is
     done.
 
     Parameters
     ----------
-    fleet : Fleet
-        The fleet.
-    state : SearchState
-        With plans of the vehicles alone, as far as they were found.
-    judge : callable
-        The referee.
+    task : Task
+        What is asked.
+    price : float
+        First guess of the shadow price of the risk, as a share of what plans cost without hazards.
 
     Returns
     -------
-    SearchState
-        With the plan in `SearchState.first`, if one is certified.
+    FleetIncumbent
+        A certified plan; none where none was found.
     """
-    alone = _alone(fleet, state)
-    if alone is None or not _is_crowded(fleet, state):
-        return state
-    price = fleet.first_unit_price(state.budget) / fleet.unit
-    turning = Turning.of(fleet, judge, FleetIncumbent(), fleet.singles, price)
-    turning.successive.begin(alone)
-    share = TUNING.first_share * fleet.scenario.risk_bound / fleet.scenario.num_vehicles
+    hazards, nothing = task.hazards, FleetIncumbent()
+    sets = tuple((i,) for i in range(hazards.count))
+    turning = Turning(task, nothing, sets, 0.0)
+    successive = turning.successive
+    share = TUNING.first_share * task.risk_bound / hazards.count
     clearance = float(clearance_for(min(share, CONVEX_RISK)))
-    if not turning.successive.keep_apart(clearance, TUNING.max_sweeps):
-        return state
-    return replace(state, first=turning.run(TUNING.rounds))
+    if not successive.begin_alone():
+        return nothing
+    stopped = _stopped(hazards, turning)
+    if stopped.size:
+        for i, path in detours(hazards, stopped).items():
+            successive.refer(i, path)
+    elif not _is_crowded(hazards, turning, clearance):
+        return nothing
+    turning.price = price * successive.paths.cost() / task.risk_bound
+    if not successive.keep_apart(clearance, TUNING.max_sweeps):
+        return nothing
+    return turning.run(TUNING.rounds)
 
 
-def _alone(fleet: Fleet, state: SearchState) -> list[Matrix] | None:
-    """Return the controls of every vehicle alone; None if some has no plan yet."""
-    found = []
-    for members, model in zip(fleet.singles, fleet.programs.models, strict=True):
-        set_state = state.set_states.get(members)
-        if set_state is None or set_state.best is None:
-            return None
-        found += controls_of((model,), set_state.best.z)
-    return found
+def _stopped(hazards: Hazards, turning: Turning) -> np.ndarray:
+    """Return the vehicles whose paths alone run into an obstacle, noise aside."""
+    near = Near(0.0, 0.0, is_refined=False)
+    everyone = tuple(range(hazards.count))
+    spaces = half_spaces(hazards, turning.successive.paths, everyone, near)
+    is_hit = (spaces.heights < spaces.offsets).any(axis=1) & (spaces.second < 0)
+    return np.unique(spaces.first[is_hit])
 
 
-def _is_crowded(fleet: Fleet, state: SearchState) -> bool:
-    """Whether many vehicles get in each other's way, directly or through others, if planned alone."""
-    sets = fleet.singles
-    risks = by_sets(
-        fleet.programs.pair_risks(sets, [state.best(m).z for m in sets]), owners_of(sets)
+def _is_crowded(hazards: Hazards, turning: Turning, clearance: float) -> bool:
+    """Whether many vehicles get in each other's way, directly or through others, if alone."""
+    near = Near(clearance, 0.0, is_refined=False)
+    everyone = tuple(range(hazards.count))
+    spaces = half_spaces(hazards, turning.successive.paths, everyone, near)
+    meets = (spaces.clearances < clearance).any(axis=1) & (spaces.second >= 0)
+    pairs: Sequence[tuple[int, int]] = list(
+        zip(spaces.first[meets].tolist(), spaces.second[meets].tolist(), strict=True)
     )
-    pairs = [pair for pair, risk in risks.items() if risk > TUNING.noticed * fleet.unit]
-    return max(len(group) for group in components(len(sets), pairs)) >= TUNING.many
+    return max(len(group) for group in components(hazards.count, pairs)) >= TUNING.many

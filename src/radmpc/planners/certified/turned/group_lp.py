@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.hazards import Hazards
+from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hard import hard_rows
@@ -124,18 +124,14 @@ class GroupLp:
 
     def _add_columns(self, cost: Vector, lower: Vector, upper: Vector) -> None:
         """Append empty columns."""
-        self._highs.addCols(
-            cost.size, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES
-        )
+        self._highs.addCols(cost.size, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES)
         self._num_columns += cost.size
 
     def _add_rows(self, matrix: csr_array, first: int, lower: Vector, upper: Vector) -> None:
         """Append rows whose columns count from a first one."""
         starts = matrix.indptr[:-1].astype(np.int32)
         columns = (matrix.indices + first).astype(np.int32)
-        self._highs.addRows(
-            matrix.shape[0], lower, upper, matrix.nnz, starts, columns, matrix.data
-        )
+        self._highs.addRows(matrix.shape[0], lower, upper, matrix.nnz, starts, columns, matrix.data)
         self._num_rows += int(matrix.shape[0])
 
     def alone(self) -> tuple[Matrix, ...] | None:
@@ -294,4 +290,3 @@ class GroupLp:
         places = (np.concatenate(where)[kept], np.concatenate(columns)[kept])
         shape = (rows.count, self._num_columns)
         return csr_array(coo_array((data[kept], places), shape=shape)), lower
-

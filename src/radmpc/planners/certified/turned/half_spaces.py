@@ -13,8 +13,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.planners.certified.turned.encounter import Encounter
 from radmpc.planners.certified.hazards import Hazards
+from radmpc.planners.certified.turned.encounter import Encounter
 from radmpc.planners.certified.turned.paths import Paths
 
 __all__ = ["HalfSpaces", "Near", "half_spaces"]

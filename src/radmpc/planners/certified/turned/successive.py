@@ -14,9 +14,9 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import tail_probability
+from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, Near, half_spaces
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.margins import fixed_margins, priced_margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -62,6 +62,19 @@ class SuccessiveLp:
         for i, each in enumerate(controls):
             self.paths.fly(i, each)
             self._ahead.fly(i, each)
+
+    def refer(self, vehicle: int, positions: Matrix) -> None:
+        """Turn half-spaces of a vehicle to a path next that no controls need follow.
+
+        Parameters
+        ----------
+        vehicle : int
+            Its number.
+        positions : (T+1, d) array
+            Positions at the steps [m].
+        """
+        self.paths.refer(vehicle, positions)
+        self._ahead.refer(vehicle, positions)
 
     def begin_alone(self) -> bool:
         """Begin with what every vehicle does by itself; tell whether all reach their goals."""
@@ -132,9 +145,7 @@ class SuccessiveLp:
         near = Near(TUNING.compared, float(self.hazards.moves[list(group)].max()), is_refined=True)
         spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
         penalty = TUNING.last_penalty * self._meter
-        margins = priced_margins(
-            spaces.deviations, spaces.clearances, (price, penalty), spacing
-        )
+        margins = priced_margins(spaces.deviations, spaces.clearances, (price, penalty), spacing)
         plan = self._program(group).solve(spaces, self.paths, margins)
         if plan is None:
             return _risk(spaces)

@@ -6,21 +6,23 @@ The price is the shadow price of the risk, per unit of probability, unless calle
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
+from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
+from radmpc.solvers.solution import Limits
 
-__all__ = ["Turning", "plan_by_turning", "turn_half_spaces"]
+__all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -50,7 +52,7 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
         With a cheaper plan where there is one. What was proven stays as it is.
     """
     incumbent, price = state.incumbent, state.last_unit_price(fleet) / fleet.unit
-    turning = Turning.of(fleet, judge, incumbent, incumbent.sets, price)
+    turning = Turning(_task(fleet, judge), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
     return replace(state, incumbent=turning.run(TUNING.rounds))
 
@@ -84,9 +86,43 @@ def plan_by_turning(
     """
     # Risk counts for much more than effort until the plan is certified.
     price = TUNING.dear * fleet.first_unit_price(state.budget) / fleet.unit
-    turning = Turning.of(fleet, judge, state.incumbent, sets, price)
+    turning = Turning(_task(fleet, judge), state.incumbent, sets, price)
     turning.successive.begin(controls)
     return replace(state, incumbent=turning.run(2 * TUNING.rounds))
+
+
+def _task(fleet: Fleet, judge: Judge) -> Task:
+    """Return what turning is asked of a fleet."""
+    risk_bound = fleet.scenario.risk_bound
+    return Task(fleet.programs.hazards, judge, fleet.limits, fleet.gap, risk_bound)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """What is asked.
+
+    Attributes
+    ----------
+    hazards : Hazards
+        The fleet.
+    judge : callable
+        The referee.
+    limits : Limits
+        When to stop early.
+    gap : float
+        Relative difference of costs below which plans count as equal [-].
+    risk_bound : float
+        Δ [-].
+    found : callable
+        Told the cost of every better plan.
+    """
+
+    hazards: Hazards
+    judge: Judge
+    limits: Limits
+    gap: float
+    risk_bound: float
+    found: Callable[[float], None] = lambda cost: None
 
 
 @dataclass(slots=True, eq=False)
@@ -95,10 +131,8 @@ class Turning:
 
     Attributes
     ----------
-    fleet : Fleet
-        The fleet.
-    judge : callable
-        The referee.
+    task : Task
+        What is asked.
     incumbent : FleetIncumbent
         The best plan so far.
     sets : tuple of tuple of int
@@ -115,40 +149,21 @@ class Turning:
         Solves of groups so far.
     """
 
-    fleet: Fleet
-    judge: Judge
+    task: Task
     incumbent: FleetIncumbent
     sets: tuple[Members, ...]
     price: float
-    successive: SuccessiveLp
+    successive: SuccessiveLp = field(init=False)
     groups: tuple[Members, ...] = field(init=False)
     risk: float = 0.0
     num_solves: int = 0
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
-        count = self.fleet.scenario.num_vehicles
+        count = self.task.hazards.count
         together = count <= TUNING.most_together
         self.groups = (tuple(range(count)),) if together else self.sets
-
-    @classmethod
-    def of(
-        cls,
-        fleet: Fleet,
-        judge: Judge,
-        incumbent: FleetIncumbent,
-        sets: tuple[Members, ...],
-        price: float,
-    ) -> Turning:
-        """Lay out a fleet.
-
-        Parameters
-        ----------
-        fleet, judge, incumbent, sets, price
-            As the attributes.
-        """
-        successive = SuccessiveLp(fleet.programs.hazards, fleet.limits)
-        return cls(fleet, judge, incumbent, sets, price, successive)
+        self.successive = SuccessiveLp(self.task.hazards, self.task.limits)
 
     def run(self, rounds: int) -> FleetIncumbent:
         """Turn half-spaces to the latest paths and plan again, until little is gained.
@@ -163,13 +178,13 @@ class Turning:
         FleetIncumbent
             The best certified plan so far.
         """
-        fleet, paths = self.fleet, self.successive.paths
-        risk_bound = fleet.scenario.risk_bound
+        task, paths = self.task, self.successive.paths
+        risk_bound = task.risk_bound
         num_stalls, least = 0, self._take()
         cheapest = paths.cost() if least <= risk_bound else float("inf")
         for number in range(rounds):
             has_spent = number >= TUNING.least_rounds and self.num_solves >= TUNING.most_solves
-            if fleet.limits.reached or num_stalls >= TUNING.max_stalls or has_spent:
+            if task.limits.reached or num_stalls >= TUNING.max_stalls or has_spent:
                 break
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
             certified, cost = self._take(), paths.cost()
@@ -178,7 +193,7 @@ class Turning:
                 "certificate %.3g of risk bound %g",
                 number + 1, 0.01 * risk_bound * self.price, cost, certified, risk_bound,
             )  # fmt: skip
-            is_little = cheapest - cost < TUNING.enough * fleet.gap * abs(cost)
+            is_little = cheapest - cost < TUNING.enough * task.gap * abs(cost)
             if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
             else:
@@ -194,7 +209,7 @@ class Turning:
         """Plan every group once."""
         self.risk = 0.0
         for group in self.groups:
-            if self.fleet.limits.reached:
+            if self.task.limits.reached:
                 return
             self.risk += self.successive.share_risk(group, self.price, spacing)
             self.num_solves += 1
@@ -203,8 +218,8 @@ class Turning:
         """Keep the latest paths if they are certified and the cheapest; return the certificate."""
         paths = self.successive.paths
         controls = tuple(paths.controls)
-        certified, cost = self.judge(controls).certified, paths.cost()
-        if certified <= self.fleet.scenario.risk_bound and cost < self.incumbent.cost:
+        certified, cost = self.task.judge(controls).certified, paths.cost()
+        if certified <= self.task.risk_bound and cost < self.incumbent.cost:
             price = self.price * self.risk / max(certified, _NOTHING)
             self.incumbent = replace(
                 self.incumbent,
@@ -214,4 +229,5 @@ class Turning:
                 sets=self.sets,
                 turned_price=price if self.risk else None,
             )
+            self.task.found(cost)
         return certified

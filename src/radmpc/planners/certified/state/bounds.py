@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.state import SearchState
+from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.solution import relative_gap
 

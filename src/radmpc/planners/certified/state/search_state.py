@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from radmpc.arrays import Vector
 from radmpc.errors import NoPlanError
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.merging import Members, Merging
 from radmpc.planners.certified.problem import SetState
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.draft import Step
 from radmpc.solvers.priced.nodes import Incumbent
 
@@ -24,6 +24,10 @@ __all__ = ["SearchState"]
 @dataclass(frozen=True, slots=True, eq=False)
 class SearchState:
     """What is known at some moment of a search; `dataclasses.replace` makes the next one.
+
+    From one state to the next the incumbent never becomes dearer, bounds and rejected pairs are
+    only added, and the budget stays within `Fleet.least_budget` and `Fleet.most_budget` once the
+    referee was asked.
 
     Attributes
     ----------
@@ -45,10 +49,7 @@ class SearchState:
     tried : tuple of (float, float)
         Unit prices, and the risk at them [-].
     incumbent : FleetIncumbent
-        The best certified plan of the search.
-    first : FleetIncumbent
-        A certified plan by turned half-spaces, made before the search; its cost is not to be
-        compared with plans by faces, which become cheaper once theirs are turned.
+        The best certified plan.
     rejected_budget : float
         The least budget for which the referee rejected the plan of a round [-].
     has_failed : bool
@@ -70,7 +71,6 @@ class SearchState:
     effort: int = 1
     tried: tuple[tuple[float, float], ...] = ()
     incumbent: FleetIncumbent = field(default_factory=FleetIncumbent)
-    first: FleetIncumbent = field(default_factory=FleetIncumbent)
     rejected_budget: float = float("inf")
     has_failed: bool = False
     round_bounds: tuple[tuple[float, float], ...] = ()
