@@ -124,7 +124,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     hazards = Hazards.of(scenario, condensed_models(scenario))
     bound = scenario.risk_bound
     task = Task(hazards, run.judge, begin, planner.gap, bound, lambda cost: run.found(cost, None))
-    first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost)
+    first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng)
     fleet = Fleet.of(
         scenario,
         planner.gap,

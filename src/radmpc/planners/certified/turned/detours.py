@@ -1,4 +1,4 @@
-"""Shortest ways around standing obstacles, on a grid, as paths that half-spaces are turned to."""
+"""Shortest ways around standing obstacles, on a grid, and how they may be timed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.hazards import Hazards
 
-__all__ = ["detours"]
+__all__ = ["detours", "timed"]
 
 _POINTS = {2: 80, 3: 26}
 """Points of the grid along its longest axis, by dimension [-]: 100 boxes take 10 ms to lay out."""
@@ -26,12 +26,9 @@ _WIDE = 3.0
 _NARROW = 4.0
 """Factor on the length of a way that touches an obstacle; it falls to 1 where the way is free [-]."""
 
-_EASE = 0.5
-"""Share of a start from rest and a stop, against even speed, in how a way is timed [-]."""
-
 
 def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Matrix]:
-    """Return where vehicles would be at each step on the shortest ways around standing obstacles.
+    """Return the shortest ways of vehicles around standing obstacles.
 
     Parameters
     ----------
@@ -42,8 +39,8 @@ def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Ma
 
     Returns
     -------
-    dict of int to (T+1, d) array
-        Positions [m] of those for which there is a way.
+    dict of int to (p, d) array
+        Corners of the ways from start to goal [m], of those for which there is one.
     """
     grid = _Grid.of(hazards)
     graphs: dict[tuple[float, float], csr_array] = {}
@@ -57,8 +54,26 @@ def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Ma
         goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
         way = grid.way(graphs[key], model.drift_position[0], goal)
         if way is not None:
-            found[i] = _timed(way, hazards.horizon)
+            found[i] = way
     return found
+
+
+def timed(way: Matrix, horizon: int, begin: float, end: float) -> Matrix:
+    """Return where one is at each step on a way, at even speed between two times, (T+1, d) [m].
+
+    Parameters
+    ----------
+    way : (p, d) array
+        Its corners [m].
+    horizon : int
+        Steps T.
+    begin, end : float
+        When one leaves and arrives, as shares of the horizon [-].
+    """
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    shares = np.clip((np.linspace(0.0, 1.0, horizon + 1) - begin) / (end - begin), 0.0, 1.0)
+    along = shares * lengths[-1]
+    return np.stack([np.interp(along, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,12 +180,3 @@ class _Grid:
         while path[-1] != last:
             path.append(int(before[path[-1]]))
         return np.vstack([start, self.points[path], goal])
-
-
-def _timed(way: Matrix, horizon: int) -> Matrix:
-    """Return where one is at each step on a way that takes the whole horizon, (T+1, d)."""
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
-    even = np.linspace(0.0, 1.0, horizon + 1)
-    share = (1.0 - _EASE) * even + _EASE * (3.0 * even**2 - 2.0 * even**3)
-    along = share * lengths[-1]
-    return np.stack([np.interp(along, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
+from radmpc.arrays import Matrix
 from radmpc.gaussian import CONVEX_RISK, clearance_for
 from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.planners.certified.turned.detours import detours
+from radmpc.planners.certified.turned.detours import detours, timed
 from radmpc.planners.certified.turned.half_spaces import Near, half_spaces
+from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.components import components
@@ -18,61 +21,90 @@ from radmpc.planners.components import components
 __all__ = ["first_plan"]
 
 
-def first_plan(task: Task, price: float) -> FleetIncumbent:
+def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncumbent:
     """Plan a fleet one vehicle after the other, then all at a price of risk.
 
     Vehicles begin with what they do alone; those that an obstacle stops begin with the shortest way
-    around. Where few get in each other's way, searching their sets is as quick, and nothing is
-    done.
+    around, at times that differ from attempt to attempt. Where nothing stops them and few get in
+    each other's way, searching their sets is as quick, and nothing is done.
 
     Parameters
     ----------
     task : Task
         What is asked.
     price : float
-        First guess of the shadow price of the risk, as a share of what plans cost without hazards.
+        First guess of what Δ is worth, as a share of what plans cost without hazards [-].
+    rng : Generator
+        Draws the times.
 
     Returns
     -------
     FleetIncumbent
         A certified plan; none where none was found.
     """
-    hazards, nothing = task.hazards, FleetIncumbent()
-    sets = tuple((i,) for i in range(hazards.count))
-    turning = Turning(task, nothing, sets, 0.0)
-    successive = turning.successive
+    hazards = task.hazards
+    alone = SuccessiveLp(hazards, task.limits)
+    if not alone.begin_alone():
+        return FleetIncumbent()
     share = TUNING.first_share * task.risk_bound / hazards.count
     clearance = float(clearance_for(min(share, CONVEX_RISK)))
-    if not successive.begin_alone():
-        return nothing
-    stopped = _stopped(hazards, turning)
-    if stopped.size:
-        for i, path in detours(hazards, stopped).items():
-            successive.refer(i, path)
-    elif not _is_crowded(hazards, turning, clearance):
-        return nothing
-    turning.price = price * successive.paths.cost() / task.risk_bound
-    if not successive.keep_apart(clearance, TUNING.max_sweeps):
-        return nothing
-    return turning.run(TUNING.rounds)
+    stopped = _stopped(hazards, alone.paths)
+    if not stopped.size and not _is_crowded(hazards, alone.paths, clearance):
+        return FleetIncumbent()
+    # Risk counts for much more than effort at first: a falling price stays near what is certified.
+    price *= TUNING.dear * alone.paths.cost() / task.risk_bound
+    ways = detours(hazards, stopped) if stopped.size else {}
+    best, least = None, np.inf
+    for number in range(TUNING.attempts if ways else 1):
+        attempt = _attempt(task, (alone.paths, ways), price, rng if number else None)
+        is_apart = attempt.successive.keep_apart(clearance, TUNING.max_sweeps)
+        missed = float(attempt.successive.missed.sum())
+        if best is None or is_apart or missed < least:
+            best, least = attempt, missed
+        if is_apart or task.limits.reached:
+            break
+    return FleetIncumbent() if best is None else best.run(TUNING.rounds)
 
 
-def _stopped(hazards: Hazards, turning: Turning) -> np.ndarray:
+def _attempt(
+    task: Task,
+    begin: tuple[Paths, Mapping[int, Matrix]],
+    price: float,
+    rng: np.random.Generator | None,
+) -> Turning:
+    """Begin with paths alone, and with ways at drawn times where there are any.
+
+    Without a generator they take the whole horizon.
+    """
+    hazards = task.hazards
+    alone, ways = begin
+    turning = Turning(task, FleetIncumbent(), tuple((i,) for i in range(hazards.count)), price)
+    turning.successive.begin(alone.controls)
+    for i, way in ways.items():
+        first, last = 0.0, 1.0
+        if rng is not None:
+            length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+            least = min(length / (float(hazards.moves[i]) * hazards.horizon), TUNING.fastest)
+            taken = least + (1.0 - least) * rng.random()
+            first = (1.0 - taken) * rng.random()
+            last = first + taken
+        turning.successive.refer(i, timed(way, hazards.horizon, first, last))
+    return turning
+
+
+def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:
     """Return the vehicles whose paths alone run into an obstacle, noise aside."""
-    near = Near(0.0, 0.0, is_refined=False)
     everyone = tuple(range(hazards.count))
-    spaces = half_spaces(hazards, turning.successive.paths, everyone, near)
+    spaces = half_spaces(hazards, paths, everyone, Near(0.0, 0.0, is_refined=False))
     is_hit = (spaces.heights < spaces.offsets).any(axis=1) & (spaces.second < 0)
     return np.unique(spaces.first[is_hit])
 
 
-def _is_crowded(hazards: Hazards, turning: Turning, clearance: float) -> bool:
+def _is_crowded(hazards: Hazards, paths: Paths, clearance: float) -> bool:
     """Whether many vehicles get in each other's way, directly or through others, if alone."""
-    near = Near(clearance, 0.0, is_refined=False)
     everyone = tuple(range(hazards.count))
-    spaces = half_spaces(hazards, turning.successive.paths, everyone, near)
+    spaces = half_spaces(hazards, paths, everyone, Near(clearance, 0.0, is_refined=False))
     meets = (spaces.clearances < clearance).any(axis=1) & (spaces.second >= 0)
-    pairs: Sequence[tuple[int, int]] = list(
-        zip(spaces.first[meets].tolist(), spaces.second[meets].tolist(), strict=True)
-    )
-    return max(len(group) for group in components(hazards.count, pairs)) >= TUNING.many
+    one, two = spaces.first[meets].tolist(), spaces.second[meets].tolist()
+    groups = components(hazards.count, zip(one, two, strict=True))
+    return max(len(group) for group in groups) >= TUNING.many

@@ -16,6 +16,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.encounter import Encounter
 from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.tuning import TUNING
 
 __all__ = ["HalfSpaces", "Near", "half_spaces"]
 
@@ -68,6 +69,8 @@ class HalfSpaces:
         the end [-].
     heights : (w, 2) array
         Left sides on the latest paths, less the reserve [m].
+    keys : (w,) int array
+        The same for the same hazard at the same window, whatever the paths.
     """
 
     first: Indices
@@ -78,6 +81,7 @@ class HalfSpaces:
     deviations: Matrix
     shares: Vector
     heights: Matrix
+    keys: Indices
 
     @property
     def count(self) -> int:
@@ -172,8 +176,9 @@ def _between(
         )
 
     if near.is_refined and first.size:
-        normals = encounter(ahead).best_normals(normals[:, None])
-    return _laid_out(encounter(paths), normals, (first, second, window))
+        normals = _refined((encounter(paths), encounter(ahead)), normals[:, None])
+    keys = (first * hazards.count + second) * hazards.horizon + window
+    return _laid_out(encounter(paths), normals, (first, second, window), keys)
 
 
 def _around(
@@ -211,11 +216,13 @@ def _around(
     chord = begin[place, window], path[place, window + 1]
     tried = _tried(shapes.faces[piece, window], corners, chord)
     if near.is_refined and piece.size:
-        normals = encounter(ahead).best_normals(tried)
+        normals = _refined((encounter(paths), encounter(ahead)), tried)
     else:
         scores = np.where(tried.any(axis=2), encounter(paths).clearances(tried), -np.inf)
         normals = tried[np.arange(piece.size), scores.argmax(axis=1)]
-    return _laid_out(encounter(paths), normals, (first, np.full(piece.size, -1), window))
+    base = hazards.count**2 * hazards.horizon
+    keys = base + (first * shapes.count + piece) * hazards.horizon + window
+    return _laid_out(encounter(paths), normals, (first, np.full(piece.size, -1), window), keys)
 
 
 def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> HalfSpaces:
@@ -242,11 +249,23 @@ def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> Hal
         paths.sagittas[first, window],
         supports,
     )
-    return _laid_out(encounter, sides[face], (first, np.full(first.size, -1), window))
+    base = hazards.count * (hazards.count + hazards.shapes.count) * hazards.horizon
+    keys = base + (first * len(sides) + face) * hazards.horizon + window
+    return _laid_out(encounter, sides[face], (first, np.full(first.size, -1), window), keys)
+
+
+def _refined(encounters: tuple[Encounter, Encounter], tried: Tensor) -> Matrix:
+    """Return the best normals of where paths move, but those of the paths where these would cross."""
+    latest, moved = encounters
+    normals = moved.best_normals(tried)
+    crossed = latest.clearances(normals[:, None])[:, 0] < TUNING.crossed
+    if crossed.any():
+        normals = np.where(crossed[:, None], latest.best_normals(tried), normals)
+    return normals
 
 
 def _laid_out(
-    encounter: Encounter, normals: Matrix, who: tuple[Indices, Indices, Indices]
+    encounter: Encounter, normals: Matrix, who: tuple[Indices, Indices, Indices], keys: Indices
 ) -> HalfSpaces:
     """Return the half-spaces of an encounter along given normals."""
     tried = normals[:, None]
@@ -266,6 +285,7 @@ def _laid_out(
         np.stack([deviations[end] for end in both], axis=1),
         shares,
         np.stack([heights[end] for end in both], axis=1),
+        keys,
     )
 
 

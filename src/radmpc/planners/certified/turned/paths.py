@@ -9,7 +9,11 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor
 from radmpc.planners.certified.hazards import Hazards
 
-__all__ = ["Paths"]
+__all__ = ["Paths", "SavedPaths"]
+
+
+SavedPaths = tuple[Sequence[Matrix], Tensor, Tensor]
+"""Controls, mean positions and sagittas of all vehicles."""
 
 
 class Paths:
@@ -69,11 +73,11 @@ class Paths:
         pairs = zip(self._models, self.controls, strict=True)
         return sum(model.vehicle.cost_weight * float(np.abs(u).sum()) for model, u in pairs)
 
-    def state(self) -> tuple[Sequence[Matrix], Tensor, Tensor]:
+    def state(self) -> SavedPaths:
         """Return what `restore` takes to come back to these paths."""
         return tuple(self.controls), self.means.copy(), self.sagittas.copy()
 
-    def restore(self, state: tuple[Sequence[Matrix], Tensor, Tensor]) -> None:
+    def restore(self, state: SavedPaths) -> None:
         """Come back to paths that `state` returned."""
         controls, means, sagittas = state
         self.controls = list(controls)

@@ -18,7 +18,7 @@ from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, Near, half_spaces
 from radmpc.planners.certified.turned.margins import fixed_margins, priced_margins
-from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.solvers.solution import Limits
 
@@ -86,6 +86,15 @@ class SuccessiveLp:
             self._ahead.fly(i, alone[0])
         return True
 
+    def state(self) -> SavedPaths:
+        """Return what `restore` takes to come back to these paths."""
+        return self.paths.state()
+
+    def restore(self, state: SavedPaths) -> None:
+        """Come back to paths that `state` returned, and turn half-spaces to them next."""
+        self.paths.restore(state)
+        self._ahead.restore(state)
+
     def keep_apart(self, clearance: float, max_sweeps: int) -> bool:
         """Plan one vehicle after the other until all keep a clearance, or nothing helps.
 
@@ -142,20 +151,41 @@ class SuccessiveLp:
         spacing : float
             Between the clearances around the latest at which risk is interpolated [-].
         """
-        near = Near(TUNING.compared, float(self.hazards.moves[list(group)].max()), is_refined=True)
-        spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
-        penalty = TUNING.last_penalty * self._meter
-        margins = priced_margins(spaces.deviations, spaces.clearances, (price, penalty), spacing)
-        plan = self._program(group).solve(spaces, self.paths, margins)
-        if plan is None:
-            return _risk(spaces)
+        reach = float(self.hazards.moves[list(group)].max())
+        before = self.paths.state()
+        for _ in range(TUNING.looks):
+            near = Near(TUNING.compared, reach, is_refined=True)
+            spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
+            margins = priced_margins(
+                spaces.deviations,
+                spaces.clearances,
+                (price, TUNING.last_penalty * self._meter),
+                spacing,
+            )
+            plan = self._program(group).solve(spaces, self.paths, margins)
+            if plan is None:
+                return _risk(spaces)
+            for i, controls in zip(group, plan.controls, strict=True):
+                self.paths.fly(i, controls)
+            if not self._is_surprised(group, spaces):
+                break
+            # The paths went where nothing was near them before: look further around the old ones.
+            self.paths.restore(before)
+            reach *= TUNING.further
         for i, controls in zip(group, plan.controls, strict=True):
-            means, sagittas = self.paths.means[i].copy(), self.paths.sagittas[i].copy()
             self.paths.fly(i, controls)
-            moved = self.paths.means[i] - means, self.paths.sagittas[i] - sagittas
-            self._ahead.means[i] = self.paths.means[i] + TUNING.ahead * moved[0]
-            self._ahead.sagittas[i] = self.paths.sagittas[i] + TUNING.ahead * moved[1]
+            self._ahead.means[i] = self.paths.means[i]
+            self._ahead.means[i] += TUNING.ahead * (self.paths.means[i] - before[1][i])
+            self._ahead.sagittas[i] = self.paths.sagittas[i]
+            self._ahead.sagittas[i] += TUNING.ahead * (self.paths.sagittas[i] - before[2][i])
         return plan.risk
+
+    def _is_surprised(self, group: Group, spaces: HalfSpaces) -> bool:
+        """Whether the latest paths come near anything that there was no half-space for."""
+        near = Near(TUNING.compared, 0.0, is_refined=False)
+        latest = half_spaces(self.hazards, self.paths, group, near)
+        close = latest.keys[(latest.clearances < TUNING.compared).any(axis=1)]
+        return not bool(np.isin(close, spaces.keys).all())
 
     def _program(self, group: Group) -> GroupLp:
         """Return a group's linear program, kept warm."""

@@ -33,6 +33,9 @@ class Tuning:
     ahead : float
         Share of the last move by which half-spaces are turned ahead of the latest paths [-]: without
         it the last per mille takes twice as many rounds on `paper(8)`, from 2 on paths swing.
+    crossed : float
+        Clearance of the latest path below which a half-space is not turned ahead of it [standard
+        deviations]: it might be that of another side.
     first_penalty, penalty_growth, last_penalty : float
         Penalty for a meter missed, in multiples of what the cheapest meter of detour costs: in the
         first sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that
@@ -42,30 +45,46 @@ class Tuning:
     stuck : int
         Sweeps in which what is missed falls by less than a tenth, after which nothing is expected
         [-].
+    looks : int
+        Times that a group is planned in a round at most [-], until its paths stay where half-spaces
+        were.
+    further : float
+        Factor on how far one looks around for it [-].
     max_sweeps : int
         Sweeps over the fleet for a first plan, at most [-]; `empty_40agents_3` takes nine.
+    attempts : int
+        Times of ways around obstacles that a first plan is tried with, at most [-]: each takes 0.1
+        to 0.5 s for three to eight vehicles.
+    fastest : float
+        Share of the horizon that the fastest way takes at most, when times are drawn [-].
     first_share : float
         Share of Δ per vehicle that every half-space may risk in these sweeps [-].
     many : int
         Vehicles in each other's way from which on a first plan is made before sets are searched
         [-].
-    noticed : float
-        Share of the unit from which on a risk between two counts as in each other's way [-].
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].
     aim : float
         Share of Δ that the certificate is to come to at the next price [-].
-    most_move : float
-        Ratio of certificate to aim that a price follows at most, either way [-].
+    most_rise, most_fall : float
+        Ratio of certificate to aim that a rising price follows at most, and its inverse that a
+        falling one does [-]: from a cheap price paths go far at once, and not back.
+    lost : float
+        Multiple of Δ from which on a certificate calls for going back to the last certified paths
+        [-].
+    dearer : float
+        Factor on the price when going back [-].
     damping : float
         Power of the ratio of certificate to aim that the price follows [-]: risk falls a little
         faster than in proportion.
     enough : float
         Share of the gap below which a round gains too little to go on [-].
+    spent : float
+        Share of Δ below which a certificate calls for a lower price before gains are counted [-].
     max_stalls : int
         Rounds in a row that gain too little, after which none follows [-].
     less : float
-        Share of the least certificate so far that a round must come below while far above Δ [-].
+        Share of the last certificate that a round must come below while far above Δ [-].
     close : float
         Multiple of Δ up to which a certificate above it is left for the price to repair [-].
     dear : float
@@ -93,20 +112,28 @@ class Tuning:
     finer: float = 0.7
     least_spacing: float = 0.01
     ahead: float = 0.7
+    crossed: float = 1.0
     first_penalty: float = 10.0
     penalty_growth: float = 1.3
     last_penalty: float = 1e4
     settled: float = 2e-3
     stuck: int = 8
+    looks: int = 3
+    further: float = 3.0
     max_sweeps: int = 40
+    attempts: int = 8
+    fastest: float = 0.95
     first_share: float = 0.5
     many: int = 5
-    noticed: float = 1e-3
     compared: float = 3.0
     aim: float = 0.985
-    most_move: float = 30.0
+    most_rise: float = 30.0
+    most_fall: float = 6.0
+    lost: float = 8.0
+    dearer: float = 3.0
     damping: float = 0.8
     enough: float = 0.1
+    spent: float = 0.5
     max_stalls: int = 3
     less: float = 0.9
     close: float = 2.0

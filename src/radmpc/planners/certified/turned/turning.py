@@ -180,8 +180,10 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         risk_bound = task.risk_bound
-        num_stalls, least = 0, self._take()
-        cheapest = paths.cost() if least <= risk_bound else float("inf")
+        num_stalls, previous = 0, self._take()
+        cheapest = paths.cost() if previous <= risk_bound else float("inf")
+        safe = (self.successive.state(), self.price) if previous <= risk_bound else None
+        last = float("inf")
         for number in range(rounds):
             has_spent = number >= TUNING.least_rounds and self.num_solves >= TUNING.most_solves
             if task.limits.reached or num_stalls >= TUNING.max_stalls or has_spent:
@@ -193,15 +195,25 @@ class Turning:
                 "certificate %.3g of risk bound %g",
                 number + 1, 0.01 * risk_bound * self.price, cost, certified, risk_bound,
             )  # fmt: skip
-            is_little = cheapest - cost < TUNING.enough * task.gap * abs(cost)
+            little = TUNING.enough * task.gap * abs(cost)
+            is_little = cheapest - cost < little
+            if certified > risk_bound:
+                is_little = certified > max(TUNING.less * previous, TUNING.close * risk_bound)
+            elif certified < TUNING.spent * risk_bound:
+                is_little = abs(last - cost) < little
             if certified <= risk_bound:
                 cheapest = min(cheapest, cost)
-            else:
-                is_little = certified > max(TUNING.less * least, TUNING.close * risk_bound)
+                safe = self.successive.state(), self.price
+            last = cost
             num_stalls = num_stalls + 1 if is_little else 0
-            least = min(least, certified)
-            ratio, most = certified / (TUNING.aim * risk_bound), TUNING.most_move
-            ratio = float(np.clip(ratio, 1.0 / most, most))
+            if safe is not None and certified > TUNING.lost * risk_bound:
+                # So cheap a price led where half-spaces no longer lead back from.
+                self.successive.restore(safe[0])
+                self.price, previous = TUNING.dearer * max(self.price, safe[1]), risk_bound
+                continue
+            previous = certified
+            ratio = certified / (TUNING.aim * risk_bound)
+            ratio = float(np.clip(ratio, 1.0 / TUNING.most_fall, TUNING.most_rise))
             self.price *= ratio**TUNING.damping
         return self.incumbent
 
