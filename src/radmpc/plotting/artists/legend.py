@@ -17,7 +17,15 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.model.plan import Plan
 from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.artists.highlights import worst_rows
-from radmpc.plotting.canvas.style import ALERT, MUTED, OBSTACLE_FILL, STAR_SIZE, TICK_SIZE
+from radmpc.plotting.canvas.style import (
+    ALERT,
+    MUTED,
+    OBSTACLE_FILL,
+    STAR_SIZE,
+    TICK_SIZE,
+    Dashes,
+    vehicle_dashes,
+)
 
 __all__ = ["draw_film_legend", "draw_legend", "draw_views_legend", "num_legend_lines"]
 
@@ -129,6 +137,11 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     if plan.trajectories:
         line = Line2D([], [], color=MUTED, linewidth=1.1, marker=".", markersize=4)
         entries["mean path, step no."] = line
+        dashes = _first_dashes(plan)
+        if dashes is not None:
+            entries["dashed: same set"] = Line2D(
+                [], [], color=MUTED, linewidth=1.1, linestyle=dashes
+            )
         if is_flat:
             entries["3σ"] = _sign("o", 7.0, "#55555533", "#55555573", 0.35)
             entries["swept hull"] = Patch(facecolor="#5555551A")
@@ -144,6 +157,13 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     if worst_rows(plan):
         entries["most risk"] = _sign("o", 6.5, "none", ALERT, 1.0)
     return entries
+
+
+def _first_dashes(plan: Plan) -> Dashes | None:
+    """Return the first line style drawn that is not solid; None where all are."""
+    names = [vehicle.name for vehicle in plan.scenario.vehicles]
+    drawn = vehicle_dashes(names, plan.sets).values()
+    return next((dashes for dashes in drawn if dashes != "solid"), None)
 
 
 def _sign(marker: str, size: float, face: str, edge: str, width: float) -> Line2D:
