@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from radmpc.model.limits import TightLimit, tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.incumbent import SPENT
 
 __all__ = [
     "advice_text",
@@ -213,7 +212,7 @@ def _no_price(plan: Plan) -> str:
         return f"only the planner '{_PRICED}' looks for it"
     if certified is not None and certified <= 0.0:
         return "the plan runs no risk"
-    if certified is None or plan.lower_bound is None or certified >= SPENT * bound:
+    if certified is None or plan.lower_bound is None or 1.0 - certified / bound <= _MUCH_LEFT:
         return "the search ended before it had proven anything at a price of risk"
     return "the union bounds that the search counts by are used up, the risk bound is not"
 

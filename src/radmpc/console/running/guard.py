@@ -96,7 +96,8 @@ class GuardedCommands(TyperGroup):
         words = list(args)
         try:
             return super().parse_args(ctx, args)
-        except _USAGE_ERRORS as error:
+        except Exception as error:
+            # Only one kind of usage error names an option that it does not know.
             option = getattr(error, "option_name", None)
             taker = next((word for word in words if option in self._options_of(word)), None)
             if taker is None:

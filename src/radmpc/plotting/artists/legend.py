@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -137,11 +138,9 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     if plan.trajectories:
         line = Line2D([], [], color=MUTED, linewidth=1.1, marker=".", markersize=4)
         entries["mean path, step no."] = line
-        dashes = _first_dashes(plan)
-        if dashes is not None:
-            entries["dashed: same set"] = Line2D(
-                [], [], color=MUTED, linewidth=1.1, linestyle=dashes
-            )
+        if any(dashes != "solid" for dashes in _dashes(plan)):
+            dashed = Line2D([], [], color=MUTED, linewidth=1.1, linestyle=(0, (5, 1.2)))
+            entries["dashed: same set"] = dashed
         if is_flat:
             entries["3σ"] = _sign("o", 7.0, "#55555533", "#55555573", 0.35)
             entries["swept hull"] = Patch(facecolor="#5555551A")
@@ -159,11 +158,9 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     return entries
 
 
-def _first_dashes(plan: Plan) -> Dashes | None:
-    """Return the first line style drawn that is not solid; None where all are."""
-    names = [vehicle.name for vehicle in plan.scenario.vehicles]
-    drawn = vehicle_dashes(names, plan.sets).values()
-    return next((dashes for dashes in drawn if dashes != "solid"), None)
+def _dashes(plan: Plan) -> Iterable[Dashes]:
+    """Return the line styles of a plan's paths."""
+    return vehicle_dashes([vehicle.name for vehicle in plan.scenario.vehicles], plan.sets).values()
 
 
 def _sign(marker: str, size: float, face: str, edge: str, width: float) -> Line2D:
