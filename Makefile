@@ -26,12 +26,11 @@ demo: $(INSTALLED) ## plan the shipped scenario; plan and picture go to out/
 	@$(BIN)/radmpc demo --out out
 	@echo "(here radmpc is $(BIN)/radmpc)"
 
-# What takes a second comes first. Types are checked beside the tests, whose workers also wait, for
-# processes that they start; the site comes last, for by then tests have made its pictures.
+# What takes a second comes first. Types, which only one processor can check, and the site are beside
+# the tests: these wait now and then, for what they start.
 check: $(INSTALLED_DEV) ## everything that must hold before a commit
 	@$(MAKE) --jobs=$(WORKERS) --output-sync=target format lint floors
-	@$(MAKE) --jobs=2 test types
-	@$(MAKE) docs
+	@$(MAKE) --jobs=2 test types docs
 	@echo 'make check: everything holds'
 
 # Neither the site nor tests marked slow, which is where the minutes go.
