@@ -88,6 +88,16 @@ class GuardedCommands(TyperGroup):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read what stands before the command; name the place of an option that belongs after it.
 
+        Parameters
+        ----------
+        ctx, args
+            As in typer.
+
+        Returns
+        -------
+        list of str
+            What is left, the command first.
+
         Raises
         ------
         typer.BadParameter or one of its bases
