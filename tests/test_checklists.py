@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 import pytest
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csr_array
 
-from radmpc.errors import ScenarioError
+from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.experiments.families import paper
+from radmpc.importing import formats
+from radmpc.importing.formats import import_scenario
+from radmpc.importing.problem import ForeignProblem, ForeignVehicle
+from radmpc.io.export import exporting
+from radmpc.io.export.exporting import export_plan
+from radmpc.io.export.job import Job
+from radmpc.io.text.document import Document
 from radmpc.model.plan import Status
 from radmpc.planners import (
+    BigM,
     Branch,
     Centralized,
     Decomposition,
@@ -25,7 +37,9 @@ from radmpc.planners.draft import Draft
 from radmpc.planners.policies import Family, RiskUse, Solved, SolveRequest
 from radmpc.planning import plan
 from radmpc.program.allocation import margins_of
-from radmpc.solvers.solution import Solution
+from radmpc.solvers.milp.big_m import BACKENDS
+from radmpc.solvers.milp.model import MilpAnswer, MilpModel
+from radmpc.solvers.solution import Limits, Outcome, Solution
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +94,48 @@ class Patient(Solver):
         )
 
 
+class Scipy:
+    """A mixed-integer backend: what SciPy has."""
+
+    name = "scipy"
+
+    def minimize(self, model: MilpModel, gap: float, limits: Limits) -> MilpAnswer:
+        """Solve a model, whatever time that takes."""
+        del limits
+        found = milp(
+            model.cost,
+            integrality=np.arange(len(model.cost)) >= model.num_continuous,
+            bounds=Bounds(model.lower, model.upper),
+            constraints=LinearConstraint(model.matrix, model.row_lower, model.row_upper),
+            options={"mip_rel_gap": gap},
+        )
+        outcome = Outcome.INFEASIBLE if found.x is None else Outcome.OPTIMAL
+        bound = np.inf if found.x is None else found.mip_dual_bound
+        return MilpAnswer(outcome, found.x, bound, found.mip_node_count or 0)
+
+
+def is_toy(value: object) -> bool:
+    """Whether a file's content looks like a problem in the toy format."""
+    return isinstance(value, Mapping) and "toys" in value
+
+
+def read_toy(document: Document) -> ForeignProblem:
+    """Return the problem in a toy file: ways, from position to position."""
+    still = np.zeros(2)
+    vehicles = tuple(
+        ForeignVehicle(name, start, goal, still, still, 0.3, 1.5, 1.0)
+        for name, (start, goal) in document.value["toys"].items()
+    )
+    reasons = (("radius", "0.3 m, as toys have"),)
+    return ForeignProblem("nursery", "toy", document.name, vehicles, reasons=reasons)
+
+
+def write_toy(job: Job) -> bytes:
+    """Return a plan in the toy format: where its vehicles come to rest."""
+    ends = {track.name: track.positions[-1].tolist() for track in job.tracks}
+    return json.dumps({"toys": ends}).encode()
+
+
 def test_a_policy_of_ones_own_plans_with_every_decomposition_that_takes_its_family():
     for decomposition in (Centralized(), Receding(), Twice()):
         result = plan(paper(2, 1), Planner(Cautious(), Branch(), decomposition))
@@ -101,3 +157,54 @@ def test_what_does_not_go_together_is_refused_by_what_the_parts_say_of_themselve
 
     with pytest.raises(ScenarioError, match="does not go with 'twice'"):
         Planner(Priced(), Branch(), Twice())
+
+
+@pytest.mark.slow
+def test_a_backend_of_ones_own_finds_what_the_others_find(monkeypatch):
+    with pytest.raises(ScenarioError, match="backend must be one of"):
+        BigM("scipy")
+    monkeypatch.setitem(BACKENDS, "scipy", Scipy)
+    ours, theirs = (
+        plan(paper(2, 1), Planner(Cautious(), BigM(backend), Centralized()))
+        for backend in ("scipy", "highs")
+    )
+    assert ours.status is theirs.status
+    assert ours.plan.planner == "cautious, big_m(scipy), centralized"
+    assert ours.cost == pytest.approx(theirs.cost, rel=2e-3)
+
+
+def test_a_backend_of_ones_own_may_say_that_there_is_no_solution():
+    one, row = np.ones(1), csr_array(np.eye(1))
+    # A binary that is to be a half.
+    model = MilpModel(one, 0.0 * one, one, 0, row, 0.5 * one, 0.5 * one)
+    answers = [kind().minimize(model, 1e-3, Limits()) for kind in (Scipy, BACKENDS["highs"])]
+    assert [answer.outcome for answer in answers] == [Outcome.INFEASIBLE] * 2
+    assert all(answer.x is None for answer in answers)
+
+
+def test_a_format_of_ones_own_is_read_with_what_it_does_not_say_told(monkeypatch, tmp_path):
+    path = tmp_path / "nursery.yaml"
+    path.write_text("toys:\n  duck: [[0, 0], [5, 0]]\n  bear: [[5, 4], [0, 4]]\n", encoding="utf-8")
+    with pytest.raises(FileFormatError, match="is of no format known here"):
+        import_scenario(path)
+    toy = formats._Importer("toy", is_toy, read_toy)
+    monkeypatch.setattr(formats, "_IMPORTERS", (*formats._IMPORTERS, toy))
+    imported = import_scenario(path)
+    assert [vehicle.name for vehicle in imported.scenario.vehicles] == ["duck", "bear"]
+    assert imported.choices["radius"] == "0.3 m, as toys have"
+    assert imported.scenario.source["format"] == "toy"
+    assert plan(imported.scenario).is_certified
+
+
+def test_a_format_of_ones_own_is_written(monkeypatch):
+    planned = plan(paper(2, 1), Planner(Cautious(), Branch(), Centralized())).require()
+    with pytest.raises(ScenarioError, match="must be one of"):
+        export_plan(planned, "toy", "toys.json")
+    monkeypatch.setitem(exporting._FLEET, "toy", write_toy)
+    monkeypatch.setattr(exporting, "_LOCAL", {*exporting._LOCAL, "toy"})
+    # The file makes this of its registries.
+    monkeypatch.setattr(exporting, "FORMATS", (*exporting._SINGLE, *exporting._FLEET))
+    exported = export_plan(planned, "toy", "toys.json")
+    [content] = exported.files.values()
+    [v1, _] = planned.trajectories
+    assert json.loads(content)["toys"]["v1"] == pytest.approx(v1.means[-1, :2].tolist())

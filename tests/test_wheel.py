@@ -91,7 +91,9 @@ def test_the_installed_copy_tells_its_version(installed: Path, tmp_path: Path) -
 @pytest.mark.slow
 def test_the_demo_runs_outside_the_checkout(installed: Path, tmp_path: Path) -> None:
     said = run(installed, tmp_path, "-m", "radmpc", "demo", "--out", ".")
-    assert "within the bound" in said
+    assert "harbor: 5 vehicles" in said
+    assert "within the bound 0.05" in said
+    assert "radmpc verify harbor.plan.json" in said
     made = sorted(path.name for path in tmp_path.iterdir())
     assert made == ["harbor.plan.json", "harbor.png", "harbor.yaml"]
 

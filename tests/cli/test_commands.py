@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,21 @@ def test_wrong_usage_is_one_line_that_points_to_help(run: Run, words: list[str])
     result = run(*words)
     assert result.exit_code == 2
     assert "--help" in assert_one_line(result.stderr)
+
+
+@pytest.mark.parametrize("option", ["-v", "--jobs"])
+def test_an_option_before_its_command_is_told_its_place(run: Run, option: str) -> None:
+    result = run(option, "plan", "a.yaml")
+    assert result.exit_code == 2
+    line = assert_one_line(result.stderr)
+    assert re.search(rf"Option {option} belongs after the command: '\w+ plan {option}'", line)
+
+
+@pytest.mark.parametrize("words", [["-v"], ["-v", "verify"], ["--hue", "plan"]])
+def test_an_option_that_no_command_on_the_line_has_is_not_sent_after_it(
+    run: Run, words: list[str]
+) -> None:
+    assert f"No such option: {words[0]}" in assert_one_line(run(*words).stderr)
 
 
 def test_check_accepts_a_valid_scenario(run: Run, crossing: Path) -> None:
@@ -72,7 +88,9 @@ def test_planners_as_json_is_one_object(run: Run) -> None:
 
 
 @pytest.mark.slow
-def test_the_demo_plans_draws_and_says_what_next(run: Run) -> None:
+def test_the_demo_plans_draws_and_says_what_next(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The scenario that is shipped is planned by the wheel, in a test of its own.
+    monkeypatch.setattr("radmpc.console.commands.demo.demo_text", lambda: CROSSING)
     result = run("demo", "--out", "made/here")
     assert result.exit_code == 0, result.stderr
     names = {path.name for path in Path("made/here").iterdir()}

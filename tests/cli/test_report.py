@@ -196,7 +196,31 @@ def test_the_report_says_what_more_risk_would_save(
     capsys: pytest.CaptureFixture[str], price: float, text: str
 ) -> None:
     assert text in shown(capsys, make_plan(risk=Risk(0.05, 0.042, (), price)))
-    assert "shadow price" not in shown(capsys, make_plan())
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({}, "only the planner 'certified' looks for it"),
+        ({"risk": Risk(0.05, 0.0)}, "the plan runs no risk"),
+        ({"lower_bound": None}, "the search ended before it had proven anything"),
+        ({"risk": Risk(0.05, 0.049)}, "the search ended before it had proven anything"),
+        ({"risk": Risk(0.05, 0.01)}, "the union bounds that the search counts by are used up"),
+    ],
+)
+def test_a_plan_without_a_shadow_price_says_why(
+    capsys: pytest.CaptureFixture[str], changes: dict[str, object], why: str
+) -> None:
+    planner = "optimal, branch, certified" if changes else "ira"
+    text = shown(capsys, make_plan(planner=planner, **changes))
+    assert f"shadow price      not computed: {why}" in text
+
+
+def test_a_planner_that_bounds_no_risk_has_no_line_for_its_price(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    show(*plan_report(make_plan(), "milp", bounds_risk=False))
+    assert "shadow price" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

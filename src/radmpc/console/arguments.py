@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from radmpc.console.completing import (
+    FORMATS,
     complete_drawn,
     complete_format,
     complete_plan,
@@ -132,7 +133,7 @@ ExportFormat = Annotated[
     str,
     typer.Option(
         "--to",
-        help="qgc, waypoints, geojson, kml, mcap or csv.",
+        help=f"{', '.join(FORMATS[:-1])} or {FORMATS[-1]}.",
         autocompletion=complete_format,
     ),
 ]

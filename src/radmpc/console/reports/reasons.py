@@ -14,6 +14,7 @@ __all__ = [
     "cost_text",
     "left_over_text",
     "limits_text",
+    "price_text",
     "reasons_text",
 ]
 
@@ -28,6 +29,12 @@ _SPENT = 0.97
 
 _MUCH_LEFT = 0.15
 """Share of the risk bound from which on what is left over needs a reason."""
+
+_LEAST_SAVED = 1e-6
+"""Share of the cost [-] below which saving it is saving nothing."""
+
+_PRICED = "certified"
+"""The decomposition that knows a shadow price, as it is written in plans."""
 
 _SURE = 0.995
 """Probability that two digits show as 1: nobody should read it as a number."""
@@ -174,6 +181,40 @@ def left_over_text(plan: Plan) -> str | None:
         f"{share}: the planner counts by union bounds, which sum to more than the certificate, "
         "and by these the plan is optimal"
     )
+
+
+def price_text(plan: Plan) -> str:
+    """Return what a little more of Δ would save, or why that is not known.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories, of a planner that keeps the risk within its bound.
+
+    Returns
+    -------
+    str
+        One clause.
+    """
+    price, cost = plan.risk.price, plan.cost or 0.0
+    if price is None:
+        return f"not computed: {_no_price(plan)}"
+    saved = 0.01 * plan.risk.bound * price
+    if cost <= 0.0 or saved < _LEAST_SAVED * cost:
+        return "none: more of it would save nothing"
+    return f"1 % more would save about {saved:.2g}, {100.0 * saved / cost:.2g} % of the cost"
+
+
+def _no_price(plan: Plan) -> str:
+    """Return why a plan comes without a shadow price."""
+    certified, bound = plan.risk.certified, plan.risk.bound
+    if plan.planner.rpartition(", ")[2] != _PRICED:
+        return f"only the planner '{_PRICED}' looks for it"
+    if certified is not None and certified <= 0.0:
+        return "the plan runs no risk"
+    if certified is None or plan.lower_bound is None or 1.0 - certified / bound <= _MUCH_LEFT:
+        return "the search ended before it had proven anything at a price of risk"
+    return "the union bounds that the search counts by are used up, the risk bound is not"
 
 
 def advice_text(plan: Plan, preset: str = "", *, bounds_risk: bool = True) -> str | None:

@@ -14,6 +14,7 @@ from radmpc.console.reports.reasons import (
     cost_text,
     left_over_text,
     limits_text,
+    price_text,
     reasons_text,
 )
 from radmpc.console.reports.saturating import saturation_line
@@ -83,8 +84,8 @@ def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text 
     has_feedback = any(vehicle.gain is not None for vehicle in plan.scenario.vehicles)
     if plan.risk.saturation is not None and has_feedback:
         rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
-    if plan.risk.price is not None:
-        rows["shadow price"] = _price(plan.risk.price, plan)
+    if bounds_risk:
+        rows["shadow price"] = price_text(plan)
     limits = limits_text(plan)
     if limits:
         rows["limited by"] = limits
@@ -184,15 +185,6 @@ def _ledger_cells(row: LedgerRow, bound: float) -> Iterable[str]:
     return (
         row.cause, row.vehicle, other, str(row.step), f"{row.risk:.2e}", _share(row.risk, bound)
     )  # fmt: skip
-
-
-def _price(price: float, plan: Plan) -> str:
-    """Return what a little more of Δ would save."""
-    cost = plan.cost or 0.0
-    saved = 0.01 * plan.risk.bound * price
-    if cost <= 0.0 or saved < 1e-6 * cost:
-        return "none: more of it would save nothing"
-    return f"1 % more would save about {saved:.2g}, {100.0 * saved / cost:.2g} % of the cost"
 
 
 def _sets(sets: tuple[tuple[str, ...], ...]) -> str:

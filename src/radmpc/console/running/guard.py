@@ -23,6 +23,7 @@ _INTERRUPTED = 130
 
 # BadParameter's bases are the usage errors. Their own module is private in newer typer.
 _USAGE_ERRORS = typer.BadParameter.__bases__
+_usage_error: Any = _USAGE_ERRORS[0]
 
 
 class Code(IntEnum):
@@ -83,6 +84,43 @@ class GuardedCommands(TyperGroup):
         if standalone_mode:
             sys.exit(code)
         return code
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read what stands before the command; name the place of an option that belongs after it.
+
+        Parameters
+        ----------
+        ctx, args
+            As in typer.
+
+        Returns
+        -------
+        list of str
+            What is left, the command first.
+
+        Raises
+        ------
+        typer.BadParameter or one of its bases
+            If the command line cannot be read.
+        """
+        words = list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except Exception as error:
+            # Only one kind of usage error names an option that it does not know.
+            option = getattr(error, "option_name", None)
+            taker = next((word for word in words if option in self._options_of(word)), None)
+            if taker is None:
+                raise
+            place = f"{ctx.command_path} {taker} {option}"
+            raise _usage_error(
+                f"Option {option} belongs after the command: '{place}'", ctx
+            ) from None
+
+    def _options_of(self, name: str) -> set[str]:
+        """Return the options of a command; none where there is no such command."""
+        command = self.commands.get(name)
+        return {option for param in command.params for option in param.opts} if command else set()
 
 
 def _guarded(run: Callable[[], object], is_debug: bool) -> int:

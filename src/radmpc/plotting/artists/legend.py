@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -17,7 +18,15 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.model.plan import Plan
 from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.artists.highlights import worst_rows
-from radmpc.plotting.canvas.style import ALERT, MUTED, OBSTACLE_FILL, STAR_SIZE, TICK_SIZE
+from radmpc.plotting.canvas.style import (
+    ALERT,
+    MUTED,
+    OBSTACLE_FILL,
+    STAR_SIZE,
+    TICK_SIZE,
+    Dashes,
+    vehicle_dashes,
+)
 
 __all__ = ["draw_film_legend", "draw_legend", "draw_views_legend", "num_legend_lines"]
 
@@ -129,6 +138,9 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     if plan.trajectories:
         line = Line2D([], [], color=MUTED, linewidth=1.1, marker=".", markersize=4)
         entries["mean path, step no."] = line
+        if any(dashes != "solid" for dashes in _dashes(plan)):
+            dashed = Line2D([], [], color=MUTED, linewidth=1.1, linestyle=(0, (5, 1.2)))
+            entries["dashed: same set"] = dashed
         if is_flat:
             entries["3σ"] = _sign("o", 7.0, "#55555533", "#55555573", 0.35)
             entries["swept hull"] = Patch(facecolor="#5555551A")
@@ -144,6 +156,11 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
     if worst_rows(plan):
         entries["most risk"] = _sign("o", 6.5, "none", ALERT, 1.0)
     return entries
+
+
+def _dashes(plan: Plan) -> Iterable[Dashes]:
+    """Return the line styles of a plan's paths."""
+    return vehicle_dashes([vehicle.name for vehicle in plan.scenario.vehicles], plan.sets).values()
 
 
 def _sign(marker: str, size: float, face: str, edge: str, width: float) -> Line2D:
