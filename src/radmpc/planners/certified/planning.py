@@ -10,12 +10,10 @@ import numpy as np
 
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.incumbent import FleetIncumbent
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
 from radmpc.planners.certified.search import PriceSearch
-from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.turning import turn_half_spaces
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
@@ -78,6 +76,8 @@ class Certified(Decomposition):
         if incumbent.certified < _UNSPENT * scenario.risk_bound:
             # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
+            from radmpc.planners.certified.turned.noiseless import turn_from_noiseless  # noqa: PLC0415 - few need it
+
             turn_from_noiseless(fleet, incumbent, run.judge)
         return _draft(result, planner.gap, time.perf_counter() - begun)
 
@@ -122,6 +122,8 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     stopped_by = begin.reason or None
     if search.incumbent.controls:
         return _SearchResult(search, None, stopped_by)
+    from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
+
     fleet.limits = limits
     search, answer = last_resort(search)
     return _SearchResult(search, answer, stopped_by or begin.reason or None)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.initial_plan import initial_plan
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.solvers.priced.nodes import Incumbent
@@ -120,6 +119,8 @@ def _round(
 
 def _initial_round(fleet: Fleet, sets: tuple[Members, ...], unit_price: float) -> Round | None:
     """Return the initial plan of the whole fleet, if there is one."""
+    from radmpc.planners.certified.initial_plan import initial_plan  # noqa: PLC0415 - hard sets
+
     initial_plans = initial_plan(fleet, sets, unit_price)
     if initial_plans is None:
         return None
