@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -19,12 +18,11 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import Restriction, avoidance_blocks, restrict
+from radmpc.solvers.branch.neighborhood import improve, prioritize
+from radmpc.solvers.branch.tree import Tree
 from radmpc.solvers.lp.warm_lp import CostRow
 from radmpc.solvers.selection import least_violated, violations_of
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver, relative_gap
-
-if TYPE_CHECKING:
-    from radmpc.solvers.branch.tree import Tree
 
 __all__ = ["Branch"]
 
@@ -161,8 +159,6 @@ class _Groups:
 
     def _tree(self, part: Restriction, group: frozenset[int]) -> Tree:
         """Return a tree that knows what smaller groups cost."""
-        from radmpc.solvers.branch.tree import Tree  # noqa: PLC0415 - planners name it and may not run it
-
         blocks = part.program.blocks
         rows = [
             CostRow(np.flatnonzero(np.isin(blocks, list(other))), bound)
@@ -174,8 +170,6 @@ class _Groups:
 
     def _help(self, part: Restriction, tree: Tree) -> None:
         """Look for a good incumbent: from the guide, else by planning one block at a time."""
-        from radmpc.solvers.branch.neighborhood import improve, prioritize  # noqa: PLC0415 - as above
-
         margins = self.margins[part.rows]
         if self.start is None and self.guide is not None:
             self.start, self.guide = self.guide(), None
