@@ -14,9 +14,9 @@ True
 from __future__ import annotations
 
 import logging
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from radmpc.front import late_names
 from radmpc.version import __version__
 
 if TYPE_CHECKING:
@@ -152,19 +152,6 @@ _HOMES = {
     "referee": ("Certificate", "Simulation", "certify", "simulate"),
     "result": ("Result",),
 }
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+__getattr__, __dir__ = late_names(__name__, _HOMES)
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())
-
-
-def __getattr__(name: str) -> object:
-    """Load a public name when it is first used."""
-    if name not in _HOME_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = globals()[name] = getattr(import_module(f"radmpc.{_HOME_OF[name]}"), name)
-    return value
-
-
-def __dir__() -> list[str]:
-    """Return the public names, loaded or not."""
-    return sorted(__all__)

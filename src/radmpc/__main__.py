@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from types import FrameType
@@ -11,9 +12,15 @@ __all__ = ["main"]
 _INTERRUPTED = 1
 """Exit code while modules still load; commands have the shell's 130."""
 
+_COLLECTED_AFTER = 20_000
+"""Objects after which Python looks for dead circles among the new ones [-], instead of 700: what is
+loaded stays, so the search finds nothing. 1.4 % fewer instructions for `check` and `plan` of two
+vehicles (callgrind), at the same peak of memory (83 MB)."""
+
 
 def main() -> None:
     """Run the command line and exit the process with its code."""
+    gc.set_threshold(_COLLECTED_AFTER)
     # While modules load, an exception would come out of any of them with a traceback.
     usual = signal.getsignal(signal.SIGINT)
     if usual is not signal.SIG_IGN:  # as in a background job

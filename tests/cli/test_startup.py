@@ -26,11 +26,28 @@ NEVER = {
 }
 CORNERS = "  - {name: reef, vertices: [[4.5, 7], [5.5, 7], [5.5, 8]]}"
 BENT = "  - {name: reef, vertices: [[4.5, 7], [5.5, 7], [5.5, 8], [5.2, 7.2]]}"
+# What the default planner may need, but no small scenario that has a plan.
+RARELY = {
+    "radmpc.console.running.cluster",
+    "radmpc.io.native.plan_schema",
+    "radmpc.planners.certified.fallbacks",
+    "radmpc.planners.certified.initial_plan",
+    "radmpc.planners.coarse_search",
+    "radmpc.planners.policies.ira",
+    "radmpc.referee.simulation",
+}
+OTHER_PLANNERS = {
+    "radmpc.planners.centralized",
+    "radmpc.planners.distance",
+    "radmpc.planners.paper",
+    "radmpc.solvers.milp",
+    "radmpc.solvers.rrt",
+}
 ASKS = """
 import sys
-from radmpc.cli import app
+from radmpc.__main__ import main
 try:
-    app(sys.argv[1:])
+    main()
 finally:
     print(*sys.modules, file=sys.stderr)
 """
@@ -41,6 +58,13 @@ def loaded(*words: object) -> set[str]:
     command = [sys.executable, "-c", ASKS, *map(str, words)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
     return set(done.stderr.split())
+
+
+def loaded_by(code: str) -> set[str]:
+    """Return the modules that a line of Python has loaded."""
+    command = [sys.executable, "-c", f"{code}; import sys; print(*sys.modules)"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    return set(done.stdout.split())
 
 
 @pytest.fixture
@@ -84,6 +108,26 @@ def test_of_scipy_only_what_small_scenarios_need_is_loaded(
     modules = loaded("plan", with_rock(CORNERS))
     assert {"scipy.sparse", "scipy.special", "highspy"} <= modules
     assert modules & (NEVER | {"shapely"}) == set()
+
+
+@pytest.mark.slow
+def test_a_small_scenario_is_planned_without_other_planners_and_fallbacks(
+    with_rock: Callable[[str], Path],
+) -> None:
+    modules = loaded("plan", with_rock(CORNERS))
+    assert "radmpc.planners.certified.planning" in modules
+    assert modules & (OTHER_PLANNERS | RARELY) == set()
+
+
+@pytest.mark.slow
+def test_a_preset_loads_what_its_record_is_made_of() -> None:
+    before = loaded_by("from radmpc.planners.presets import PRESETS")
+    of_certified = loaded_by("import radmpc.planners.presets as p; p.parse_planner('certified')")
+    of_radmpc = loaded_by("import radmpc.planners.presets as p; p.parse_planner('radmpc')")
+    assert "radmpc.planners.certified" in of_certified - before
+    assert "radmpc.planners.paper" in of_radmpc - before
+    assert OTHER_PLANNERS & of_certified == set()
+    assert "radmpc.planners.certified" not in of_radmpc
 
 
 @pytest.mark.slow

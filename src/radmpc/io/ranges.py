@@ -5,10 +5,20 @@ from __future__ import annotations
 from radmpc.arguments import field_number
 from radmpc.errors import ScenarioError
 
-__all__ = ["MOST_OBSTACLES", "MOST_VEHICLES", "SCENARIO_FORMAT", "check_count", "check_range"]
+__all__ = [
+    "MOST_OBSTACLES",
+    "MOST_VEHICLES",
+    "PLAN_FORMAT",
+    "SCENARIO_FORMAT",
+    "check_count",
+    "check_range",
+]
 
 SCENARIO_FORMAT = "radmpc/scenario/1"
 """What a scenario file says it is."""
+
+PLAN_FORMAT = "radmpc/plan/1"
+"""The same of a plan file."""
 
 MOST_VEHICLES = 10_000
 """Vehicles that a scenario file may have: a slip of the hand should not fill the memory."""

@@ -7,8 +7,9 @@ A planner is a risk policy, a solver and a decomposition. Each name is loaded wh
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from radmpc.front import late_names
 
 if TYPE_CHECKING:
     from radmpc.planners.centralized import Centralized
@@ -56,24 +57,16 @@ _HOMES = {
     "planners.paper.algorithm_1_multi_vehicle": ("Couplings",),
     "planners.paper.algorithm_2_radmpc": ("Receding",),
     "planners.planner": ("Decomposition", "Planner", "Run"),
-    "planners.policies": ("Ira", "NoRisk", "Optimal", "Policy", "Pool", "Sigmas", "Uniform"),
+    "planners.policies.deterministic": ("NoRisk", "Sigmas"),
+    "planners.policies.ira": ("Ira",),
+    "planners.policies.optimal": ("Optimal",),
+    "planners.policies.policy": ("Policy",),
+    "planners.policies.pool": ("Pool",),
+    "planners.policies.uniform": ("Uniform",),
     "planners.presets": ("PRESETS", "Preset", "parse_planner"),
     "solvers.branch.branch": ("Branch",),
     "solvers.milp.big_m": ("BigM",),
     "solvers.rrt.rrt": ("Rrt",),
     "solvers.solution": ("Solver",),
 }
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
-
-
-def __getattr__(name: str) -> object:
-    """Load a public name when it is first used."""
-    if name not in _HOME_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = globals()[name] = getattr(import_module(f"radmpc.{_HOME_OF[name]}"), name)
-    return value
-
-
-def __dir__() -> list[str]:
-    """Return the public names, loaded or not."""
-    return sorted(__all__)
+__getattr__, __dir__ = late_names(__name__, _HOMES)

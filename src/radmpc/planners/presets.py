@@ -1,4 +1,8 @@
-"""The named methods: each a record of three choices, each from the paper's text."""
+"""The named methods: each a record of three choices, each from the paper's text.
+
+A preset's choices are loaded when its record is made: one of them runs, and most of the rest is of
+no use to it. Hence they are read from the package's front.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from radmpc import planners
 from radmpc.arguments import told
 from radmpc.errors import ScenarioError
-from radmpc.planners.centralized import Centralized
-from radmpc.planners.certified.planning import Certified
-from radmpc.planners.distance import Distance
-from radmpc.planners.paper.algorithm_1_multi_vehicle import Couplings
-from radmpc.planners.paper.algorithm_2_radmpc import Receding
 from radmpc.planners.planner import Planner
-from radmpc.planners.policies import Ira, NoRisk, Optimal, Pool, Sigmas, Uniform
-from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.milp.big_m import BigM
-from radmpc.solvers.rrt.rrt import Rrt
 
 __all__ = ["COMPARED", "DEFAULT", "PRESETS", "Preset", "parse_planner"]
 
@@ -39,83 +35,88 @@ class Preset:
         What users type.
     summary : str
         One line for lists.
-    planner : Planner
-        Its record.
+    make : callable
+        Makes its record; loads what that is made of.
     argument : callable or None
         Makes the planner from the number in ``name(number)``; None takes no number.
     """
 
     name: str
     summary: str
-    planner: Planner
+    make: Callable[[], Planner]
     argument: Callable[[float], Planner] | None = None
+
+    @property
+    def planner(self) -> Planner:
+        """Its record."""
+        return self.make()
 
 
 def _multi_vehicle(threshold: float = 1e-6) -> Planner:
     """Algorithm 1 at a coupling threshold Ψ."""
-    return Planner(Ira(), Branch(), Couplings(threshold))
+    return Planner(planners.Ira(), planners.Branch(), planners.Couplings(threshold))
 
 
 _ALL = (
     Preset(
         "milp",
         "Deterministic: noise ignored, one mixed-integer program for the fleet.",
-        Planner(NoRisk(), BigM(), Centralized()),
+        lambda: Planner(planners.NoRisk(), planners.BigM(), planners.Centralized()),
     ),
     Preset(
         "dlp",
         "Deterministic, the disjunctions searched directly instead of by binaries.",
-        Planner(NoRisk(), Branch(), Centralized()),
+        lambda: Planner(planners.NoRisk(), planners.Branch(), planners.Centralized()),
     ),
     Preset(
         "rmpc",
         "Robust: every constraint keeps 3 standard deviations; one mixed-integer program.",
-        Planner(Sigmas(3.0), BigM(), Centralized()),
-        lambda count: Planner(Sigmas(count), BigM(), Centralized()),
+        lambda: Planner(planners.Sigmas(3.0), planners.BigM(), planners.Centralized()),
+        lambda count: Planner(planners.Sigmas(count), planners.BigM(), planners.Centralized()),
     ),
     Preset(
         "dmpc",
         "Robust and decentralized: one vehicle at a time in a receding horizon.",
-        Planner(Sigmas(3.0), BigM(), Receding()),
-        lambda count: Planner(Sigmas(count), BigM(), Receding()),
+        lambda: Planner(planners.Sigmas(3.0), planners.BigM(), planners.Receding()),
+        lambda count: Planner(planners.Sigmas(count), planners.BigM(), planners.Receding()),
     ),
     Preset(
         "uniform",
         "Chance-constrained with the same risk for every constraint (Blackmore, Ono, Williams).",
-        Planner(Uniform(), BigM(), Centralized()),
+        lambda: Planner(planners.Uniform(), planners.BigM(), planners.Centralized()),
     ),
     Preset(
         "ira",
         "Iterative risk allocation over the whole fleet: the paper's reference.",
-        Planner(Ira(), BigM(), Centralized()),
+        lambda: Planner(planners.Ira(), planners.BigM(), planners.Centralized()),
     ),
     Preset(
         "distance",
         "Vehicles whose ways alone come within 5 m are planned together by IRA (Keviczky).",
-        Planner(Ira(), Branch(), Distance()),
-        lambda meters: Planner(Ira(), Branch(), Distance(meters)),
+        lambda: Planner(planners.Ira(), planners.Branch(), planners.Distance()),
+        lambda meters: Planner(planners.Ira(), planners.Branch(), planners.Distance(meters)),
     ),
     Preset(
         "radmpc",
         "Algorithm 2 alone: fast, decentralized, from a common pool of risk; an approximation.",
-        Planner(Pool(), Branch(), Receding()),
+        lambda: Planner(planners.Pool(), planners.Branch(), planners.Receding()),
     ),
     Preset(
         "multi-vehicle",
         "Algorithm 1: RADMPC finds who interacts, then IRA plans each set.",
-        _multi_vehicle(),
+        _multi_vehicle,
         _multi_vehicle,
     ),
     Preset(
         "rmpc-rrt",
         "Robust and decentralized, by random trees: one vehicle at a time, no optimizer.",
-        Planner(Sigmas(3.0), Rrt(), Receding()),
-        lambda count: Planner(Sigmas(count), Rrt(), Receding()),
+        lambda: Planner(planners.Sigmas(3.0), planners.Rrt(), planners.Receding()),
+        lambda count: Planner(planners.Sigmas(count), planners.Rrt(), planners.Receding()),
     ),
     Preset(
         "certified",
         "Faces and risks optimized together, to a proven gap; never above the risk bound.",
-        Planner(Optimal(), Branch(), Certified()),
+        lambda: Planner(planners.Optimal(), planners.Branch(), planners.Certified()),
     ),
 )
 

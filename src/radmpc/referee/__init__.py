@@ -1,6 +1,22 @@
-"""An independent judge of plans: it knows scenarios and plans, not how plans are made."""
+"""An independent judge of plans: it knows scenarios and plans, not how plans are made.
 
-from radmpc.referee.bound.certificate import Certificate, certify
-from radmpc.referee.simulation.simulation import Simulation, simulate
+Each name is loaded when it is first used: certifying does not wait for the simulation.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from radmpc.front import late_names
+
+if TYPE_CHECKING:
+    from radmpc.referee.bound.certificate import Certificate, certify
+    from radmpc.referee.simulation.simulation import Simulation, simulate
 
 __all__ = ["Certificate", "Simulation", "certify", "simulate"]
+
+_HOMES = {
+    "referee.bound.certificate": ("Certificate", "certify"),
+    "referee.simulation.simulation": ("Simulation", "simulate"),
+}
+__getattr__, __dir__ = late_names(__name__, _HOMES)

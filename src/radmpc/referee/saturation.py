@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,9 @@ from scipy.special import ndtr
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.sampling import Sampler
+
+if TYPE_CHECKING:
+    from radmpc.referee.sampling import Sampler
 
 __all__ = ["Cutoff", "cutoffs", "may_saturate", "saturation_bound"]
 

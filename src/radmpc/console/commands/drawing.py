@@ -11,8 +11,8 @@ from radmpc.console.picture import check_film, write_film
 from radmpc.console.running.guard import Code
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.plan_file import load_plan
-from radmpc.io.native.plan_schema import PLAN_FORMAT
 from radmpc.io.native.scenario_file import load_scenario
+from radmpc.io.ranges import PLAN_FORMAT
 from radmpc.io.text.document import read_document
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario

@@ -9,8 +9,6 @@ from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 
-from radmpc.console.running.cluster import cluster
-
 __all__ = ["workers"]
 
 
@@ -31,6 +29,8 @@ def workers(jobs: int, dask: str | None = None) -> Iterator[Executor | None]:
         None for one job: planning then runs in this process.
     """
     if dask is not None:
+        from radmpc.console.running.cluster import cluster  # noqa: PLC0415 - few ask for one
+
         with cluster(dask) as executor:
             yield executor
         return

@@ -9,8 +9,7 @@ from radmpc.errors import ScenarioError
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.native.plan_file import decode_plan, encode_plan
-from radmpc.io.native.plan_schema import PLAN_FORMAT
-from radmpc.io.native.schema import SCENARIO_FORMAT
+from radmpc.io.ranges import PLAN_FORMAT, SCENARIO_FORMAT
 from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from radmpc.arguments import check_path
 from radmpc.arrays import as_array, as_matrix
@@ -12,13 +13,15 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.io.native.checking import check_format, validated
 from radmpc.io.native.decoding import check_entries, decode_scenario
 from radmpc.io.native.encoding import encode_scenario
-from radmpc.io.native.plan_schema import PLAN_FORMAT, PlanSpec, RiskSpec, TrajectorySpec
-from radmpc.io.native.schema import SCENARIO_FORMAT
+from radmpc.io.ranges import PLAN_FORMAT, SCENARIO_FORMAT
 from radmpc.io.text.document import SCENARIO_LINE, Document
 from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.json_text import read_json, write_json
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+
+if TYPE_CHECKING:
+    from radmpc.io.native.plan_schema import RiskSpec, TrajectorySpec
 
 __all__ = ["NotPlannedError", "decode_plan", "encode_plan", "load_plan", "save_plan"]
 
@@ -206,6 +209,8 @@ def decode_plan(data: object) -> Plan:
     ScenarioError
         If anything is missing, unknown or not allowed; its path says where in the data.
     """
+    from radmpc.io.native.plan_schema import PlanSpec  # noqa: PLC0415 - saving needs none
+
     content = check_format(data, PLAN_FORMAT)
     scenario = content.get("scenario")
     try:

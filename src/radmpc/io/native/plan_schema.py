@@ -9,9 +9,7 @@ from pydantic import Field
 from radmpc.io.native.numbers import Finite, FiniteMatrix, Text
 from radmpc.io.native.schema import FileModel
 
-__all__ = ["PLAN_FORMAT", "CouplingSpec", "LedgerSpec", "PlanSpec", "RiskSpec", "TrajectorySpec"]
-
-PLAN_FORMAT = "radmpc/plan/1"
+__all__ = ["CouplingSpec", "LedgerSpec", "PlanSpec", "RiskSpec", "TrajectorySpec"]
 
 
 class LedgerSpec(FileModel):

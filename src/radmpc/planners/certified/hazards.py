@@ -1,4 +1,4 @@
-"""What every vehicle of a fleet keeps clear of, laid out as arrays for half-spaces of any direction."""
+"""What every vehicle of a fleet keeps clear of, laid out as arrays."""
 
 from __future__ import annotations
 

@@ -11,7 +11,6 @@ import numpy as np
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
-from radmpc.planners.certified.fallbacks import last_resort
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
@@ -21,7 +20,6 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
-from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, turn_half_spaces
 from radmpc.planners.draft import Draft
@@ -82,6 +80,8 @@ class Certified(Decomposition):
         if state.incumbent.certified < TUNING.unspent * scenario.risk_bound:
             # Not risk but the faces made the plan what it is. (Tried for all
             # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
+            from radmpc.planners.certified.turned.noiseless import turn_from_noiseless  # noqa: PLC0415 - few need it
+
             state = turn_from_noiseless(fleet, state, run.judge)
         if first.cost < state.incumbent.cost:
             first = replace(first, union_bound=state.incumbent.union_bound)
@@ -141,6 +141,8 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     stopped_by = begin.reason or None
     if state.has_plan or first.controls:
         return _SearchResult(search, state, first, None, stopped_by)
+    from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
+
     last = last_resort(search.with_limits(limits), state)
     stopped_by = stopped_by or begin.reason or None
     return _SearchResult(last.search, last.state, first, last.answer, stopped_by)

@@ -12,8 +12,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.tuning import TUNING
-from radmpc.planners.coarse_search import propose_alternatives
-from radmpc.planners.policies import Ira, SolveRequest
+from radmpc.planners.policies.policy import SolveRequest
 from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
@@ -243,6 +242,9 @@ def _rescue(
     problem: SetProblem, scenario: Scenario, tree: RiskTree, order: Order, limits: Limits
 ) -> None:
     """Look for any plan by iterative risk allocation, which has heuristics for coupled sets."""
+    from radmpc.planners.coarse_search import propose_alternatives  # noqa: PLC0415 - few need it
+    from radmpc.planners.policies.ira import Ira  # noqa: PLC0415 - few need it
+
     request = SolveRequest(
         problem.program,
         Branch(_TUNED.rescue_nodes * len(problem.members)),

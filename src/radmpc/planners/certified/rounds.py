@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.initial_plan import initial_plan
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.set_searches import solve_sets
@@ -123,6 +122,8 @@ def _initial_round(
     fleet: Fleet, state: SearchState, sets: tuple[Members, ...]
 ) -> tuple[SearchState, Round | None]:
     """Return the initial plan of the whole fleet, if there is one."""
+    from radmpc.planners.certified.initial_plan import initial_plan  # noqa: PLC0415 - hard sets
+
     state, initial_plans = initial_plan(fleet, state, sets)
     if initial_plans is None:
         return state, None

@@ -18,7 +18,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.errors import SolverError
 from radmpc.solvers.lp.safe_bound import LpRecord
 
-__all__ = ["FEASIBILITY_TOL", "HighsLp", "LpOutcome", "Numbers", "quiet_highs"]
+__all__ = ["FEASIBILITY_TOL", "HighsLp", "LpOutcome", "Numbers", "optimum", "quiet_highs"]
 
 FEASIBILITY_TOL = 1e-9
 """Primal and dual feasibility tolerance of linear programs [m, m/s, cost]: the least that HiGHS
@@ -84,6 +84,20 @@ def quiet_highs() -> highspy.Highs:
     ):
         highs.setOptionValue(name, value)
     return highs
+
+
+def optimum(highs: highspy.Highs) -> Vector | None:
+    """Solve; return all columns, None without an optimum.
+
+    Parameters
+    ----------
+    highs : Highs
+        Loaded.
+    """
+    highs.run()
+    if highs.getModelStatus() != _Status.kOptimal:
+        return None
+    return np.array(highs.getSolution().col_value)
 
 
 class HighsLp:

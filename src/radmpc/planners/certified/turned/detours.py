@@ -1,4 +1,4 @@
-"""Shortest ways around standing obstacles, on a grid, and how they may be timed."""
+"""Shortest ways around standing obstacles, on a grid."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.hazards import Hazards
 
-__all__ = ["detours", "timed"]
+__all__ = ["detours"]
 
 _POINTS = {2: 80, 3: 26}
 """Points of the grid along its longest axis, by dimension [-]: 100 boxes take 10 ms to lay out."""
@@ -24,7 +24,7 @@ _WIDE = 3.0
 """Standard deviations from an obstacle from which on a way counts as free [-]."""
 
 _NARROW = 4.0
-"""Factor on the length of a way that touches an obstacle; it falls to 1 where the way is free [-]."""
+"""Factor on the length of a way that touches an obstacle; 1 where the way is free [-]."""
 
 
 def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Matrix]:
@@ -56,24 +56,6 @@ def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Ma
         if way is not None:
             found[i] = way
     return found
-
-
-def timed(way: Matrix, horizon: int, begin: float, end: float) -> Matrix:
-    """Return where one is at each step on a way, at even speed between two times, (T+1, d) [m].
-
-    Parameters
-    ----------
-    way : (p, d) array
-        Its corners [m].
-    horizon : int
-        Steps T.
-    begin, end : float
-        When one leaves and arrives, as shares of the horizon [-].
-    """
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
-    shares = np.clip((np.linspace(0.0, 1.0, horizon + 1) - begin) / (end - begin), 0.0, 1.0)
-    along = shares * lengths[-1]
-    return np.stack([np.interp(along, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,10 +155,12 @@ class _Grid:
             int(open_points[np.linalg.norm(self.points[open_points] - end, axis=1).argmin()])
             for end in (start, goal)
         )
-        lengths, before = dijkstra(graph, directed=False, indices=last, return_predecessors=True)
-        if not np.isfinite(lengths[first]):
+        lengths, before = dijkstra(
+            graph, directed=False, indices=np.array([last]), return_predecessors=True
+        )
+        if not np.isfinite(lengths[0, first]):
             return None
         path = [first]
         while path[-1] != last:
-            path.append(int(before[path[-1]]))
+            path.append(int(before[0, path[-1]]))
         return np.vstack([start, self.points[path], goal])

@@ -10,9 +10,8 @@ from radmpc.arrays import Matrix
 from radmpc.gaussian import CONVEX_RISK, clearance_for
 from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.planners.certified.turned.detours import detours, timed
 from radmpc.planners.certified.turned.half_spaces import Near, half_spaces
-from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.paths import Paths, timed
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
@@ -53,7 +52,11 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         return FleetIncumbent()
     # Risk counts for much more than effort at first: a falling price stays near what is certified.
     price *= TUNING.dear * alone.paths.cost() / task.risk_bound
-    ways = detours(hazards, stopped) if stopped.size else {}
+    ways: dict[int, Matrix] = {}
+    if stopped.size:
+        from radmpc.planners.certified.turned.detours import detours  # noqa: PLC0415 - loads graphs
+
+        ways = detours(hazards, stopped)
     best, least = None, np.inf
     for number in range(TUNING.attempts if ways else 1):
         attempt = _attempt(task, (alone.paths, ways), price, rng if number else None)

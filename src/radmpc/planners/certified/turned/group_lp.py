@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import highspy
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
@@ -14,21 +13,16 @@ from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
-from radmpc.solvers.lp.highs_lp import FEASIBILITY_TOL, quiet_highs
+from radmpc.solvers.lp.exchange_lp import ExchangeLp
 
 __all__ = ["GroupLp", "GroupPlan"]
 
 _INF = float("inf")
-_NO_NUMBERS = np.zeros(0, dtype=np.int32)
-_NO_VALUES = np.zeros(0)
 
 _LITTLE = 1e-9
 """Share or length below which a row is left out [-, m]."""
-
-_PIVOTS = 20
-"""Pivots per row and column after which a solve is given up [-], beside a thousand: nothing that
-ended needed a tenth of it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,54 +84,34 @@ class GroupLp:
         for slot, model in enumerate(self._models):
             sagitta = model.vehicle.system.sagitta
             self._sagittas[slot, :, : sagitta.shape[1]] = sagitta
-        self._highs = quiet_highs()
-        self._highs.setOptionValue("presolve", "off")
-        self._highs.setOptionValue("solver", "simplex")
-        for kind in ("primal", "dual"):
-            self._highs.setOptionValue(f"{kind}_feasibility_tolerance", FEASIBILITY_TOL)
-        self._num_rows = self._num_columns = 0
-        starts = [self._add_member(slot) for slot in range(len(self.members))]
+        self._lp = ExchangeLp()
+        starts = [self._add_member(model) for model in self._models]
         self._controls = np.array([first for first, _ in starts])
         self._positions = np.array([second for _, second in starts])
         self._spans = np.array([model.control_bounds.size for model in self._models])
         self._widths = np.array([model.control_bounds.shape[1] for model in self._models])
-        self._added_rows = self._added_columns = 0
 
-    def _add_member(self, slot: int) -> tuple[int, int]:
+    def _add_member(self, model: CondensedModel) -> tuple[int, int]:
         """Add a vehicle's columns and hard rows; return its first control and position."""
-        model = self._models[slot]
         span, positions = model.control_bounds.size, model.position[1:]
         count = positions.shape[0] * positions.shape[1]
-        upper = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
+        most = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
         cost = np.full(2 * span, model.vehicle.cost_weight)
-        first = self._num_columns
-        self._add_columns(cost, np.zeros(2 * span), upper)
-        self._add_columns(np.zeros(count), np.full(count, -_INF), np.full(count, _INF))
+        first = self._lp.add_columns(cost, np.zeros(2 * span), most)
+        self._lp.add_columns(np.zeros(count), np.full(count, -_INF), np.full(count, _INF))
         rows, lower, upper = hard_rows(model)
         prediction = positions.reshape(count, span)
         drift = model.drift_position[1:].ravel()
         hard = np.hstack([rows, -rows, np.zeros((len(rows), count))])
         motion = np.hstack([-prediction, prediction, np.eye(count)])
         both = csr_array(np.vstack([hard, motion]))
-        self._add_rows(both, first, np.append(lower, drift), np.append(upper, drift))
+        self._lp.add_rows(both, np.append(lower, drift), np.append(upper, drift), first)
         return first, first + 2 * span
 
-    def _add_columns(self, cost: Vector, lower: Vector, upper: Vector) -> None:
-        """Append empty columns."""
-        self._highs.addCols(cost.size, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES)
-        self._num_columns += cost.size
-
-    def _add_rows(self, matrix: csr_array, first: int, lower: Vector, upper: Vector) -> None:
-        """Append rows whose columns count from a first one."""
-        starts = matrix.indptr[:-1].astype(np.int32)
-        columns = (matrix.indices + first).astype(np.int32)
-        self._highs.addRows(matrix.shape[0], lower, upper, matrix.nnz, starts, columns, matrix.data)
-        self._num_rows += int(matrix.shape[0])
-
     def alone(self) -> tuple[Matrix, ...] | None:
-        """Return the controls of least effort with nothing in the way; None where there are none."""
-        self._clear()
-        values = self._run()
+        """Return the controls of least effort with nothing in the way; None if there are none."""
+        self._lp.drop()
+        values = self._lp.solve()
         return None if values is None else self._controls_of(values)
 
     def solve(self, spaces: HalfSpaces, paths: Paths, margins: Margins) -> GroupPlan | None:
@@ -157,49 +131,20 @@ class GroupLp:
         GroupPlan or None
             None where HiGHS found none, as where a vehicle cannot reach its goal at all.
         """
-        self._clear()
         rights = spaces.offsets + margins.room
         rows = self._rows(spaces, paths)
         lengths = np.full((spaces.count, 2, margins.num_columns), _INF)
         lengths[:, :, :-1] = margins.lengths
         prices = np.full(lengths.shape, margins.penalty)
         prices[:, :, :-1] = margins.prices
-        self._add_columns(prices.ravel(), np.zeros(lengths.size), lengths.ravel())
-        self._added_columns = lengths.size
-        matrix, lower = self._entries(spaces, paths, rights, rows)
-        self._add_rows(matrix, 0, lower, np.full(rows.count, _INF))
-        self._added_rows = rows.count
-        values = self._run()
+        first = self._lp.exchange_columns(prices.ravel(), lengths.ravel())
+        self._lp.exchange_rows(*self._entries(spaces, paths, rights, (rows, first)))
+        values = self._lp.solve()
         if values is None:
             return None
-        kept_less = values[self._num_columns - lengths.size :].reshape(lengths.shape)
+        kept_less = values[first:].reshape(lengths.shape)
         risk = float(np.sum(kept_less[:, :, :-1] * margins.risks))
         return GroupPlan(self._controls_of(values), float(kept_less[:, :, -1].sum()), risk)
-
-    def _clear(self) -> None:
-        """Take away the half-spaces of the last solve."""
-        if self._added_rows:
-            first = self._num_rows - self._added_rows
-            self._highs.deleteRows(
-                self._added_rows, np.arange(first, self._num_rows, dtype=np.int32)
-            )
-            self._num_rows, self._added_rows = first, 0
-        if self._added_columns:
-            first = self._num_columns - self._added_columns
-            self._highs.deleteCols(
-                self._added_columns, np.arange(first, self._num_columns, dtype=np.int32)
-            )
-            self._num_columns, self._added_columns = first, 0
-
-    def _run(self) -> Vector | None:
-        """Solve; return all columns, None without an optimum."""
-        most = 1000 + _PIVOTS * (self._num_rows + self._num_columns)
-        self._highs.setOptionValue("simplex_iteration_limit", most)
-        self._highs.run()
-        if self._highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
-            self._highs.clearSolver()
-            return None
-        return np.array(self._highs.getSolution().col_value)
 
     def _controls_of(self, values: Vector) -> tuple[Matrix, ...]:
         """Return the members' controls from all columns."""
@@ -213,8 +158,8 @@ class GroupLp:
     def _rows(self, spaces: HalfSpaces, paths: Paths) -> _Rows:
         """Choose the rows: at each end the chord, and where the curve comes closer, its reserve.
 
-        With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's start keeps less
-        ``4θ²s`` and its end less ``4(1 - θ)²s``.
+        With s the sagitta toward the half-space and θ its share, the curve keeps what the chord's
+        start keeps less ``4θ²s`` and its end less ``4(1 - θ)²s``.
         """
         every = np.arange(spaces.count)
         if not self._hazards.intervals:
@@ -247,16 +192,16 @@ class GroupLp:
         return np.asarray(most > _LITTLE)
 
     def _entries(
-        self, spaces: HalfSpaces, paths: Paths, rights: Matrix, rows: _Rows
+        self, spaces: HalfSpaces, paths: Paths, rights: Matrix, laid_out: tuple[_Rows, int]
     ) -> tuple[csr_array, Vector]:
         """Return rows over all columns, and their lower bounds."""
+        rows, first = laid_out
         chosen, ends = rows.spaces, rows.ends
         normals, windows = spaces.normals[chosen], spaces.windows[chosen]
         steps = windows + ends
         lower = rights[chosen, ends].copy()
-        per_end = self._added_columns // max(2 * spaces.count, 1)
-        first = self._num_columns - self._added_columns + (2 * chosen + ends) * per_end
-        given_up = first[:, None] + np.arange(per_end)
+        per_end = (self._lp.num_columns - first) // max(2 * spaces.count, 1)
+        given_up = first + (2 * chosen + ends)[:, None] * per_end + np.arange(per_end)
         where, columns = [np.repeat(np.arange(rows.count), per_end)], [given_up.ravel()]
         values = [np.ones(given_up.size)]
         for sign, everyone in ((1.0, spaces.first[chosen]), (-1.0, spaces.second[chosen])):
@@ -288,5 +233,5 @@ class GroupLp:
         data = np.concatenate(values)
         kept = data != 0.0
         places = (np.concatenate(where)[kept], np.concatenate(columns)[kept])
-        shape = (rows.count, self._num_columns)
+        shape = (rows.count, self._lp.num_columns)
         return csr_array(coo_array((data[kept], places), shape=shape)), lower

@@ -255,7 +255,7 @@ def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> Hal
 
 
 def _refined(encounters: tuple[Encounter, Encounter], tried: Tensor) -> Matrix:
-    """Return the best normals of where paths move, but those of the paths where these would cross."""
+    """Return the best normals of where paths move, of the paths themselves where these cross."""
     latest, moved = encounters
     normals = moved.best_normals(tried)
     crossed = latest.clearances(normals[:, None])[:, 0] < TUNING.crossed

@@ -1,4 +1,4 @@
-"""The latest path of every vehicle of a fleet, as half-spaces are turned to them one after another."""
+"""The latest path of every vehicle of a fleet."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor
 from radmpc.planners.certified.hazards import Hazards
 
-__all__ = ["Paths", "SavedPaths"]
+__all__ = ["Paths", "SavedPaths", "timed"]
 
 
 SavedPaths = tuple[Sequence[Matrix], Tensor, Tensor]
@@ -82,3 +82,21 @@ class Paths:
         controls, means, sagittas = state
         self.controls = list(controls)
         self.means, self.sagittas = means.copy(), sagittas.copy()
+
+
+def timed(way: Matrix, horizon: int, begin: float, end: float) -> Matrix:
+    """Return where one is at each step on a way, at even speed between two times, (T+1, d) [m].
+
+    Parameters
+    ----------
+    way : (p, d) array
+        Its corners [m].
+    horizon : int
+        Steps T.
+    begin, end : float
+        When one leaves and arrives, as shares of the horizon [-].
+    """
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    shares = np.clip((np.linspace(0.0, 1.0, horizon + 1) - begin) / (end - begin), 0.0, 1.0)
+    along = shares * lengths[-1]
+    return np.stack([np.interp(along, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)

@@ -152,7 +152,7 @@ class SuccessiveLp:
             Between the clearances around the latest at which risk is interpolated [-].
         """
         reach = float(self.hazards.moves[list(group)].max())
-        before = self.paths.state()
+        before, plan = self.paths.state(), None
         for _ in range(TUNING.looks):
             near = Near(TUNING.compared, reach, is_refined=True)
             spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
@@ -164,7 +164,7 @@ class SuccessiveLp:
             )
             plan = self._program(group).solve(spaces, self.paths, margins)
             if plan is None:
-                return _risk(spaces)
+                break
             for i, controls in zip(group, plan.controls, strict=True):
                 self.paths.fly(i, controls)
             if not self._is_surprised(group, spaces):
@@ -172,6 +172,9 @@ class SuccessiveLp:
             # The paths went where nothing was near them before: look further around the old ones.
             self.paths.restore(before)
             reach *= TUNING.further
+        if plan is None:
+            self.paths.restore(before)
+            return _risk(half_spaces(self.hazards, self.paths, group, near))
         for i, controls in zip(group, plan.controls, strict=True):
             self.paths.fly(i, controls)
             self._ahead.means[i] = self.paths.means[i]

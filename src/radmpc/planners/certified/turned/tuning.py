@@ -31,8 +31,9 @@ class Tuning:
         from round to round, and at least [standard deviations]. At 0.12 `empty_20agents_3` is
         0.03 % dearer.
     ahead : float
-        Share of the last move by which half-spaces are turned ahead of the latest paths [-]: without
-        it the last per mille takes twice as many rounds on `paper(8)`, from 2 on paths swing.
+        Share of the last move by which half-spaces are turned ahead of the latest paths [-]:
+        without it the last per mille takes twice as many rounds on `paper(8)`, from 2 on paths
+        swing.
     crossed : float
         Clearance of the latest path below which a half-space is not turned ahead of it [standard
         deviations]: it might be that of another side.

@@ -1,0 +1,124 @@
+"""A linear program of which a part stays and a part is exchanged at every solve, kept warm.
+
+For plans, not for proofs: its optimum is what HiGHS reports.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Vector
+from radmpc.solvers.lp.highs_lp import FEASIBILITY_TOL, optimum, quiet_highs
+
+__all__ = ["ExchangeLp"]
+
+_NO_NUMBERS = np.zeros(0, dtype=np.int32)
+_NO_VALUES = np.zeros(0)
+
+_PIVOTS = 20
+"""Pivots per row and column after which a solve is given up [-], beside a thousand, since HiGHS can
+cycle. No solve that ended needed a tenth of it."""
+
+
+class ExchangeLp:
+    """Columns and rows that stay, then those that `exchange` puts in the place of the last.
+
+    Attributes
+    ----------
+    num_rows, num_columns : int
+        Rows and columns now, those exchanged included.
+    """
+
+    def __init__(self) -> None:
+        self.num_rows = self.num_columns = 0
+        self._exchanged_rows = self._exchanged_columns = 0
+        self._highs = quiet_highs()
+        self._highs.setOptionValue("presolve", "off")
+        self._highs.setOptionValue("solver", "simplex")
+        for kind in ("primal", "dual"):
+            self._highs.setOptionValue(f"{kind}_feasibility_tolerance", FEASIBILITY_TOL)
+
+    def add_columns(self, cost: Vector, lower: Vector, upper: Vector) -> int:
+        """Append columns that stay; return the number of the first.
+
+        Parameters
+        ----------
+        cost, lower, upper : (n,) array
+            Costs and bounds, ±inf where there is none.
+        """
+        first = self.num_columns
+        self._highs.addCols(cost.size, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES)
+        self.num_columns += cost.size
+        return first
+
+    def add_rows(self, matrix: csr_array, lower: Vector, upper: Vector, first: int = 0) -> None:
+        """Append rows that stay.
+
+        Parameters
+        ----------
+        matrix : (k, n) sparse array
+            Coefficients.
+        lower, upper : (k,) array
+            Bounds, ±inf where there is none.
+        first : int
+            The column that the matrix begins with.
+        """
+        starts = matrix.indptr[:-1].astype(np.int32)
+        columns = (matrix.indices + first).astype(np.int32)
+        count = int(matrix.shape[0])
+        self._highs.addRows(count, lower, upper, matrix.nnz, starts, columns, matrix.data)
+        self.num_rows += count
+
+    def exchange_columns(self, cost: Vector, upper: Vector) -> int:
+        """Put columns, at least 0, in the place of all that were exchanged before, rows dropped.
+
+        Parameters
+        ----------
+        cost, upper : (n,) array
+            Costs and upper bounds, inf where there is none.
+
+        Returns
+        -------
+        int
+            The number of the first.
+        """
+        self.drop()
+        first = self.add_columns(cost, np.zeros(cost.size), upper)
+        self._exchanged_columns = cost.size
+        return first
+
+    def exchange_rows(self, matrix: csr_array, lower: Vector) -> None:
+        """Append rows without upper bounds, until the next exchange of columns.
+
+        Parameters
+        ----------
+        matrix : (k, n) sparse array
+            Coefficients over all columns.
+        lower : (k,) array
+            Lower bounds.
+        """
+        self.add_rows(matrix, lower, np.full(lower.size, np.inf))
+        self._exchanged_rows += lower.size
+
+    def drop(self) -> None:
+        """Take away what was exchanged last."""
+        if self._exchanged_rows:
+            first = self.num_rows - self._exchanged_rows
+            numbers = np.arange(first, self.num_rows, dtype=np.int32)
+            self._highs.deleteRows(numbers.size, numbers)
+            self.num_rows, self._exchanged_rows = first, 0
+        if self._exchanged_columns:
+            first = self.num_columns - self._exchanged_columns
+            numbers = np.arange(first, self.num_columns, dtype=np.int32)
+            self._highs.deleteCols(numbers.size, numbers)
+            self.num_columns, self._exchanged_columns = first, 0
+
+    def solve(self) -> Vector | None:
+        """Minimize from where the last solve ended; return all columns, None without an optimum."""
+        most = 1000 + _PIVOTS * (self.num_rows + self.num_columns)
+        self._highs.setOptionValue("simplex_iteration_limit", most)
+        values = optimum(self._highs)
+        if values is None:
+            self._highs.clearSolver()
+        return values
