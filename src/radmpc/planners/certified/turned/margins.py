@@ -11,7 +11,7 @@ from radmpc.gaussian import tail_probability
 
 __all__ = ["Margins", "fixed_margins", "priced_margins"]
 
-_LADDER = (6.5, 5.0, 4.2, 3.7, 3.3, 3.0, 2.7, 2.4, 2.1, 1.8, 1.4, 0.9, 0.0)
+_LADDER = (8.0, 6.5, 5.6, 5.0, 4.6, 4.2, 3.7, 3.3, 3.0, 2.7, 2.4, 2.1, 1.8, 1.4, 0.9, 0.0)
 """Clearances between which the risk of a row is interpolated [standard deviations]: its
 chords lie above it by up to 4 % between 1.8 and 4."""
 

@@ -86,10 +86,6 @@ class SuccessiveLp:
             self._ahead.fly(i, alone[0])
         return True
 
-    def state(self) -> SavedPaths:
-        """Return what `restore` takes to come back to these paths."""
-        return self.paths.state()
-
     def restore(self, state: SavedPaths) -> None:
         """Come back to paths that `state` returned, and turn half-spaces to them next."""
         self.paths.restore(state)

@@ -73,8 +73,12 @@ class Tuning:
     lost : float
         Multiple of Δ from which on a certificate calls for going back to the last certified paths
         [-].
+    most_over : int
+        Rounds in a row above Δ, certified before, that call for the same [-].
     dearer : float
         Factor on the price when going back [-].
+    most_backs : int
+        Times of going back at most [-].
     damping : float
         Power of the ratio of certificate to aim that the price follows [-]: risk falls a little
         faster than in proportion.
@@ -126,12 +130,14 @@ class Tuning:
     fastest: float = 0.95
     first_share: float = 0.5
     many: int = 5
-    compared: float = 3.0
+    compared: float = 6.5
     aim: float = 0.985
     most_rise: float = 30.0
     most_fall: float = 6.0
     lost: float = 8.0
-    dearer: float = 3.0
+    most_over: int = 5
+    dearer: float = 4.0
+    most_backs: int = 6
     damping: float = 0.8
     enough: float = 0.1
     spent: float = 0.5

@@ -9,14 +9,13 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
@@ -179,42 +178,23 @@ class Turning:
             The best certified plan so far.
         """
         task, paths = self.task, self.successive.paths
-        risk_bound = task.risk_bound
-        num_stalls, previous = 0, self._take()
-        cheapest = paths.cost() if previous <= risk_bound else float("inf")
-        safe = (self.successive.state(), self.price) if previous <= risk_bound else None
-        last = float("inf")
+        control = PriceControl(self.price, task.risk_bound, task.gap)
+        control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
             has_spent = number >= TUNING.least_rounds and self.num_solves >= TUNING.most_solves
-            if task.limits.reached or num_stalls >= TUNING.max_stalls or has_spent:
+            if task.limits.reached or control.num_stalls >= TUNING.max_stalls or has_spent:
                 break
+            self.price = control.price
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
             certified, cost = self._take(), paths.cost()
             _LOG.info(
                 "turn %d of half-spaces: 1 %% of the risk bound at a price of %.3g; cost %.6g, "
                 "certificate %.3g of risk bound %g",
-                number + 1, 0.01 * risk_bound * self.price, cost, certified, risk_bound,
+                number + 1, 0.01 * task.risk_bound * self.price, cost, certified, task.risk_bound,
             )  # fmt: skip
-            little = TUNING.enough * task.gap * abs(cost)
-            is_little = cheapest - cost < little
-            if certified > risk_bound:
-                is_little = certified > max(TUNING.less * previous, TUNING.close * risk_bound)
-            elif certified < TUNING.spent * risk_bound:
-                is_little = abs(last - cost) < little
-            if certified <= risk_bound:
-                cheapest = min(cheapest, cost)
-                safe = self.successive.state(), self.price
-            last = cost
-            num_stalls = num_stalls + 1 if is_little else 0
-            if safe is not None and certified > TUNING.lost * risk_bound:
-                # So cheap a price led where half-spaces no longer lead back from.
-                self.successive.restore(safe[0])
-                self.price, previous = TUNING.dearer * max(self.price, safe[1]), risk_bound
-                continue
-            previous = certified
-            ratio = certified / (TUNING.aim * risk_bound)
-            ratio = float(np.clip(ratio, 1.0 / TUNING.most_fall, TUNING.most_rise))
-            self.price *= ratio**TUNING.damping
+            back = control.follow(certified, cost, paths.state())
+            if back is not None:
+                self.successive.restore(back)
         return self.incumbent
 
     def _turn(self, spacing: float) -> None:

@@ -1,0 +1,102 @@
+"""The price of risk from round to round, and when to go back to paths that were certified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.planners.certified.turned.paths import SavedPaths
+from radmpc.planners.certified.turned.tuning import TUNING
+
+__all__ = ["PriceControl"]
+
+
+@dataclass(slots=True, eq=False)
+class PriceControl:
+    """Moves the price until the certificate is just below Δ and the cost falls no more.
+
+    The price follows the certificate. Where paths went from which no price leads back to a
+    certificate of Δ, they are restored, and the price is higher from there.
+
+    Attributes
+    ----------
+    price : float
+        Of a unit of probability.
+    risk_bound : float
+        Δ [-].
+    gap : float
+        Relative difference of costs below which plans count as equal [-].
+    num_stalls : int
+        Rounds in a row that gained too little.
+    """
+
+    price: float
+    risk_bound: float
+    gap: float
+    num_stalls: int = 0
+    _num_over: int = 0
+    _num_backs: int = 0
+    _cheapest: float = float("inf")
+    _last_cost: float = float("inf")
+    _last_certified: float = float("inf")
+    _safe: tuple[SavedPaths, float] | None = None
+
+    def begin(self, certified: float, cost: float, paths: SavedPaths) -> None:
+        """Take note of the paths that rounds begin with.
+
+        Parameters
+        ----------
+        certified, cost : float
+            Their certificate [-] and cost.
+        paths : SavedPaths
+            What they are restored from.
+        """
+        self._last_certified = certified
+        if certified <= self.risk_bound:
+            self._cheapest, self._safe = cost, (paths, self.price)
+
+    def follow(self, certified: float, cost: float, paths: SavedPaths) -> SavedPaths | None:
+        """Choose the next price after a round; return paths to go back to first, if any.
+
+        Parameters
+        ----------
+        certified, cost, paths
+            As in `begin`, of the round's.
+        """
+        is_little = self._is_little(certified, cost)
+        self.num_stalls = self.num_stalls + 1 if is_little else 0
+        is_over = certified > self.risk_bound
+        self._num_over = self._num_over + 1 if is_over else 0
+        if not is_over:
+            self._cheapest = min(self._cheapest, cost)
+            self._safe = paths, self.price
+        is_lost = certified > TUNING.lost * self.risk_bound or self._num_over >= TUNING.most_over
+        is_lost |= is_little and is_over
+        if is_lost and self._safe is not None and self._num_backs < TUNING.most_backs:
+            return self._back(*self._safe)
+        self._last_certified, self._last_cost = certified, cost
+        ratio = certified / (TUNING.aim * self.risk_bound)
+        ratio = float(np.clip(ratio, 1.0 / TUNING.most_fall, TUNING.most_rise))
+        self.price *= ratio**TUNING.damping
+        return None
+
+    def _back(self, paths: SavedPaths, price: float) -> SavedPaths:
+        """Go on from certified paths at a higher price, the higher the more often."""
+        self._num_backs, self._num_over, self.num_stalls = self._num_backs + 1, 0, 0
+        self.price = TUNING.dearer**self._num_backs * price
+        self._safe = paths, self.price
+        self._last_certified, self._last_cost = self.risk_bound, float("inf")
+        return paths
+
+    def _is_little(self, certified: float, cost: float) -> bool:
+        """Whether a round gained too little."""
+        little = TUNING.enough * self.gap * abs(cost)
+        is_same = abs(self._last_cost - cost) < little
+        if certified > self.risk_bound:
+            is_far = certified > TUNING.close * self.risk_bound
+            return (is_same or is_far) and certified > TUNING.less * self._last_certified
+        if certified < TUNING.spent * self.risk_bound:
+            # The price is still falling.
+            return is_same
+        return self._cheapest - cost < little
