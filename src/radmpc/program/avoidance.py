@@ -82,8 +82,6 @@ class Windows:
         Equal numbers are equal normals.
     intervals : bool
         Whether window j is [j, j+1] or step j+1 alone.
-    shares : (w, f) array or None
-        Share of the near end of the reserve for the sagitta, where it was chosen with the faces.
     """
 
     normals: Tensor
@@ -91,7 +89,6 @@ class Windows:
     far: Matrix
     directions: Indices
     intervals: bool
-    shares: Matrix | None = None
 
     @classmethod
     def constant(

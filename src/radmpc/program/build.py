@@ -15,7 +15,6 @@ from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel, PredictionMatrices, condense
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.turned import Turned
 
 __all__ = ["build_program", "condensed_models", "controls_of", "prediction_matrices"]
 
@@ -46,7 +45,6 @@ def build_program(
     risk_bound: float,
     first_step: int = 0,
     temporal: Sequence[KeepOut] = (),
-    turned: Turned | None = None,
 ) -> DisjunctiveProgram:
     """Build the program of some vehicles (paper, Eqs. 1-3, 7, 8 and section Avoidance).
 
@@ -62,16 +60,13 @@ def build_program(
         Absolute step at which the program starts.
     temporal : sequence of KeepOut
         Other vehicles' temporal obstacles; charged as pairs.
-    turned : Turned or None
-        Paths that half-spaces are turned to: one for every window in place of the faces of
-        obstacles and pairs.
 
     Returns
     -------
     DisjunctiveProgram
         Risk present at the first step charged where it is k = 0.
     """
-    builder = ProgramBuilder(scenario, tuple(models), first_step, turned)
+    builder = ProgramBuilder(scenario, tuple(models), first_step)
     horizon = models[0].horizon
     intervals = scenario.avoidance == "intervals"
     of_obstacles: list[KeepOut] = []

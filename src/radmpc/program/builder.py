@@ -26,7 +26,6 @@ from radmpc.program.layout import ProgramLayout, owners_of_runs
 from radmpc.program.openings import opening_directions
 from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.program.rows import avoidance_rows
-from radmpc.program.turned import Turned
 
 __all__ = ["ProgramBuilder"]
 
@@ -46,8 +45,6 @@ class ProgramBuilder:
         The vehicles, in the order of blocks.
     first_step : int
         Absolute step at which the program starts.
-    turned : Turned or None
-        Paths that half-spaces are turned to, in place of faces.
     blocks : list of RowBlock
         Rows collected so far.
     block_risk_items : list of (e,) int array
@@ -67,7 +64,6 @@ class ProgramBuilder:
     scenario: Scenario
     models: tuple[CondensedModel, ...]
     first_step: int
-    turned: Turned | None = None
     blocks: list[RowBlock] = field(default_factory=list)
     block_risk_items: list[Indices] = field(default_factory=list)
     risk_items: list[RiskItem] = field(default_factory=list)
@@ -114,9 +110,7 @@ class ProgramBuilder:
         if keepout.start is not None and keepout.shapes:
             ends = (keepout.shapes[0].vertices, keepout.shapes[-1].vertices)
             extra = opening_directions(body.endpoints, keepout.start.normals, ends, radius)
-        if self.turned is not None and keepout.shapes:
-            keepout = self.turned.around(i, keepout)
-        elif len(extra):
+        if len(extra):
             keepout = keepout.with_directions(extra, intervals=self.intervals)
         windows = Windows(
             -keepout.normals,
@@ -124,7 +118,6 @@ class ProgramBuilder:
             -(keepout.far + radius),
             keepout.directions,
             self.intervals,
-            keepout.shares,
         )
         if keepout.start is not None:
             normals = -np.vstack([keepout.start.normals, extra])
@@ -133,7 +126,7 @@ class ProgramBuilder:
         self._add(body, windows, cause, model.vehicle.name, keepout.name)
 
     def keep_apart(self, i: int, j: int) -> None:
-        """Keep two vehicles apart by faces around their relative position, or by turned ones.
+        """Keep two vehicles apart by faces around their relative position.
 
         Parameters
         ----------
@@ -159,8 +152,6 @@ class ProgramBuilder:
         names = (one.vehicle.name, two.vehicle.name)
         self._charge_start(body, -faces, offsets, ("pair", *names))
         windows = Windows.constant(-faces, offsets, one.horizon, intervals=self.intervals)
-        if self.turned is not None:
-            windows = self.turned.between(i, j)
         self._add(body, windows, "pair", *names)
 
     def keep_in_workspace(self, i: int) -> None:

@@ -38,8 +38,6 @@ class KeepOut:
     shapes : tuple of Polytope
         The set at the program's first to last step, one if it does not move; empty where no
         directions but the faces are asked for.
-    shares : (w, f) array or None
-        Share of the near end of the reserve for the sagitta, where it was chosen with the faces.
     """
 
     name: str
@@ -49,7 +47,6 @@ class KeepOut:
     directions: Indices
     start: Polytope | None = None
     shapes: tuple[Polytope, ...] = ()
-    shares: Matrix | None = None
 
     def with_directions(self, extra: Matrix, *, intervals: bool) -> KeepOut:
         """Return the same set with more half-spaces that contain it, at every window.

@@ -18,7 +18,7 @@ import numpy as np
 
 from radmpc.arrays import Vector
 
-__all__ = ["chosen_shares", "shares_of_reserve"]
+__all__ = ["shares_of_reserve"]
 
 _LEAST_GAIN = 0.02
 """Difference of shares below which a second one is not worth an alternative [-]."""
@@ -72,25 +72,3 @@ def shares_of_reserve(
                 share[window, is_worth] = (less if window == 0 else 1.0 - less)[is_worth]
                 shares.append(share)
     return shares
-
-
-def chosen_shares(chosen: Vector, offered: Sequence[Vector]) -> list[Vector]:
-    """Return shares chosen for given paths, and at start and goal those on offer beside them.
-
-    Parameters
-    ----------
-    chosen : (w, f) array
-        Shares of the near end.
-    offered : sequence of (w, f) array
-        From `shares_of_reserve`.
-
-    Returns
-    -------
-    list of (w, f) array
-        The first always; others NaN where they are not worth it.
-    """
-    usual = chosen.copy()
-    usual[[0, -1]] = offered[0][[0, -1]]
-    own = np.full(chosen.shape, np.nan)
-    own[[0, -1]] = chosen[[0, -1]]
-    return [usual, *offered[1:], own]

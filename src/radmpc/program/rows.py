@@ -8,7 +8,7 @@ from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
 from radmpc.program.avoidance import Body, End, RowBlock, Windows
 from radmpc.program.program import PRESOLVED_RISK, PRESOLVED_SHARE
-from radmpc.program.reserve import chosen_shares, shares_of_reserve
+from radmpc.program.reserve import shares_of_reserve
 from radmpc.program.row_layout import empty_block, lay_out
 
 __all__ = ["avoidance_rows"]
@@ -61,8 +61,6 @@ def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         levels = enough, float(clearance_for(min(_SOME * risk_bound, CONVEX_RISK)))
         near = [np.minimum.reduce([_spare(end, c) for end in ends[:-1]]) for c in levels]
         shares = shares_of_reserve(near, [_spare(ends[-1], c) for c in levels], sagitta)
-        if windows.shares is not None:
-            shares = chosen_shares(windows.shares, shares)
     worst = [_worst(ends, sagitta, share) for share in shares]
     best = np.minimum.reduce([clearance(end.most, end.deviations) for end in ends])
     safest_clearance = worst[0].max(axis=1)

@@ -87,12 +87,14 @@ def shadow_price(fleet: Fleet, state: SearchState) -> float | None:
         The shadow price of Δ.
     """
     incumbent, risk_bound = state.incumbent, fleet.scenario.risk_bound
-    if not state.round_bounds or not incumbent.controls or incumbent.certified <= 0.0:
+    if not incumbent.controls or incumbent.certified <= 0.0:
         return None
     if incumbent.certified < _TUNED.spent * risk_bound:
         return 0.0 if incumbent.union_bound < _TUNED.spent * fleet.most_budget else None
     if incumbent.turned_price is not None:
         return incumbent.turned_price
+    if not state.round_bounds:
+        return None
     units = max(state.budget, incumbent.union_bound) / fleet.unit
     _, unit_price = max(state.round_bounds, key=lambda bound: bound[0] - bound[1] * units)
     return unit_price / fleet.unit * incumbent.union_bound / incumbent.certified

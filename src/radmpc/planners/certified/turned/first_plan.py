@@ -66,7 +66,7 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
             best, least = attempt, missed
         if is_apart or task.limits.reached:
             break
-    return FleetIncumbent() if best is None else best.run(TUNING.rounds)
+    return FleetIncumbent() if best is None else best.run(TUNING.first_rounds)
 
 
 def _attempt(

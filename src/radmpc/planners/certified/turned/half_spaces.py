@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.geometry import sphere_directions
 from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.encounter import Encounter
 from radmpc.planners.certified.turned.paths import Paths
@@ -23,6 +24,10 @@ __all__ = ["HalfSpaces", "Near", "half_spaces"]
 _THROUGH = 1e-3
 """Share of the distance to keep below which two paths count as through each other [-]: what is left
 between them tells no direction."""
+
+_COARSE = {2: sphere_directions(12, 2), 3: sphere_directions(26, 3)}
+"""Directions tried beside the line of closest approach before one is refined, by dimension [-]:
+where noise differs much between axes the best may be another."""
 
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
@@ -176,7 +181,11 @@ def _between(
         )
 
     if near.is_refined and first.size:
-        normals = _refined((encounter(paths), encounter(ahead)), normals[:, None])
+        others = np.broadcast_to(
+            _COARSE[hazards.dimension], (first.size, *_COARSE[hazards.dimension].shape)
+        )
+        tried = np.concatenate([normals[:, None], others], axis=1)
+        normals = _refined((encounter(paths), encounter(ahead)), tried)
     keys = (first * hazards.count + second) * hazards.horizon + window
     return _laid_out(encounter(paths), normals, (first, second, window), keys)
 

@@ -58,6 +58,10 @@ class Tuning:
         to 0.5 s for three to eight vehicles.
     fastest : float
         Share of the horizon that the fastest way takes at most, when times are drawn [-].
+    first_rounds : int
+        Turns at a price of risk for a first plan, at most [-]; it is turned again after the search.
+    promising : float
+        Relative difference of costs up to which a dearer first plan is turned, too [-].
     first_share : float
         Share of Δ per vehicle that every half-space may risk in these sweeps [-].
     many : int
@@ -128,6 +132,8 @@ class Tuning:
     max_sweeps: int = 40
     attempts: int = 8
     fastest: float = 0.95
+    first_rounds: int = 5
+    promising: float = 0.02
     first_share: float = 0.5
     many: int = 5
     compared: float = 6.5

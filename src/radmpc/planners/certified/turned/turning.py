@@ -50,7 +50,8 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     SearchState
         With a cheaper plan where there is one. What was proven stays as it is.
     """
-    incumbent, price = state.incumbent, state.last_unit_price(fleet) / fleet.unit
+    incumbent = state.incumbent
+    price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
     turning = Turning(_task(fleet, judge), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
     return replace(state, incumbent=turning.run(TUNING.rounds))

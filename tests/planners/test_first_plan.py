@@ -1,0 +1,142 @@
+"""A first plan of crowded fleets, before anything is searched."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radmpc import certify, import_scenario, plan
+from radmpc.experiments.families import circle, paper
+from radmpc.model.obstacle import Obstacle
+from radmpc.planners.certified.hazards import Hazards
+from radmpc.planners.certified.turned.detours import detours
+from radmpc.planners.certified.turned.paths import timed
+from radmpc.planners.certified.turned.price_control import PriceControl
+from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.program.build import condensed_models
+from radmpc.solvers.solution import Limits
+from running import first_plan
+
+INSTANCES = Path(__file__).parents[2] / "instances"
+
+
+def separation(controls: list[np.ndarray], hazards: Hazards) -> float:
+    """Least distance of any two hulls, by dense sampling of the flown parabolas."""
+    tau = np.linspace(0.0, 1.0, 21)[:, None]
+    curves = []
+    for model, u in zip(hazards.models, controls, strict=True):
+        means = model.drift_position + model.position @ u.ravel()
+        sagitta = u @ model.vehicle.system.sagitta.T
+        curves.append(
+            np.concatenate(
+                [
+                    means[k] * (1 - tau) + means[k + 1] * tau - 4 * tau * (1 - tau) * sagitta[k]
+                    for k in range(hazards.horizon)
+                ]
+            )
+        )
+    least = np.inf
+    for i, one in enumerate(curves):
+        for j in range(i):
+            apart = np.linalg.norm(one - curves[j], axis=1).min()
+            least = min(least, apart - hazards.radii[i] - hazards.radii[j])
+    return least
+
+
+@pytest.mark.parametrize("name", ["lsc_planner/empty_20agents_3.json", "s2m2/mit.yaml"])
+def test_dense_fleets_of_others_get_a_certified_plan_before_any_search(name: str) -> None:
+    scenario = import_scenario(INSTANCES / name).scenario
+    result = first_plan(scenario, time_limit=60.0)
+    assert result.plan is not None
+    assert certify(result.plan).holds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "cost"),
+    [
+        ("lsc_planner/empty_20agents_3.json", 36.0),
+        ("lsc_planner/empty_40agents_3.json", 77.0),
+        ("lsc_planner/forest_20agents_3.json", 61.0),
+    ],
+)
+def test_what_a_script_of_successive_programs_finds_is_found(name: str, cost: float) -> None:
+    scenario = import_scenario(INSTANCES / name).scenario
+    result = first_plan(scenario, time_limit=60.0)
+    assert result.plan is not None
+    # A first plan is within 4 % of these; the search and the turning at the end lower it further.
+    assert result.cost <= 1.04 * cost
+
+
+def test_one_vehicle_after_the_other_keeps_everyone_apart_between_the_steps() -> None:
+    scenario = replace(circle(6), avoidance="intervals")
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    successive = SuccessiveLp(hazards, Limits())
+    assert successive.begin_alone()
+    assert separation(successive.paths.controls, hazards) < 0.0
+    assert successive.keep_apart(2.0, 40)
+    assert separation(successive.paths.controls, hazards) > 0.0
+
+
+def test_where_nobody_fits_through_it_is_said_that_nothing_helps() -> None:
+    scenario = paper(1, 0)
+    wall = Obstacle.box("wall", np.array([-100.0, -100.0]), np.array([100.0, 100.0]))
+    blocked = replace(scenario, obstacles=(wall,), workspace=None)
+    hazards = Hazards.of(blocked, condensed_models(blocked))
+    successive = SuccessiveLp(hazards, Limits())
+    assert successive.begin_alone()
+    assert not successive.keep_apart(2.0, 40)
+    assert successive.missed[0] > 1.0
+
+
+def test_a_detour_leads_around_a_wall_and_is_timed_from_start_to_goal() -> None:
+    scenario = paper(1, 0)
+    vehicle = scenario.vehicles[0]
+    start = vehicle.start[:2]
+    goal = 0.5 * (vehicle.goal.lower + vehicle.goal.upper)
+    middle, along = 0.5 * (start + goal), (goal - start) / np.linalg.norm(goal - start)
+    across = np.array([-along[1], along[0]])
+    sides = ((-0.5, -0.1), (2.5, -0.1), (2.5, 0.1), (-0.5, 0.1))
+    corners = [middle + a * across + b * along for a, b in sides]
+    wall = Obstacle.polygon("wall", np.array(corners))
+    walled = replace(scenario, obstacles=(wall,))
+    hazards = Hazards.of(walled, condensed_models(walled))
+    way = detours(hazards, [0])[0]
+    faces = wall.at(0)[0]
+    outside = (way @ faces.normals.T - faces.offsets).max(axis=1)
+    assert outside.min() >= vehicle.radius - 1e-9 - 0.1
+    # The short way: past the end half a meter off the line, not past the one at 2.5 m.
+    assert ((way - middle) @ across).min() < -0.5
+    steps = timed(way, 10, 0.2, 0.7)
+    assert steps[:3] == pytest.approx(np.tile(start, (3, 1)))
+    assert steps[7:] == pytest.approx(np.tile(goal, (4, 1)))
+    # The spacing is even between.
+    assert (
+        np.linalg.norm(np.diff(steps[2:8], axis=0), axis=1).max()
+        <= np.linalg.norm(np.diff(way, axis=0), axis=1).sum() / 5.0 + 1e-9
+    )
+
+
+def test_a_price_that_led_too_far_is_raised_from_the_last_certified_paths() -> None:
+    control = PriceControl(1.0, 0.1, 1e-3)
+    control.begin(0.05, 10.0, "certified")  # type: ignore[arg-type] # any token will do
+    assert control.follow(0.09, 9.0, "better") is None  # type: ignore[arg-type] # any token
+    before = control.price
+    assert control.follow(5.0, 7.0, "lost") == "better"  # type: ignore[arg-type] # any token
+    assert control.price > before
+
+
+def test_ways_at_drawn_times_lead_to_the_same_plan_from_the_same_seed() -> None:
+    scenario = import_scenario(INSTANCES / "s2m2" / "parking.yaml").scenario
+    plans = [first_plan(scenario, time_limit=60.0) for _ in range(2)]
+    assert plans[0].cost == plans[1].cost
+
+
+def test_a_plan_among_turned_half_spaces_costs_no_more_than_by_faces() -> None:
+    scenario = replace(circle(4), avoidance="intervals")
+    result = plan(scenario, time_limit=20.0)
+    assert result.cost is not None
+    assert result.cost < 16.66
