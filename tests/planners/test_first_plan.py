@@ -11,12 +11,12 @@ import pytest
 from radmpc import certify, import_scenario, plan
 from radmpc.experiments.families import circle, paper
 from radmpc.model.obstacle import Obstacle
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.detours import detours
 from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 from running import first_plan
 

@@ -21,12 +21,12 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.programs import SetPrograms
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.endpoint_risk import EndpointHazard, start_hazards
 from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.solution import Limits

@@ -12,7 +12,6 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
@@ -26,6 +25,7 @@ from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
 from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Solver, relative_gap
 
@@ -143,6 +143,9 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
     if state.budget > 0.0:
         state = search.run(state)
+    if not state.has_plan and first.controls and state.without_plan() is None:
+        # Prices that were doubtful without any plan are not so with one: go on for a bound.
+        state = search.run(replace(state, incumbent=first))
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
     if state.has_plan or first.controls:

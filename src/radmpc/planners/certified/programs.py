@@ -8,12 +8,12 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.nearby import Surroundings
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.program.build import controls_of
+from radmpc.program.hazards import Hazards
 
 __all__ = ["SetPrograms"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Vector
-from radmpc.solvers.lp.highs_lp import FEASIBILITY_TOL, optimum, quiet_highs
+from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL, optimum, quiet_highs
 
 __all__ = ["ExchangeLp"]
 

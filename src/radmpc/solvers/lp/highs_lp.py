@@ -16,13 +16,11 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import SolverError
+from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL, quiet_highs
 from radmpc.solvers.lp.safe_bound import LpRecord
 
-__all__ = ["FEASIBILITY_TOL", "HighsLp", "LpOutcome", "Numbers", "optimum", "quiet_highs"]
+__all__ = ["HighsLp", "LpOutcome", "Numbers"]
 
-FEASIBILITY_TOL = 1e-9
-"""Primal and dual feasibility tolerance of linear programs [m, m/s, cost]: the least that HiGHS
-takes is 1e-10; larger ones let points violate rows by more than plans may."""
 
 Numbers = npt.NDArray[np.int32]
 """Row and column numbers as HiGHS takes them."""
@@ -72,32 +70,6 @@ class LpOutcome(Enum):
     INFEASIBLE = "infeasible"
     CUTOFF = "worse than the cutoff"
     FAILED = "the solver found no answer"
-
-
-def quiet_highs() -> highspy.Highs:
-    """Return a HiGHS instance that is silent, single-threaded and repeatable."""
-    highs = highspy.Highs()
-    for name, value in (
-        ("output_flag", False),
-        ("threads", 1),
-        ("random_seed", 0),
-    ):
-        highs.setOptionValue(name, value)
-    return highs
-
-
-def optimum(highs: highspy.Highs) -> Vector | None:
-    """Solve; return all columns, None without an optimum.
-
-    Parameters
-    ----------
-    highs : Highs
-        Loaded.
-    """
-    highs.run()
-    if highs.getModelStatus() != _Status.kOptimal:
-        return None
-    return np.array(highs.getSolution().col_value)
 
 
 class HighsLp:

@@ -8,7 +8,7 @@ import highspy
 import numpy as np
 
 from radmpc.errors import SolverError
-from radmpc.solvers.lp.highs_lp import quiet_highs
+from radmpc.solvers.lp.quiet_highs import quiet_highs
 from radmpc.solvers.milp.model import MilpAnswer, MilpModel
 from radmpc.solvers.solution import Limits, Outcome
 

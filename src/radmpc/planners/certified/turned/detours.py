@@ -10,7 +10,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.hazards import Hazards
+from radmpc.program.hazards import Hazards
 
 __all__ = ["detours"]
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import CONVEX_RISK, clearance_for
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.turned.half_spaces import Near, half_spaces
 from radmpc.planners.certified.turned.paths import Paths, timed
@@ -16,6 +15,7 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.components import components
+from radmpc.program.hazards import Hazards
 
 __all__ = ["first_plan"]
 

@@ -9,12 +9,12 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
+from radmpc.program.hazards import Hazards
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 
 __all__ = ["GroupLp", "GroupPlan"]

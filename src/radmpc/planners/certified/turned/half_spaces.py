@@ -13,21 +13,17 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.geometry import sphere_directions
-from radmpc.planners.certified.hazards import Hazards
+from radmpc.planners.certified.turned.directions import (
+    around_approach,
+    closest_approach,
+    from_shape,
+    refined,
+)
 from radmpc.planners.certified.turned.encounter import Encounter
 from radmpc.planners.certified.turned.paths import Paths
-from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.program.hazards import Hazards
 
 __all__ = ["HalfSpaces", "Near", "half_spaces"]
-
-_THROUGH = 1e-3
-"""Share of the distance to keep below which two paths count as through each other [-]: what is left
-between them tells no direction."""
-
-_COARSE = {2: sphere_directions(12, 2), 3: sphere_directions(26, 3)}
-"""Directions tried beside the line of closest approach before one is refined, by dimension [-]:
-where noise differs much between axes the best may be another."""
 
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
@@ -146,25 +142,21 @@ def _between(
     paths, ahead = both
     one, two = pairs
     relative = paths.means[one] - paths.means[two]
-    before, after = relative[:, :-1], relative[:, 1:]
-    moved = after - before
-    closest = after
-    if hazards.intervals:
-        squares = np.maximum(np.einsum("ptd,ptd->pt", moved, moved), _TINY)
-        along = np.clip(-np.einsum("ptd,ptd->pt", before, moved) / squares, 0.0, 1.0)
-        closest = before + along[..., None] * moved
+    moved = relative[:, 1:] - relative[:, :-1]
+    closest = closest_approach(relative) if hazards.intervals else relative[:, 1:]
     apart = np.sqrt(np.einsum("ptd,ptd->pt", closest, closest))
     radii = hazards.radii[one] + hazards.radii[two]
     spread = np.sqrt(hazards.variances[one] + hazards.variances[two])
     limit = radii[:, None] + near.clearance * spread + near.reach
     number, window = np.nonzero(apart < limit)
     first, second, distance = one[number], two[number], radii[number]
-    length = apart[number, window]
-    normals = closest[number, window] / np.maximum(length, _TINY)[:, None]
-    through = length < _THROUGH * distance
-    if through.any():
-        signs = np.where(first < second, 1.0, -1.0)
-        normals[through] = _across(moved[number, window][through], signs[through])
+    tried = around_approach(
+        closest[number, window],
+        moved[number, window],
+        distance,
+        np.where(first < second, 1.0, -1.0),
+        many=near.is_refined,
+    )
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
         reach = np.broadcast_to(distance[:, None], directions.shape[:2])
@@ -180,12 +172,9 @@ def _between(
             supports,
         )
 
+    normals = tried[:, 0]
     if near.is_refined and first.size:
-        others = np.broadcast_to(
-            _COARSE[hazards.dimension], (first.size, *_COARSE[hazards.dimension].shape)
-        )
-        tried = np.concatenate([normals[:, None], others], axis=1)
-        normals = _refined((encounter(paths), encounter(ahead)), tried)
+        normals = refined((encounter(paths), encounter(ahead)), tried)
     keys = (first * hazards.count + second) * hazards.horizon + window
     return _laid_out(encounter(paths), normals, (first, second, window), keys)
 
@@ -223,9 +212,9 @@ def _around(
         )
 
     chord = begin[place, window], path[place, window + 1]
-    tried = _tried(shapes.faces[piece, window], corners, chord)
+    tried = from_shape(shapes.faces[piece, window], corners, chord)
     if near.is_refined and piece.size:
-        normals = _refined((encounter(paths), encounter(ahead)), tried)
+        normals = refined((encounter(paths), encounter(ahead)), tried)
     else:
         scores = np.where(tried.any(axis=2), encounter(paths).clearances(tried), -np.inf)
         normals = tried[np.arange(piece.size), scores.argmax(axis=1)]
@@ -261,16 +250,6 @@ def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> Hal
     base = hazards.count * (hazards.count + hazards.shapes.count) * hazards.horizon
     keys = base + (first * len(sides) + face) * hazards.horizon + window
     return _laid_out(encounter, sides[face], (first, np.full(first.size, -1), window), keys)
-
-
-def _refined(encounters: tuple[Encounter, Encounter], tried: Tensor) -> Matrix:
-    """Return the best normals of where paths move, of the paths themselves where these cross."""
-    latest, moved = encounters
-    normals = moved.best_normals(tried)
-    crossed = latest.clearances(normals[:, None])[:, 0] < TUNING.crossed
-    if crossed.any():
-        normals = np.where(crossed[:, None], latest.best_normals(tried), normals)
-    return normals
 
 
 def _laid_out(
@@ -319,43 +298,3 @@ def _noise(
     if hazards.bent is not None:
         start.append(joint(hazards.bent, window))
     return (tuple(start), end)
-
-
-def _across(moved: Matrix, signs: Vector) -> Matrix:
-    """Return unit normals across relative motions, opposite ones for opposite motions or signs."""
-    length = np.linalg.norm(moved, axis=1, keepdims=True)
-    moves = length > _TINY
-    ahead = np.where(moves, moved / np.where(moves, length, 1.0), np.eye(moved.shape[1])[0])
-    if moved.shape[1] == 2:
-        across = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
-    else:
-        axis = np.eye(3)[np.abs(ahead).argmin(axis=1)]
-        across = np.cross(ahead, axis)
-        across /= np.linalg.norm(across, axis=1, keepdims=True)
-    return np.asarray(across * np.where(moves, 1.0, signs[:, None]))
-
-
-def _tried(faces: Tensor, corners: tuple[Tensor, Tensor], ends: tuple[Matrix, Matrix]) -> Tensor:
-    """Return unit directions from a shape to a path's chord, zeros where there is none, (w, c, d).
-
-    Its faces, the directions from its corners to the nearest points of the chord, and in the plane
-    the normals of the chord: the direction of most room without noise is among them there.
-    """
-    start, end = ends
-    moved = end - start
-    squares = np.einsum("wd,wd->w", moved, moved)
-    tried = [faces]
-    if moved.shape[1] == 2:
-        across = np.stack([-moved[:, 1], moved[:, 0]], axis=1)
-        moves = squares > _TINY
-        across = np.where(
-            moves[:, None], across / np.sqrt(np.where(moves, squares, 1.0))[:, None], 0.0
-        )
-        tried.append(np.stack([across, -across], axis=1))
-    for points in corners:
-        along = np.einsum("wvd,wd->wv", points - start[:, None], moved)
-        share = np.clip(along / np.maximum(squares, _TINY)[:, None], 0.0, 1.0)
-        away = start[:, None] + share[..., None] * moved[:, None] - points
-        length = np.linalg.norm(away, axis=2, keepdims=True)
-        tried.append(np.where(length > 1e-9, away / np.maximum(length, _TINY), 0.0))
-    return np.concatenate(tried, axis=1)

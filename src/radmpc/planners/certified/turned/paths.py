@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
-from radmpc.planners.certified.hazards import Hazards
+from radmpc.program.hazards import Hazards
 
 __all__ = ["Paths", "SavedPaths", "timed"]
 

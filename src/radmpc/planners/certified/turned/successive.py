@@ -14,12 +14,12 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import tail_probability
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, Near, half_spaces
 from radmpc.planners.certified.turned.margins import fixed_margins, priced_margins
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
 __all__ = ["SuccessiveLp"]
@@ -116,7 +116,7 @@ class SuccessiveLp:
                 self._plan_alone(i, clearance, penalty)
             order = order[::-1]
             missed, previous, cost = float(self.missed.sum()), cost, self.paths.cost()
-            if missed <= _MISSED and abs(previous - cost) <= TUNING.settled * abs(cost):
+            if missed <= _MISSED and abs(previous - cost) <= TUNING.steady * abs(cost):
                 return True
             num_stuck = num_stuck + 1 if missed > 0.9 * least else 0
             least = min(least, missed)

@@ -41,7 +41,7 @@ class Tuning:
         Penalty for a meter missed, in multiples of what the cheapest meter of detour costs: in the
         first sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that
         several vehicles share a detour instead of the first one making all of it.
-    settled : float
+    steady : float
         Relative change of the cost below which sweeps without a miss end [-].
     stuck : int
         Sweeps in which what is missed falls by less than a tenth, after which nothing is expected
@@ -125,7 +125,7 @@ class Tuning:
     first_penalty: float = 10.0
     penalty_growth: float = 1.3
     last_penalty: float = 1e4
-    settled: float = 2e-3
+    steady: float = 2e-3
     stuck: int = 8
     looks: int = 3
     further: float = 3.0

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.hazards import Hazards
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
@@ -19,6 +18,7 @@ from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
+from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces"]

@@ -123,7 +123,7 @@ class Hazards:
             tuple(models),
             np.array([model.vehicle.radius for model in models]),
             covariances,
-            np.trace(covariances[:, 1:], axis1=2, axis2=3),
+            np.maximum(np.trace(covariances[:, 1:], axis1=2, axis2=3), 0.0),
             bent,
             scenario.avoidance == "intervals",
             Shapes.of(scenario),
