@@ -62,7 +62,8 @@ class Certified(Decomposition):
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
         result = _searched(scenario, planner, run)
-        if result.answer is not None and not result.state.has_plan:
+        has_any = result.state.has_plan or result.first.controls
+        if result.answer is not None and not has_any:
             return _empty(scenario, result.answer, begun)
         fleet, state, first = result.search.fleet, result.state, result.first
         if state.has_plan:
@@ -143,16 +144,13 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
     if state.budget > 0.0:
         state = search.run(state)
-    if not state.has_plan and first.controls and state.without_plan() is None:
-        # Prices that were doubtful without any plan are not so with one: go on for a bound.
-        state = search.run(replace(state, incumbent=first))
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
-    if state.has_plan or first.controls:
+    if state.has_plan:
         return _SearchResult(search, state, first, None, stopped_by)
     from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
 
-    last = last_resort(search.with_limits(limits), state)
+    last = last_resort(search.with_limits(begin if first.controls else limits), state)
     stopped_by = stopped_by or begin.reason or None
     return _SearchResult(last.search, last.state, first, last.answer, stopped_by)
 
@@ -170,7 +168,7 @@ def _draft(fleet: Fleet, state: SearchState, result: _SearchResult, begun: float
         state.steps,
         (),
         {"sets": time.perf_counter() - begun},
-        (answer.explanation if answer is not None else "") or None,
+        (answer.explanation if answer is not None and result.state.has_plan else "") or None,
         lower_bound=_finite(bound),
         price=shadow_price(fleet, state),
         couplings=state.merging.couplings(incumbent.sets),
