@@ -3,7 +3,7 @@
 A moving obstacle is one outline per step; between steps its corners move linearly, and collisions
 count there too. With nothing in its way the boat would need 2 L / (T - 1). It could wait for the
 ferry to pass, but it is cheaper to hurry past its bow, with a little lead. The number is what that
-costs relative to the free path. It is proven: the plan costs no more than 0.1 % above the least.
+costs relative to the free path: no more than 0.1 % above the least by the hull's own faces.
 """
 
 from pathlib import Path
@@ -12,8 +12,8 @@ import numpy as np
 
 import radmpc
 
-EXPECTED = 1.975  # times the effort of the free path
-TOLERANCE = 0.006  # the planner proves its plan optimal within 0.1 %
+EXPECTED = 1.959  # times the effort of the free path
+TOLERANCE = 0.006  # the planner turns half-spaces until a round gains less than 0.01 %
 
 HORIZON, WAY = 10, 10.0
 HULL = np.array([[-1.5, -0.6], [1.5, -0.6], [1.5, 0.6], [-1.5, 0.6]])  # of the ferry [m]

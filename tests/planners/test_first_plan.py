@@ -14,6 +14,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.planners.certified.turned.detours import detours
 from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.price_control import PriceControl
+from radmpc.planners.certified.turned.prioritized import prioritized
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
@@ -140,3 +141,29 @@ def test_a_plan_among_turned_half_spaces_costs_no_more_than_by_faces() -> None:
     result = plan(scenario, time_limit=20.0)
     assert result.cost is not None
     assert result.cost < 16.66
+
+
+def test_prioritized_ways_keep_off_each_other_and_off_the_walls_at_every_step() -> None:
+    scenario = import_scenario(INSTANCES / "s2m2" / "zigzag.yaml").scenario
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    ways = prioritized(hazards, lambda: False)
+    assert sorted(ways) == list(range(hazards.count))
+    faces = [piece for obstacle in scenario.obstacles for piece in obstacle.at(0)]
+    for i, way in ways.items():
+        assert way.shape == (hazards.horizon + 1, 2)
+        for j in range(i):
+            apart = np.linalg.norm(way - ways[j], axis=1)
+            assert apart.min() > hazards.radii[i] + hazards.radii[j]
+        for piece in faces:
+            outside = (way @ piece.normals.T - piece.offsets).max(axis=1)
+            assert outside.min() >= hazards.radii[i]
+        # No step is longer than the vehicle can move.
+        assert np.abs(np.diff(way, axis=0)).max() <= hazards.moves[i]
+
+
+def test_prioritized_planning_says_when_nobody_gets_through() -> None:
+    scenario = paper(2, 0)
+    wall = Obstacle.box("wall", np.array([-100.0, -100.0]), np.array([100.0, 100.0]))
+    blocked = replace(scenario, obstacles=(wall,), workspace=None)
+    hazards = Hazards.of(blocked, condensed_models(blocked))
+    assert prioritized(hazards, lambda: False) == {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.components import components
 from radmpc.program.hazards import Hazards
+from radmpc.solvers.solution import Limits
 
 __all__ = ["first_plan"]
 
@@ -58,41 +59,61 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
 
         ways = detours(hazards, stopped)
     best, least = None, np.inf
-    for number in range(TUNING.attempts if ways else 1):
-        attempt = _attempt(task, (alone.paths, ways), price, rng if number else None)
-        is_apart = attempt.successive.keep_apart(clearance, TUNING.max_sweeps)
+    nearly = TUNING.nearly * float(hazards.radii.mean())
+    limits = task.limits.within(
+        min(TUNING.first_seconds, TUNING.first_time_share * task.limits.seconds_left)
+    )
+    for attempt in _attempts(task, (alone.paths, ways), price, (rng, limits)):
+        is_apart = attempt.successive.keep_apart(clearance, TUNING.max_sweeps, limits)
         missed = float(attempt.successive.missed.sum())
-        if best is None or is_apart or missed < least:
+        if is_apart or missed <= nearly:
+            found = attempt.run(TUNING.first_rounds)
+            if found.controls:
+                return found
+        elif missed < least:
             best, least = attempt, missed
-        if is_apart or task.limits.reached:
+        if limits.reached:
             break
     return FleetIncumbent() if best is None else best.run(TUNING.first_rounds)
 
 
-def _attempt(
+def _attempts(
     task: Task,
     begin: tuple[Paths, Mapping[int, Matrix]],
     price: float,
-    rng: np.random.Generator | None,
-) -> Turning:
-    """Begin with paths alone, and with ways at drawn times where there are any.
-
-    Without a generator they take the whole horizon.
-    """
+    chance: tuple[np.random.Generator, Limits],
+) -> Iterator[Turning]:
+    """Begin with paths alone; where there are ways, with these all at once, in order, at random."""
     hazards = task.hazards
-    alone, ways = begin
-    turning = Turning(task, FleetIncumbent(), tuple((i,) for i in range(hazards.count)), price)
-    turning.successive.begin(alone.controls)
-    for i, way in ways.items():
-        first, last = 0.0, 1.0
-        if rng is not None:
-            length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
-            least = min(length / (float(hazards.moves[i]) * hazards.horizon), TUNING.fastest)
-            taken = least + (1.0 - least) * rng.random()
-            first = (1.0 - taken) * rng.random()
-            last = first + taken
-        turning.successive.refer(i, timed(way, hazards.horizon, first, last))
-    return turning
+    (alone, ways), (rng, limits) = begin, chance
+
+    def referring(places: Mapping[int, Matrix]) -> Turning:
+        turning = Turning(task, FleetIncumbent(), tuple((i,) for i in range(hazards.count)), price)
+        turning.successive.begin(alone.controls)
+        for i, path in places.items():
+            turning.successive.refer(i, path)
+        return turning
+
+    yield referring({i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()})
+    if not ways:
+        return
+    if hazards.count > 1:
+        from radmpc.planners.certified.turned.prioritized import prioritized  # noqa: PLC0415 - few need it
+
+        in_order = prioritized(hazards, lambda: limits.reached)
+        if in_order:
+            yield referring(in_order)
+    for _ in range(TUNING.attempts):
+        yield referring({i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()})
+
+
+def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
+    """Return where a vehicle is at each step on a way that begins and ends at drawn times."""
+    length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+    least = min(length / (float(hazards.moves[i]) * hazards.horizon), TUNING.fastest)
+    taken = least + (1.0 - least) * rng.random()
+    first = (1.0 - taken) * rng.random()
+    return timed(way, hazards.horizon, first, first + taken)
 
 
 def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:

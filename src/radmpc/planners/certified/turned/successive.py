@@ -94,7 +94,7 @@ class SuccessiveLp:
         self.paths.restore(state)
         self._ahead.restore(state)
 
-    def keep_apart(self, clearance: float, max_sweeps: int) -> bool:
+    def keep_apart(self, clearance: float, max_sweeps: int, limits: Limits | None = None) -> bool:
         """Plan one vehicle after the other until all keep a clearance, or nothing helps.
 
         Parameters
@@ -103,6 +103,8 @@ class SuccessiveLp:
             Standard deviations that everyone keeps from everything [-].
         max_sweeps : int
             Sweeps over the fleet at most [-].
+        limits : Limits or None
+            When to stop earlier than at the end of all.
 
         Returns
         -------
@@ -114,7 +116,7 @@ class SuccessiveLp:
         order = range(self.hazards.count)
         for _ in range(max_sweeps):
             for number, i in enumerate(order):
-                if number % _ASKED == 0 and self.limits.reached:
+                if number % _ASKED == 0 and (limits or self.limits).reached:
                     return False
                 self._plan_alone(i, clearance, penalty)
             order = order[::-1]

@@ -56,6 +56,10 @@ class Tuning:
     attempts : int
         Times of ways around obstacles that a first plan is tried with, at most [-]: each takes 0.1
         to 0.5 s for three to eight vehicles.
+    nearly : float
+        What paths may miss in all to be turned at a price of risk all the same [mean radii].
+    first_seconds, first_time_share : float
+        Time after which no other attempt is begun [s], at most this share of what is left [-].
     fastest : float
         Share of the horizon that the fastest way takes at most, when times are drawn [-].
     first_rounds : int
@@ -131,6 +135,9 @@ class Tuning:
     further: float = 3.0
     max_sweeps: int = 40
     attempts: int = 8
+    nearly: float = 0.2
+    first_seconds: float = 10.0
+    first_time_share: float = 0.2
     fastest: float = 0.95
     first_rounds: int = 5
     promising: float = 0.02

@@ -1,0 +1,93 @@
+"""A grid of points over everything that stands, and how far each is from obstacles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.program.hazards import Hazards
+
+__all__ = ["FREE", "Grid"]
+
+_POINTS = {2: 80, 3: 26}
+"""Points of the grid along its longest axis, by dimension [-]: 100 boxes take 10 ms to lay out."""
+
+_BORDER = 3.0
+"""Width of the border around starts, goals and obstacles [radii]."""
+
+FREE = 3.0
+"""Standard deviations from an obstacle from which on a way counts as free [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grid:
+    """Points spread evenly, and how far each is from the nearest obstacle.
+
+    Attributes
+    ----------
+    points : (p, d) array
+        The points [m].
+    shape : tuple of int
+        Number of points along each axis.
+    spacing : float
+        Their distance along an axis [m].
+    distances : (p,) array
+        Largest distance of a face of the nearest obstacle, negative inside; inf far away [m].
+    """
+
+    points: Matrix
+    shape: tuple[int, ...]
+    spacing: float
+    distances: Vector
+
+    @classmethod
+    def of(cls, hazards: Hazards) -> Grid:
+        """Lay out a grid over everything that stands, from starts to goals."""
+        shapes, d = hazards.shapes, hazards.dimension
+        standing = np.flatnonzero((shapes.vertices == shapes.vertices[:, :1]).all(axis=(1, 2, 3)))
+        corners = [shapes.vertices[standing, 0].reshape(-1, d)]
+        for model in hazards.models:
+            goal = model.vehicle.goal
+            corners.append(np.array([model.drift_position[0], goal.lower, goal.upper]))
+        every = np.concatenate(corners)
+        border = _BORDER * float(hazards.radii.max())
+        lower, upper = every.min(axis=0) - border, every.max(axis=0) + border
+        if hazards.workspace is not None:
+            lower = np.maximum(lower, hazards.workspace[0])
+            upper = np.minimum(upper, hazards.workspace[1])
+        spacing = float((upper - lower).max()) / _POINTS[d]
+        axes = [np.arange(lower[a], upper[a] + 1e-9, spacing) for a in range(d)]
+        mesh = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+        distances = np.full(mesh.shape[:-1], np.inf)
+        spread = float(np.sqrt(hazards.variances.max(initial=0.0)))
+        far = float(hazards.radii.max()) + FREE * spread + spacing
+        for piece in standing:
+            near = shapes.lower[piece, 0] - far, shapes.upper[piece, 0] + far
+            part = tuple(
+                slice(*np.searchsorted(axis, (near[0][a], near[1][a])))
+                for a, axis in enumerate(axes)
+            )
+            faces = shapes.faces[piece, 0]
+            faces = faces[faces.any(axis=1)]
+            offsets = (faces @ shapes.vertices[piece, 0].T).max(axis=1)
+            outside = (mesh[part] @ faces.T - offsets).max(axis=-1)
+            distances[part] = np.minimum(distances[part], outside)
+        shape = distances.shape
+        return cls(mesh.reshape(-1, d), shape, spacing, distances.ravel())
+
+    def nearest(self, place: Vector, open_points: np.ndarray) -> int:
+        """Return the number of the open point next to a place; -1 where none is open.
+
+        Parameters
+        ----------
+        place : (d,) array
+            Anywhere [m].
+        open_points : (p,) bool array
+            Which points may be taken.
+        """
+        numbers = np.flatnonzero(open_points)
+        if numbers.size == 0:
+            return -1
+        return int(numbers[np.linalg.norm(self.points[numbers] - place, axis=1).argmin()])

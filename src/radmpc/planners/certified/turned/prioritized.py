@@ -1,0 +1,155 @@
+"""Prioritized planning on a grid in space and time: each vehicle around those placed before it.
+
+The order decides: who finds no way is put first, and all begin again (Erdmann and Lozano-Perez
+1987). What is found is where vehicles would be at each step; no controls follow it yet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.planners.certified.turned.grid import Grid
+from radmpc.program.hazards import Hazards
+
+__all__ = ["prioritized"]
+
+_PACE = 0.8
+"""Share of what a vehicle covers in a step at most that it may on the grid [-]: it has to speed up
+and slow down."""
+
+_CLEAR, _APART = 1.0, 2.0
+"""Standard deviations kept from obstacles, and from vehicles placed before [-]."""
+
+_WAIT = 0.05
+"""Cost of a tick at rest, as a share of a move to the next point [-]: cheap, but not free."""
+
+_TRIES = 12
+"""Orders that are tried at most [-]."""
+
+_MOST = 4e7
+"""Points times ticks times vehicles beyond which nothing is tried [-]: 4e7 take some 5 s."""
+
+Places = dict[int, Matrix]
+"""Where vehicles are at every tick, (K+1, d) each [m], by their numbers."""
+
+
+def prioritized(hazards: Hazards, is_stopped: Callable[[], bool]) -> Mapping[int, Matrix]:
+    """Return where all vehicles would be at each step, none within reach of another.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet; obstacles that move are left out.
+    is_stopped : callable
+        Returns True once it is time to stop.
+
+    Returns
+    -------
+    mapping of int to (T+1, d) array
+        Positions [m]; empty where no order of those tried leads to any.
+    """
+    grid = Grid.of(hazards)
+    ticks = max(1, int(_PACE * float(hazards.moves.min()) / grid.spacing))
+    if hazards.count * ticks * hazards.horizon * len(grid.points) > _MOST:
+        return {}
+    starts = np.array([model.drift_position[0] for model in hazards.models])
+    goals = np.array([0.5 * (m.vehicle.goal.lower + m.vehicle.goal.upper) for m in hazards.models])
+    order = np.argsort(-np.linalg.norm(goals - starts, axis=1), kind="stable").tolist()
+    for _ in range(_TRIES):
+        placed: Places = {}
+        for i in order:
+            if is_stopped():
+                return {}
+            found = _place(hazards, grid, (starts[i], goals[i]), i, placed, ticks)
+            if found is None:
+                order.remove(i)
+                order.insert(0, i)
+                break
+            placed[i] = found
+        else:
+            return {i: path[::ticks] for i, path in placed.items()}
+    return {}
+
+
+def _place(
+    hazards: Hazards,
+    grid: Grid,
+    ends: tuple[Vector, Vector],
+    i: int,
+    placed: Places,
+    ticks: int,
+) -> Matrix | None:
+    """Return the shortest way of a vehicle around those placed before, tick by tick."""
+    count = ticks * hazards.horizon
+    spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
+    is_open = grid.distances >= hazards.radii[i] + _CLEAR * spread
+    start, goal = (grid.nearest(end, is_open) for end in ends)
+    if start < 0:
+        return None
+    blocked = _blocked(hazards, grid, i, placed, count)
+    moves = _moves(grid.shape)
+    cost = np.full(grid.shape, np.inf)
+    cost.flat[start] = 0.0
+    before = np.zeros((count, *grid.shape), dtype=np.uint8)
+    closed = ~is_open.reshape(grid.shape)
+    for tick in range(count):
+        best = np.full(grid.shape, np.inf)
+        for number, (length, begin, end) in enumerate(moves):
+            reached = cost[begin] + length
+            is_better = reached < best[end]
+            best[end] = np.where(is_better, reached, best[end])
+            before[tick][end] = np.where(is_better, number, before[tick][end])
+        best[closed | blocked[tick]] = np.inf
+        cost = best
+    if not np.isfinite(cost.flat[goal]):
+        return None
+    return _traced(grid, before, goal)
+
+
+def _traced(grid: Grid, before: npt.NDArray[np.uint8], goal: int) -> Matrix:
+    """Return the points on the way to a goal, from the move that led to each."""
+    d = len(grid.shape)
+    steps = _steps(d)
+    place = np.array(np.unravel_index(goal, grid.shape))
+    path = [place]
+    for tick in range(len(before) - 1, -1, -1):
+        place = place - steps[int(before[tick][tuple(place)])]
+        path.append(place)
+    numbers = np.ravel_multi_index(tuple(np.array(path[::-1]).T), grid.shape)
+    return np.asarray(grid.points[numbers])
+
+
+def _steps(dimension: int) -> Matrix:
+    """Return the moves to a neighboring point, rest first, (m, d)."""
+    steps = np.array(list(np.ndindex(*(3,) * dimension))) - 1
+    return np.asarray(steps[np.argsort(np.abs(steps).sum(axis=1), kind="stable")])
+
+
+def _moves(
+    shape: tuple[int, ...],
+) -> list[tuple[float, tuple[slice, ...], tuple[slice, ...]]]:
+    """Return each move's cost in spacings, and from where to where it leads."""
+    found = []
+    for step in _steps(len(shape)).tolist():
+        pairs = list(zip(step, shape, strict=True))
+        begin = tuple(slice(max(0, -s), n - max(0, s)) for s, n in pairs)
+        end = tuple(slice(max(0, s), n - max(0, -s)) for s, n in pairs)
+        found.append((float(np.linalg.norm(step)) or _WAIT, begin, end))
+    return found
+
+
+def _blocked(hazards: Hazards, grid: Grid, i: int, placed: Places, count: int) -> Tensor:
+    """Return where a vehicle would be too near to one placed before, after each tick, (K, ...)."""
+    blocked = np.zeros((count, len(grid.points)), dtype=bool)
+    for j, path in placed.items():
+        variance = hazards.variances[i].max() + hazards.variances[j].max()
+        apart = hazards.radii[i] + hazards.radii[j]
+        apart += _APART * float(np.sqrt(variance / hazards.dimension))
+        for tick in range(count):
+            offset = grid.points - path[tick + 1]
+            blocked[tick] |= np.einsum("pd,pd->p", offset, offset) < apart**2
+    return blocked.reshape(count, *grid.shape)
