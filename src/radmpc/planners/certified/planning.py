@@ -79,7 +79,9 @@ class Certified(Decomposition):
         if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost:
             other = turn_half_spaces(fleet, replace(state, incumbent=first), run.judge).incumbent
             if other.cost < state.incumbent.cost:
-                other = replace(other, union_bound=state.incumbent.union_bound)
+                searched = state.incumbent
+                sets = searched.sets or other.sets
+                other = replace(other, sets=sets, union_bound=searched.union_bound)
                 state = replace(state, incumbent=other)
         return _draft(fleet, state, result, begun)
 

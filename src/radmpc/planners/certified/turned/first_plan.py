@@ -49,10 +49,11 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     share = TUNING.first_share * task.risk_bound / hazards.count
     clearance = float(clearance_for(min(share, CONVEX_RISK)))
     stopped = _stopped(hazards, alone.paths)
-    if not stopped.size and not _is_crowded(hazards, alone.paths, clearance):
+    sets = _meeting(hazards, alone.paths, clearance)
+    if not stopped.size and max(len(members) for members in sets) < TUNING.many:
         return FleetIncumbent()
-    # Risk counts for much more than effort at first: a falling price stays near what is certified.
-    price *= TUNING.dear * alone.paths.cost() / task.risk_bound
+    # Risk counts for more than effort at first: a falling price stays near what is certified.
+    price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound
     ways: dict[int, Matrix] = {}
     if stopped.size:
         from radmpc.planners.certified.turned.detours import detours  # noqa: PLC0415 - loads graphs
@@ -63,7 +64,7 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     limits = task.limits.within(
         min(TUNING.first_seconds, TUNING.first_time_share * task.limits.seconds_left)
     )
-    for attempt in _attempts(task, (alone.paths, ways), price, (rng, limits)):
+    for attempt in _attempts(task, (alone.paths, ways), (sets, price), (rng, limits)):
         is_apart = attempt.successive.keep_apart(clearance, TUNING.max_sweeps, limits)
         missed = float(attempt.successive.missed.sum())
         if is_apart or missed <= nearly:
@@ -80,15 +81,15 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
 def _attempts(
     task: Task,
     begin: tuple[Paths, Mapping[int, Matrix]],
-    price: float,
+    planned: tuple[tuple[tuple[int, ...], ...], float],
     chance: tuple[np.random.Generator, Limits],
 ) -> Iterator[Turning]:
     """Begin with paths alone; where there are ways, with these all at once, in order, at random."""
     hazards = task.hazards
-    (alone, ways), (rng, limits) = begin, chance
+    (alone, ways), (sets, price), (rng, limits) = begin, planned, chance
 
     def referring(places: Mapping[int, Matrix]) -> Turning:
-        turning = Turning(task, FleetIncumbent(), tuple((i,) for i in range(hazards.count)), price)
+        turning = Turning(task, FleetIncumbent(), sets, price)
         turning.successive.begin(alone.controls)
         for i, path in places.items():
             turning.successive.refer(i, path)
@@ -124,11 +125,10 @@ def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:
     return np.unique(spaces.first[is_hit])
 
 
-def _is_crowded(hazards: Hazards, paths: Paths, clearance: float) -> bool:
-    """Whether many vehicles get in each other's way, directly or through others, if alone."""
+def _meeting(hazards: Hazards, paths: Paths, clearance: float) -> tuple[tuple[int, ...], ...]:
+    """Return who get in each other's way if alone, directly or through others: a partition."""
     everyone = tuple(range(hazards.count))
     spaces = half_spaces(hazards, paths, everyone, Near(clearance, 0.0, is_refined=False))
     meets = (spaces.clearances < clearance).any(axis=1) & (spaces.second >= 0)
     one, two = spaces.first[meets].tolist(), spaces.second[meets].tolist()
-    groups = components(hazards.count, zip(one, two, strict=True))
-    return max(len(group) for group in groups) >= TUNING.many
+    return components(hazards.count, zip(one, two, strict=True))

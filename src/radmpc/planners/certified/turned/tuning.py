@@ -64,6 +64,8 @@ class Tuning:
         Share of the horizon that the fastest way takes at most, when times are drawn [-].
     first_rounds : int
         Turns at a price of risk for a first plan, at most [-]; it is turned again after the search.
+    first_dear : float
+        Multiple of the first guess of the price at which these turns begin [-].
     promising : float
         Relative difference of costs up to which a dearer first plan is turned, too [-].
     first_share : float
@@ -139,7 +141,8 @@ class Tuning:
     first_seconds: float = 10.0
     first_time_share: float = 0.2
     fastest: float = 0.95
-    first_rounds: int = 5
+    first_rounds: int = 8
+    first_dear: float = 3.0
     promising: float = 0.02
     first_share: float = 0.5
     many: int = 5

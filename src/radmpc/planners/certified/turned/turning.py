@@ -97,6 +97,12 @@ def _task(fleet: Fleet, judge: Judge) -> Task:
     return Task(fleet.programs.hazards, judge, fleet.limits, fleet.gap, risk_bound)
 
 
+def _parts(members: Members) -> tuple[Members, ...]:
+    """Return a set, or its vehicles one by one where it is large."""
+    is_small = len(members) <= TUNING.most_together
+    return (members,) if is_small else tuple((i,) for i in members)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
     """What is asked.
@@ -162,7 +168,9 @@ class Turning:
         """Choose who shares a linear program."""
         count = self.task.hazards.count
         together = count <= TUNING.most_together
-        self.groups = (tuple(range(count)),) if together else self.sets
+        self.groups = (tuple(range(count)),)
+        if not together:
+            self.groups = tuple(group for members in self.sets for group in _parts(members))
         self.successive = SuccessiveLp(self.task.hazards, self.task.limits)
 
     def run(self, rounds: int) -> FleetIncumbent:
