@@ -155,9 +155,9 @@ class Tuning:
     dearer: float = 4.0
     most_backs: int = 6
     damping: float = 0.8
-    enough: float = 0.1
+    enough: float = 0.2
     spent: float = 0.5
-    max_stalls: int = 3
+    max_stalls: int = 2
     less: float = 0.9
     close: float = 2.0
     dear: float = 10.0
