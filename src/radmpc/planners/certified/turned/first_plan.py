@@ -9,7 +9,8 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.gaussian import CONVEX_RISK, clearance_for
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.planners.certified.turned.half_spaces import Near, half_spaces
+from radmpc.planners.certified.turned.half_spaces import half_spaces
+from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths, timed
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -50,7 +51,8 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     clearance = float(clearance_for(min(share, CONVEX_RISK)))
     stopped = _stopped(hazards, alone.paths)
     sets = _meeting(hazards, alone.paths, clearance)
-    if not stopped.size and max(len(members) for members in sets) < TUNING.many:
+    is_crowded = max(len(members) for members in sets) >= TUNING.many
+    if not is_crowded and (not stopped.size or hazards.count > TUNING.few):
         return FleetIncumbent()
     # Risk counts for more than effort at first: a falling price stays near what is certified.
     price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound

@@ -20,33 +20,17 @@ from radmpc.planners.certified.turned.directions import (
     refined,
 )
 from radmpc.planners.certified.turned.encounter import Encounter
+from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 
-__all__ = ["HalfSpaces", "Near", "half_spaces"]
+__all__ = ["HalfSpaces", "half_spaces"]
+
+_MANY_PAIRS = 20_000
+"""Pairs from which on those far from each other are left out by a search tree [-]."""
 
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Near:
-    """Which windows get a half-space, and how carefully it is turned.
-
-    Attributes
-    ----------
-    clearance : float
-        Standard deviations that are kept in any case [-].
-    reach : float
-        Room beyond them up to which something counts as near [m].
-    is_refined : bool
-        Whether directions are refined to the best by clearance, or the line of closest approach
-        will do.
-    """
-
-    clearance: float
-    reach: float
-    is_refined: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,7 +100,7 @@ def half_spaces(
     """
     ahead = paths if ahead is None else ahead
     both, members = (paths, ahead), np.asarray(group)
-    found = [_between(hazards, both, _pairs(hazards, members), near)]
+    found = [_between(hazards, both, _pairs(hazards, paths, members, near), near)]
     if hazards.shapes.count:
         found.append(_around(hazards, both, members, near))
     if hazards.workspace is not None:
@@ -125,13 +109,19 @@ def half_spaces(
     return HalfSpaces(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
 
 
-def _pairs(hazards: Hazards, members: Indices) -> tuple[Indices, Indices]:
-    """Return every pair of members, and of a member and another vehicle, once."""
+def _pairs(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> tuple[Indices, Indices]:
+    """Return every pair of members, and of a member and another, once; of many, those near ever."""
     is_member = np.zeros(hazards.count, dtype=bool)
     is_member[members] = True
-    one, two = np.divmod(np.arange(members.size * hazards.count), hazards.count)
-    one = members[one]
-    kept = (two > one) | ~is_member[two]
+    if members.size * hazards.count > _MANY_PAIRS:
+        one, two = paths.near_pairs(near.clearance, near.reach)
+        is_swapped = ~is_member[one]
+        one, two = np.where(is_swapped, two, one), np.where(is_swapped, one, two)
+        kept = is_member[one]
+    else:
+        one, two = np.divmod(np.arange(members.size * hazards.count), hazards.count)
+        one = members[one]
+        kept = (two > one) | ~is_member[two]
     return one[kept], two[kept]
 
 

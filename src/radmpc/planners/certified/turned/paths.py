@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.nearby import near_pairs
 from radmpc.program.hazards import Hazards
 
 __all__ = ["Paths", "SavedPaths", "timed"]
@@ -35,7 +36,7 @@ class Paths:
     """
 
     def __init__(self, hazards: Hazards) -> None:
-        self._models = hazards.models
+        self._hazards, self._models = hazards, hazards.models
         self.controls: list[Matrix] = [np.zeros(m.control_bounds.shape) for m in hazards.models]
         self.means: Tensor = np.array([model.drift_position for model in hazards.models])
         self.sagittas: Tensor = np.zeros((hazards.count, hazards.horizon, hazards.dimension))
@@ -67,6 +68,26 @@ class Paths:
         """
         self.means[vehicle] = positions
         self.sagittas[vehicle] = 0.0
+
+    def near_pairs(self, clearance: float, reach: float) -> tuple[Indices, Indices]:
+        """Return the vehicles that may be near each other in any window, lower number first.
+
+        Parameters
+        ----------
+        clearance : float
+            Standard deviations that are kept [-].
+        reach : float
+            Room beyond them up to which something counts as near [m].
+        """
+        hazards = self._hazards
+        steps = np.linalg.norm(np.diff(self.means, axis=1), axis=2).max(initial=0.0)
+        spread = np.sqrt(2.0 * hazards.variances.max(initial=0.0))
+        distance = float(2.0 * hazards.radii.max() + clearance * spread + reach + steps)
+        found = [near_pairs(self.means[:, k], distance) for k in range(self.means.shape[1])]
+        pairs = np.concatenate(found)
+        numbers = np.unique(pairs[:, 0] * hazards.count + pairs[:, 1])
+        one, two = np.divmod(numbers, hazards.count)
+        return one, two
 
     def cost(self) -> float:
         """Return the effort of all controls."""

@@ -15,8 +15,9 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.gaussian import tail_probability
 from radmpc.planners.certified.turned.group_lp import GroupLp
-from radmpc.planners.certified.turned.half_spaces import HalfSpaces, Near, half_spaces
+from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.margins import fixed_margins, priced_margins
+from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.hazards import Hazards
@@ -26,6 +27,9 @@ __all__ = ["SuccessiveLp"]
 
 _MISSED = 1e-7
 """What half-spaces may be missed by in all [m]."""
+
+_WARM = 128
+"""Linear programs that are kept warm at most [-]: each takes half a megabyte."""
 
 _ASKED = 16
 """Vehicles planned between two looks at the clock [-]: one takes 1 to 20 ms."""
@@ -194,6 +198,8 @@ class SuccessiveLp:
     def _program(self, group: Group) -> GroupLp:
         """Return a group's linear program, kept warm."""
         if group not in self._programs:
+            if len(self._programs) >= _WARM:
+                self._programs.clear()
             self._programs[group] = GroupLp(self.hazards, group)
         return self._programs[group]
 

@@ -73,6 +73,9 @@ class Tuning:
     many : int
         Vehicles in each other's way from which on a first plan is made before sets are searched
         [-].
+    few : int
+        Vehicles of a fleet up to which one that an obstacle stops calls for the same [-]: in larger
+        ones, where few meet, searching them one by one is as quick.
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].
     aim : float
@@ -146,6 +149,7 @@ class Tuning:
     promising: float = 0.02
     first_share: float = 0.5
     many: int = 5
+    few: int = 24
     compared: float = 6.5
     aim: float = 0.985
     most_rise: float = 30.0
