@@ -51,7 +51,8 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     clearance = float(clearance_for(min(share, CONVEX_RISK)))
     stopped = _stopped(hazards, alone.paths)
     sets = _meeting(hazards, alone.paths, clearance)
-    is_crowded = max(len(members) for members in sets) >= TUNING.many
+    largest = max(len(members) for members in sets)
+    is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
     if not is_crowded and (not stopped.size or hazards.count > TUNING.few):
         return FleetIncumbent()
     # Risk counts for more than effort at first: a falling price stays near what is certified.
