@@ -14,11 +14,16 @@ from radmpc.program.hazards import Hazards
 
 __all__ = ["detours"]
 
+_ROOMS = (1.0, 0.7, 0.4, 0.0)
+"""Shares of the clearance that ways are sought with, one after the other [-]."""
+
 _NARROW = 4.0
 """Factor on the length of a way that touches an obstacle; 1 where the way is free [-]."""
 
 
-def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Matrix]:
+def detours(
+    hazards: Hazards, vehicles: Sequence[int] | Indices, clearance: float = 0.0
+) -> dict[int, Matrix]:
     """Return the shortest ways of vehicles around standing obstacles.
 
     Parameters
@@ -27,6 +32,8 @@ def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Ma
         The fleet; what moves is left out.
     vehicles : sequence of int
         Whose ways are asked for.
+    clearance : float
+        Standard deviations that ways keep from obstacles where there are such ways [-].
 
     Returns
     -------
@@ -39,13 +46,16 @@ def detours(hazards: Hazards, vehicles: Sequence[int] | Indices) -> dict[int, Ma
     for i in np.asarray(vehicles).tolist():
         model = hazards.models[i]
         spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
-        key = (float(hazards.radii[i]), round(spread, 9))
-        if key not in graphs:
-            graphs[key] = _graph(grid, *key)
         goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
-        way = _way(grid, graphs[key], model.drift_position[0], goal)
-        if way is not None:
-            found[i] = way
+        # Where the noise fits, too, if there is such a way; else wherever the hull does.
+        for room in clearance * spread * np.array(_ROOMS):
+            key = (round(float(hazards.radii[i] + room), 9), round(spread, 9))
+            if key not in graphs:
+                graphs[key] = _graph(grid, *key)
+            way = _way(grid, graphs[key], model.drift_position[0], goal)
+            if way is not None:
+                found[i] = way
+                break
     return found
 
 

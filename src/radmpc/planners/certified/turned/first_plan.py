@@ -61,7 +61,7 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     if stopped.size:
         from radmpc.planners.certified.turned.detours import detours  # noqa: PLC0415 - loads graphs
 
-        ways = detours(hazards, stopped)
+        ways = detours(hazards, stopped, clearance)
     best, least = None, np.inf
     nearly = TUNING.nearly * float(hazards.radii.mean())
     limits = task.limits.within(
