@@ -68,13 +68,15 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         min(TUNING.first_seconds, TUNING.first_time_share * task.limits.seconds_left)
     )
     for attempt in _attempts(task, (alone.paths, ways), (sets, price), (rng, limits)):
-        is_apart = attempt.successive.keep_apart(clearance, TUNING.max_sweeps, limits)
-        missed = float(attempt.successive.missed.sum())
-        if is_apart or missed <= nearly:
-            found = attempt.run(TUNING.first_rounds)
-            if found.controls:
-                return found
-        elif missed < least:
+        missed = np.inf
+        for kept in (clearance, TUNING.narrower * clearance):
+            is_apart = attempt.successive.keep_apart(kept, TUNING.max_sweeps, limits)
+            missed = float(attempt.successive.missed.sum())
+            if is_apart or missed <= nearly:
+                found = attempt.run(TUNING.first_rounds)
+                if found.controls:
+                    return found
+        if missed < least:
             best, least = attempt, missed
         if limits.reached:
             break

@@ -79,6 +79,9 @@ class PriceControl:
         ratio = certified / (TUNING.aim * self.risk_bound)
         ratio = float(np.clip(ratio, 1.0 / TUNING.most_fall, TUNING.most_rise))
         self.price *= ratio**TUNING.damping
+        if is_over and self._safe is None:
+            # The longer nothing is certified, the less it may cost to wait.
+            self.price *= TUNING.impatience ** (self._num_over - 1)
         return None
 
     def _back(self, paths: SavedPaths, price: float) -> SavedPaths:

@@ -56,6 +56,8 @@ class Tuning:
     attempts : int
         Times of ways around obstacles that a first plan is tried with, at most [-]: each takes 0.1
         to 0.5 s for three to eight vehicles.
+    narrower : float
+        Share of the clearance that is kept where ways are too narrow for all of it [-].
     nearly : float
         What paths may miss in all to be turned at a price of risk all the same [mean radii].
     first_seconds, first_time_share : float
@@ -86,6 +88,8 @@ class Tuning:
     most_rise, most_fall : float
         Ratio of certificate to aim that a rising price follows at most, and its inverse that a
         falling one does [-]: from a cheap price paths go far at once, and not back.
+    impatience : float
+        Further factor on the price for every round in a row above Δ, before any was certified [-].
     lost : float
         Multiple of Δ from which on a certificate calls for going back to the last certified paths
         [-].
@@ -143,6 +147,7 @@ class Tuning:
     further: float = 3.0
     max_sweeps: int = 40
     attempts: int = 8
+    narrower: float = 0.7
     nearly: float = 0.2
     first_seconds: float = 10.0
     first_time_share: float = 0.2
@@ -158,6 +163,7 @@ class Tuning:
     aim: float = 0.985
     most_rise: float = 30.0
     most_fall: float = 6.0
+    impatience: float = 1.4
     lost: float = 8.0
     most_over: int = 5
     dearer: float = 4.0
