@@ -220,3 +220,17 @@ def test_what_a_price_of_risk_gives_up_is_no_less_than_the_risk() -> None:
     assert dearer is not None
     assert dearer.risk < plan.risk
     assert sum(float(np.abs(u).sum()) for u in dearer.controls) > cost
+
+
+def test_past_an_edge_in_space_the_half_space_is_turned_to_the_line_of_closest_approach() -> None:
+    scenario, _, _ = scene(3, "steps", np.random.default_rng(0))
+    pole = Obstacle.box("pole", np.array([0.0, 0.0, -5.0]), np.array([0.0, 0.0, 5.0]))
+    beside = replace(scenario, obstacles=(pole,), vehicles=scenario.vehicles[:1])
+    hazards = Hazards.of(beside, condensed_models(beside))
+    paths = Paths(hazards)
+    # By a face of the pole, or from an end of it, the hull of 0.5 m would seem to touch it.
+    paths.refer(0, np.tile([0.45, 0.45, 0.3], (HORIZON + 1, 1)))
+    spaces = half_spaces(hazards, paths, (0,), EVERYTHING)
+    assert spaces.count == HORIZON
+    assert (spaces.heights - spaces.offsets).min() > 0.05
+    assert np.abs(spaces.normals[:, 2]).max() < 0.3

@@ -19,6 +19,10 @@ _COARSE = {2: sphere_directions(12, 2), 3: sphere_directions(26, 3)}
 """Directions tried beside the line of closest approach before one is refined, by dimension [-]:
 where noise differs much between axes the best may be another."""
 
+_EVERYWHERE = sphere_directions(162, 3)
+"""Directions tried around a shape in space, some 16 degrees apart: beside an edge the best is
+neither of a face nor from a corner, and too far from these to be found by refining them."""
+
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
 
@@ -106,7 +110,8 @@ def from_shape(
     """Return unit directions from a shape to a path's chord, zeros where there is none, (w, c, d).
 
     Its faces, the directions from its corners to the nearest points of the chord, and in the plane
-    the normals of the chord: the direction of most room without noise is among them there.
+    the normals of the chord: the direction of most room without noise is among them there. In space
+    directions all around.
 
     Parameters
     ----------
@@ -134,4 +139,6 @@ def from_shape(
         away = start[:, None] + share[..., None] * moved[:, None] - points
         length = np.linalg.norm(away, axis=2, keepdims=True)
         tried.append(np.where(length > 1e-9, away / np.maximum(length, _TINY), 0.0))
+    if moved.shape[1] == 3:
+        tried.append(np.broadcast_to(_EVERYWHERE, (len(moved), *_EVERYWHERE.shape)))
     return np.concatenate(tried, axis=1)

@@ -171,7 +171,7 @@ class Tuning:
     damping: float = 0.8
     enough: float = 0.2
     spent: float = 0.5
-    max_stalls: int = 2
+    max_stalls: int = 3
     less: float = 0.9
     close: float = 2.0
     dear: float = 10.0
