@@ -222,15 +222,28 @@ def test_what_a_price_of_risk_gives_up_is_no_less_than_the_risk() -> None:
     assert sum(float(np.abs(u).sum()) for u in dearer.controls) > cost
 
 
-def test_past_an_edge_in_space_the_half_space_is_turned_to_the_line_of_closest_approach() -> None:
-    scenario, _, _ = scene(3, "steps", np.random.default_rng(0))
-    pole = Obstacle.box("pole", np.array([0.0, 0.0, -5.0]), np.array([0.0, 0.0, 5.0]))
-    beside = replace(scenario, obstacles=(pole,), vehicles=scenario.vehicles[:1])
+def test_past_an_edge_in_space_no_random_direction_leaves_a_path_more_room() -> None:
+    rng = np.random.default_rng(0)
+    scenario, _, _ = scene(3, "steps", rng)
+    pole = Obstacle.box("pole", np.array([0.0, 0.0, -0.77]), np.array([0.0, 0.0, 0.39]))
+    quiet = replace(
+        scenario.vehicles[0],
+        initial_covariance=np.eye(6) * 1e-8,
+        disturbance_covariance=np.eye(6) * 1e-9,
+    )
+    beside = replace(scenario, obstacles=(pole,), vehicles=(quiet,))
     hazards = Hazards.of(beside, condensed_models(beside))
     paths = Paths(hazards)
-    # By a face of the pole, or from an end of it, the hull of 0.5 m would seem to touch it.
-    paths.refer(0, np.tile([0.45, 0.45, 0.3], (HORIZON + 1, 1)))
-    spaces = half_spaces(hazards, paths, (0,), EVERYTHING)
-    assert spaces.count == HORIZON
-    assert (spaces.heights - spaces.offsets).min() > 0.05
-    assert np.abs(spaces.normals[:, 2]).max() < 0.3
+    place = np.array([0.356, -0.404, 0.232])
+    paths.refer(0, np.tile(place, (HORIZON + 1, 1)))
+    corners = pole.at(0)[0].vertices
+    tried = random_normals(20_000, 3, rng)
+    most = float((tried @ place - (tried @ corners.T).max(axis=1)).max()) - 0.5
+    for is_refined in (True, False):
+        spaces = half_spaces(hazards, paths, (0,), Near(3.0, 1e3, is_refined=is_refined))
+        room = (spaces.heights - spaces.offsets)[:, 1]
+        # By a face, or from an end of the pole, the hull would seem to touch it.
+        assert most > 0.03
+        assert (room > 0.0).all()
+        if is_refined:
+            assert room == pytest.approx(most, abs=1e-3)
