@@ -140,7 +140,7 @@ def _facts(result: Result) -> list[tuple[str, str]]:
 def _picture(plan: Plan) -> str:
     """Return a plan's picture as part of a page."""
     # matplotlib takes longer to load than many a plan to make.
-    from radmpc.plotting import plot_plan  # noqa: PLC0415
+    from radmpc.plotting import plot_plan  # noqa: PLC0415 - matplotlib loads slowly
 
     axes = plot_plan(plan)
     figure = axes.get_figure(root=True)

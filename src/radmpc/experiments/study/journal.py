@@ -22,7 +22,7 @@ _ROW = TypeAdapter(Row)
 try:
     import fcntl
 except ImportError:  # pragma: no cover - Windows has no advisory locks of this kind
-    fcntl = None  # type: ignore[assignment]
+    fcntl = None  # type: ignore[assignment] # a module or None
 
 
 def read_rows(path: Path) -> tuple[Row, ...]:

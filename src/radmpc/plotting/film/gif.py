@@ -50,9 +50,9 @@ def write_gif(film: Frames, target: str | IO[bytes], milliseconds: int) -> None:
     images = []
     for frame in range(film.num_frames):
         film.show(frame)
-        canvas.draw()  # type: ignore[no-untyped-call]
+        canvas.draw()  # type: ignore[no-untyped-call] # of matplotlib
         # matplotlib's own writer would draw every frame three times.
-        pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+        pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call] # of matplotlib
         images.append(Image.fromarray(pixels).convert("RGB"))
     # One palette for all: colors that change from frame to frame would flicker.
     palette = images[len(images) // 2].quantize(255)
