@@ -88,9 +88,7 @@ def test_planners_as_json_is_one_object(run: Run) -> None:
 
 
 @pytest.mark.slow
-def test_the_demo_plans_draws_and_says_what_next(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    # The scenario that is shipped is planned by the wheel, in a test of its own.
-    monkeypatch.setattr("radmpc.console.commands.demo.demo_text", lambda: CROSSING)
+def test_the_demo_plans_draws_and_says_what_next(run: Run) -> None:
     result = run("demo", "--out", "made/here")
     assert result.exit_code == 0, result.stderr
     names = {path.name for path in Path("made/here").iterdir()}

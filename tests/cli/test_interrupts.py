@@ -33,7 +33,7 @@ COMMANDS = {
     "verify": ("verify", "a.json", "--samples", "2000000"),
     "import": ("import", str(FOREIGN), "-o", "out.yaml"),
     "export": ("export", "a.json", "--to", "csv", "-o", "out.csv"),
-    "compare": ("compare", "a.yaml", "--samples", "100000", "--figure", "out.svg"),
+    "compare": ("compare", "a.yaml", "--samples", "1000000", "--figure", "out.svg"),
     "reproduce": ("reproduce", "--quick", "--out", "study", "--method", "certified"),
 }
 
