@@ -211,10 +211,12 @@ def _plan(
             certificate.saturation,
         )
     cost = _cost(scenario, trajectories) if trajectories else None
-    bound = draft.lower_bound
+    bound, on_any = draft.lower_bound, draft.certified_lower_bound
+    # The same cost, summed in another order, differs by rounding.
     if cost is not None and bound is not None:
-        # The same cost, summed in another order, differs by rounding.
         bound = min(bound, cost)
+    if cost is not None and on_any is not None:
+        on_any = min(on_any, cost)
     return Plan(
         scenario=scenario,
         planner=str(planner),
@@ -230,6 +232,7 @@ def _plan(
         trajectories=trajectories,
         couplings=draft.couplings,
         stopped_by=draft.stopped_by,
+        certified_lower_bound=on_any,
     )
 
 

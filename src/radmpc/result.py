@@ -62,8 +62,13 @@ class Result:
 
     @property
     def lower_bound(self) -> float | None:
-        """Proven least cost, where there is a proof."""
+        """Proven least cost of plans by the program's own faces, where there is a proof."""
         return self.record.lower_bound
+
+    @property
+    def certified_lower_bound(self) -> float | None:
+        """Proven least cost of any plan that the referee would certify, where there is a proof."""
+        return self.record.certified_lower_bound
 
     @property
     def sets(self) -> tuple[tuple[str, ...], ...]:

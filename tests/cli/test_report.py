@@ -353,3 +353,14 @@ def test_noise_that_an_import_added_is_repeated_on_one_line(
     for other in ({"choices": {"noise": 3}}, {"choices": 3}, {}, None):
         plan = make_plan(scenario=replace(circle(3), source=other))
         assert "added by the import" not in shown(capsys, plan)
+
+
+def test_a_report_tells_both_lower_bounds_and_how_much_any_plan_could_save(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    said = " ".join(shown(capsys, make_plan(certified_lower_bound=9.5)).split())
+    assert "optimal: plan found; no plan that could be certified costs 5 % less" in said
+    bounds = "9.5 for any certified plan, gap 5 %; 9.9 for plans by faces, gap 1 %"
+    assert f"10 (lower bounds: {bounds})" in said
+    alone = " ".join(shown(capsys, make_plan(certified_lower_bound=9.5, lower_bound=None)).split())
+    assert "10 (lower bound 9.5 for any certified plan, gap 5 %)" in alone

@@ -108,7 +108,8 @@ def test_no_plan_is_written_as_no_vehicles_and_no_cost(plan: Plan, tmp_path: Pat
 
 def test_the_content_stands_in_the_documented_order(plan: Plan) -> None:
     assert list(encode_plan(plan)) == [
-        "format", "scenario", "planner", "seed", "status", "cost", "lower_bound", "risk", "sets",
+        "format", "scenario", "planner", "seed", "status", "cost", "lower_bound",
+        "certified_lower_bound", "risk", "sets",
             "couplings", "seconds", "versions", "explanation", "stopped_by", "vehicles",
     ]  # fmt: skip
     assert "vehicles" not in encode_plan(plan, with_vehicles=False)

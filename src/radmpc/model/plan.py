@@ -197,7 +197,8 @@ class Plan:
     cost : float or None
         ``Σ weight · ‖u‖₁``; None without a plan.
     lower_bound : float or None
-        Proven least cost, where there is a proof.
+        Proven least cost of plans by the program's own faces whose union bound is at most Δ, where
+        there is a proof. Plans by other half-spaces may cost less.
     risk : Risk
         Bound, certificate and ledger.
     sets : tuple of tuple of str
@@ -215,6 +216,9 @@ class Plan:
     stopped_by : str or None
         The limit that ended the search, as a clause: "the time limit of 60 s was reached"; None
         where the search ended by itself.
+    certified_lower_bound : float or None
+        Proven least cost of any plan that the referee would certify, whatever its half-spaces,
+        where there is a proof.
     """
 
     scenario: Scenario
@@ -231,11 +235,28 @@ class Plan:
     trajectories: tuple[Trajectory, ...] = ()
     couplings: tuple[Coupling, ...] = ()
     stopped_by: str | None = None
+    certified_lower_bound: float | None = None
+
+    @property
+    def certified_gap(self) -> float | None:
+        """Share of the cost that any certified plan could save at most [-]; None if not known."""
+        if self.cost is None or self.certified_lower_bound is None:
+            return None
+        if self.cost <= 0.0:
+            return 0.0
+        return max(self.cost - self.certified_lower_bound, 0.0) / self.cost
 
     @property
     def status_sentence(self) -> str:
-        """How planning ended in words, with the limit that ended it, if one did."""
-        return self.status.sentence_after(self.stopped_by)
+        """How planning ended in words: what could still be saved, and the limit that ended it."""
+        sentence = self.status.sentence_after(self.stopped_by)
+        gap = self.certified_gap
+        if gap is None or self.status not in {Status.OPTIMAL, Status.FEASIBLE}:
+            return sentence
+        saved = f"no plan that could be certified costs {100.0 * gap:.2g} % less"
+        if self.status is Status.OPTIMAL:
+            return f"plan found; {saved}"
+        return f"{sentence}; {saved}"
 
     def trajectory(self, name: str) -> Trajectory:
         """Return a vehicle's part of the plan.

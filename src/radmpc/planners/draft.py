@@ -92,7 +92,9 @@ class Draft:
     explanation : str or None
         Why there is no plan, or what it took to find this one.
     lower_bound : float or None
-        Proven least cost, where there is a proof.
+        Proven least cost of the program, where there is a proof.
+    certified_lower_bound : float or None
+        Proven least cost of any plan that the referee would certify, where there is a proof.
     price : float or None
         Shadow price of Δ: what a little more of it would save, per unit of probability.
     couplings : tuple of Coupling
@@ -109,6 +111,7 @@ class Draft:
     seconds: Mapping[str, float]
     explanation: str | None = None
     lower_bound: float | None = None
+    certified_lower_bound: float | None = None
     price: float | None = None
     couplings: tuple[Coupling, ...] = ()
     stopped_by: str | None = None

@@ -189,6 +189,22 @@ class ProgramBuilder:
     ) -> None:
         """Add the rows of one thing to avoid, and the risk of its presolved windows."""
         block = avoidance_rows(body, windows, self.scenario.risk_bound)
+        self.add_block(block, cause, vehicle, other)
+
+    def add_block(self, block: RowBlock, cause: Cause, vehicle: str, other: str | None) -> None:
+        """Take the rows of one thing to avoid.
+
+        Parameters
+        ----------
+        block : RowBlock
+            Its rows.
+        cause : {'obstacle', 'pair', 'workspace'}
+            What may happen.
+        vehicle : str
+            To whom.
+        other : str or None
+            The obstacle or the other vehicle.
+        """
         self.presolved_risk += block.presolved_risk
         self.num_presolved += block.num_presolved
         if block.avoidance_sizes.size == 0:

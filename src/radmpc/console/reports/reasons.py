@@ -136,10 +136,16 @@ def _limit(limit: TightLimit) -> str:
 
 
 def cost_text(plan: Plan) -> str:
-    """Return the cost, and the lower bound and gap where there are."""
-    cost, bound = plan.cost, plan.lower_bound
+    """Return the cost, and the lower bounds and gaps where there are."""
+    cost, bound, gap = plan.cost, plan.lower_bound, plan.certified_gap
     if cost is None:
         return "none"
+    if gap is not None:
+        on_any = f"{plan.certified_lower_bound:.6g} for any certified plan, gap {_percent(gap)}"
+        if bound is None:
+            return f"{cost:.6g} (lower bound {on_any})"
+        by_faces = f"{bound:.6g} for plans by faces, gap {_percent(_gap(cost, bound))}"
+        return f"{cost:.6g} (lower bounds: {on_any}; {by_faces})"
     if bound is None:
         return f"{cost:.6g} (no lower bound)"
     if cost < bound - _ROUNDING * abs(bound):
@@ -147,8 +153,17 @@ def cost_text(plan: Plan) -> str:
             f"{cost:.6g} (below {bound:.6g}, the least of plans whose union bound is within the "
             "risk bound: the certificate, which is tighter, lets this one spend more)"
         )
-    gap = 0.0 if cost <= 0.0 else max(cost - bound, 0.0) / cost
-    return f"{cost:.6g} (lower bound {bound:.6g}, gap {100.0 * gap:.2g} %)"
+    return f"{cost:.6g} (lower bound {bound:.6g}, gap {_percent(_gap(cost, bound))})"
+
+
+def _gap(cost: float, bound: float) -> float:
+    """Return what a cost could fall by at most, as a share of it."""
+    return 0.0 if cost <= 0.0 else max(cost - bound, 0.0) / cost
+
+
+def _percent(share: float) -> str:
+    """Return a share as a percentage of two digits."""
+    return f"{100.0 * share:.2g} %"
 
 
 def left_over_text(plan: Plan) -> str | None:

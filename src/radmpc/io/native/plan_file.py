@@ -129,6 +129,7 @@ def encode_plan(plan: Plan, *, with_vehicles: bool = True) -> dict[str, object]:
         "status": plan.status.value,
         "cost": _optional(plan.cost),
         "lower_bound": _optional(plan.lower_bound),
+        "certified_lower_bound": _optional(plan.certified_lower_bound),
         "risk": {
             "bound": float(plan.risk.bound),
             "certified": _optional(plan.risk.certified),
@@ -229,6 +230,7 @@ def decode_plan(data: object) -> Plan:
         status=Status(spec.status),
         cost=spec.cost,
         lower_bound=spec.lower_bound,
+        certified_lower_bound=spec.certified_lower_bound,
         risk=_risk(spec.risk),
         sets=tuple(tuple(names) for names in spec.sets),
         seconds=dict(spec.seconds),

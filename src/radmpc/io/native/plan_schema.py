@@ -61,6 +61,7 @@ class PlanSpec(FileModel):
     status: Literal["optimal", "feasible", "infeasible", "limit"]
     cost: Finite | None
     lower_bound: Finite | None
+    certified_lower_bound: Finite | None = None
     risk: RiskSpec
     sets: list[list[Text]]
     couplings: list[CouplingSpec] = Field(default_factory=list)

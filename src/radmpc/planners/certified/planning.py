@@ -13,6 +13,8 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
+from radmpc.planners.certified.proof.prove import bound_on_any
+from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
@@ -83,7 +85,11 @@ class Certified(Decomposition):
                 sets = searched.sets or other.sets
                 other = replace(other, sets=sets, union_bound=searched.union_bound)
                 state = replace(state, incumbent=other)
-        return _draft(fleet, state, result, begun)
+        run.progress("proving", 0, 1)
+        seconds = max(PROOF_TUNING.least_seconds, time.perf_counter() - begun)
+        proving = fleet.with_limits(run.limits.within(seconds))
+        on_any = bound_on_any(proving, state.incumbent, shadow_price(fleet, state))
+        return _draft(fleet, state, result, begun, on_any)
 
 
 def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
@@ -157,12 +163,14 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     return _SearchResult(last.search, last.state, first, last.answer, stopped_by)
 
 
-def _draft(fleet: Fleet, state: SearchState, result: _SearchResult, begun: float) -> Draft:
+def _draft(
+    fleet: Fleet, state: SearchState, result: _SearchResult, begun: float, on_any: float
+) -> Draft:
     """Return the incumbent and what is proven of it."""
     incumbent, answer = state.incumbent, result.answer
     closed = fleet.gap * (1.0 + 1e-6)
     bound = reported_bound(fleet, state, closed)
-    is_closed = relative_gap(incumbent.cost, bound) <= closed
+    is_closed = relative_gap(incumbent.cost, max(bound, on_any)) <= closed
     return Draft(
         Status.OPTIMAL if is_closed else Status.FEASIBLE,
         incumbent.controls,
@@ -172,6 +180,7 @@ def _draft(fleet: Fleet, state: SearchState, result: _SearchResult, begun: float
         {"sets": time.perf_counter() - begun},
         (answer.explanation if answer is not None and result.state.has_plan else "") or None,
         lower_bound=_finite(bound),
+        certified_lower_bound=_finite(on_any),
         price=shadow_price(fleet, state),
         couplings=state.merging.couplings(incumbent.sets),
         stopped_by=result.stopped_by,

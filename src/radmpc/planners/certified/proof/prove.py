@@ -1,0 +1,152 @@
+"""The bound on any certified plan, set by set, at the shadow price of the plan at hand."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
+from radmpc.planners.certified.proof.tuning import TUNING
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.program.relaxed.tails import DiscTails
+from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.solution import relative_gap
+
+__all__ = ["bound_on_any"]
+
+_LOG = logging.getLogger(__name__)
+
+
+def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -> float:
+    """Return a lower bound on the cost of any plan that the referee would certify.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet, with the limits that end the proof.
+    incumbent : FleetIncumbent
+        The plan at hand.
+    price : float or None
+        Its shadow price of Δ, per unit of probability; None where it is not known.
+
+    Returns
+    -------
+    float
+        What the vehicles cost alone in empty space, at least; at most the plan's cost.
+    """
+    base = float(sum(fleet.base))
+    cost = incumbent.cost
+    if fleet.scenario.dimension != 2 or relative_gap(cost, base) <= TUNING.gap:
+        return min(base, cost)
+    proof = _Proof(fleet, incumbent, price or 0.0, best=base)
+    proof.run()
+    return min(proof.best, cost)
+
+
+@dataclass(slots=True, eq=False)
+class _Proof:
+    """The search for the bound: sets are searched in turn, those that promise most first."""
+
+    fleet: Fleet
+    incumbent: FleetIncumbent
+    price: float
+    best: float
+    tails: DiscTails = field(init=False)
+    sets: dict[Members, RelaxedSet] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Tabulate the tails."""
+        self.tails = DiscTails.of(self.fleet.scenario.risk_bound)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the bound is good enough, or time is up."""
+        gap = max(TUNING.gap, self.fleet.gap)
+        return relative_gap(self.incumbent.cost, self.best) <= gap or self.fleet.limits.reached
+
+    def run(self) -> None:
+        """Raise the bound, by more nodes, by another price, by more directions."""
+        for num_directions in TUNING.directions:
+            self.sets = {}
+            for _ in range(TUNING.prices):
+                self._search(num_directions)
+                _LOG.info(
+                    "bound on any certified plan: %.6g with %d directions at a price of %.3g, %d "
+                    "nodes",
+                    self.best,
+                    num_directions,
+                    self.price,
+                    sum(s.nodes for s in self.sets.values()),
+                )
+                if self.is_over or not self._has_moved_price():
+                    break
+            if self.is_over:
+                return
+
+    def _search(self, num_directions: int) -> None:
+        """Search all sets at the present price, until what is open matters no more."""
+        gap, nodes = TUNING.set_gap, TUNING.nodes
+        for _ in range(TUNING.rounds):
+            worth = TUNING.worth * max(self.incumbent.cost - self.best, 0.0)
+            is_new = False
+            for members in self.incumbent.sets:
+                if self.fleet.limits.reached:
+                    break
+                is_new |= self._advance(tuple(sorted(members)), num_directions, gap, nodes, worth)
+            self._note()
+            if self.is_over or not is_new:
+                return
+            gap, nodes = gap * TUNING.finer, 2 * nodes
+
+    def _advance(
+        self, members: Members, num_directions: int, gap: float, nodes: int, worth: float
+    ) -> bool:
+        """Search a set on, its vehicles alone before; tell whether there was anything to do."""
+        known = self.sets.get(members)
+        if known is None:
+            known = RelaxedSet.of(self.fleet, members, self.tails, num_directions)
+        is_here = known.price == self.price
+        if is_here and (known.is_trivial or known.value - known.bound <= worth):
+            return False
+        bounds: list[SetBound] = []
+        if len(members) > 1:
+            for block, i in enumerate(members):
+                self._advance((i,), num_directions, gap, nodes, worth)
+                bounds.append(SetBound(frozenset({block}), self.sets[i,].bound))
+        share = nodes * len(members)
+        hint = _point([self.incumbent.controls[i] for i in members])
+        self.sets[members] = known.searched(self.fleet, self.price, tuple(bounds), gap, share, hint)
+        return True
+
+    def _note(self) -> None:
+        """Keep the bound at the present price if it is the best."""
+        parts = [tuple(sorted(members)) for members in self.incumbent.sets]
+        total = 0.0
+        for members in parts:
+            known = self.sets.get(members)
+            is_here = known is not None and known.price == self.price
+            base = sum(self.fleet.base[i] for i in members)
+            total += known.bound if known is not None and is_here else base
+        self.best = max(self.best, total - self.price * self.fleet.scenario.risk_bound)
+
+    def _has_moved_price(self) -> bool:
+        """Choose a better price where the relaxed plans risk far more or less than Δ."""
+        found = [self.sets.get(tuple(sorted(members))) for members in self.incumbent.sets]
+        risk = sum(s.best.risk for s in found if s is not None and s.best is not None)
+        ratio = risk / self.fleet.scenario.risk_bound
+        if self.price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
+            return False
+        self.price *= min(max(ratio, 0.5), 2.0)
+        return True
+
+
+def _point(controls: Sequence[Matrix]) -> Vector:
+    """Return the decision variables of controls: u⁺, then u⁻, vehicle by vehicle."""
+    halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
+    return np.concatenate([half for pair in halves for half in pair])

@@ -1,0 +1,55 @@
+"""The numbers that the proof was tuned with, in one record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["TUNING", "Tuning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """How long and how finely the relaxation is searched.
+
+    Attributes
+    ----------
+    gap : float
+        Gap to any certified plan at which the proof is good enough [-], or the gap asked for where
+        that is larger: half of what is asked costs four times the nodes.
+    directions : tuple of int
+        Directions around every hazard, coarse to fine [-]. Of 6, 8, 12, 16 and 32, eight gave the
+        best bound for their nodes on `paper(2..8)`, twelve on `circle(4)`; with 32, the search of
+        a single vehicle past one pentagon did not end in 2,000 nodes.
+    nodes : int
+        Nodes per vehicle of a set in the first round, and in all later ones together times
+        ``rounds`` [-].
+    rounds : int
+        Rounds of a set at most, each with twice the nodes of the last [-].
+    set_gap : float
+        Relative gap of the first search of a set [-].
+    finer : float
+        By how much it shrinks from one round to the next [-].
+    worth : float
+        Share of the gap that a set must promise to be searched [-].
+    off : float
+        Factor by which the risk of the relaxed plans may miss Δ before another price is tried [-].
+    prices : int
+        Prices tried at most [-].
+    least_seconds : float
+        Time that a proof may take in any case, however soon the plan was there [s].
+    """
+
+    gap: float = 5e-3
+    directions: tuple[int, ...] = (8, 12)
+    nodes: int = 150
+    rounds: int = 4
+    set_gap: float = 4e-3
+    finer: float = 0.4
+    worth: float = 0.02
+    off: float = 1.5
+    prices: int = 2
+    least_seconds: float = 3.0
+
+
+TUNING = Tuning()
+"""The values in use."""

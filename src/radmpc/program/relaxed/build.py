@@ -1,0 +1,161 @@
+"""Building the relaxation of some vehicles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Cause
+from radmpc.model.scenario import Scenario
+from radmpc.program.builder import ProgramBuilder
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.keepout import KeepOut, obstacle_keepouts
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.relaxed.cones import Cones, Outline, cones_around
+from radmpc.program.relaxed.instants import Instants
+from radmpc.program.relaxed.rows import cone_rows
+from radmpc.program.relaxed.tails import DiscTails
+
+__all__ = ["build_relaxation"]
+
+_BETWEEN = (0.5, 1.0)
+"""Instants of an interval that are looked at, as shares of it [-]: those between would be others'
+neighbors. Four per interval raise the bound by less than the search for it loses."""
+
+
+def build_relaxation(
+    scenario: Scenario, models: Sequence[CondensedModel], tails: DiscTails, num_directions: int
+) -> DisjunctiveProgram:
+    """Build the relaxation of some vehicles, obstacles and pairs among them included.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Obstacles, workspace, what counts as a collision, and Δ; in the plane.
+    models : sequence of CondensedModel
+        The vehicles.
+    tails : DiscTails
+        Probabilities of discs, for the same Δ.
+    num_directions : int
+        Directions around every hazard beside the faces of obstacles; 3 at least.
+
+    Returns
+    -------
+    DisjunctiveProgram
+        No plan that the referee would certify has a lower cost than its optimum within Δ.
+    """
+    return _Relaxation(scenario, tuple(models), tails, num_directions).program()
+
+
+@dataclass(slots=True, eq=False)
+class _Relaxation:
+    """Collects the rows of a relaxation."""
+
+    scenario: Scenario
+    models: tuple[CondensedModel, ...]
+    tails: DiscTails
+    num_directions: int
+    builder: ProgramBuilder = field(init=False)
+    instants: tuple[Instants, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Lay out every vehicle's instants."""
+        self.builder = ProgramBuilder(self.scenario, self.models, 0)
+        shares = _BETWEEN if self.intervals else (1.0,)
+        self.instants = tuple(
+            Instants.of(model, part, shares)
+            for model, part in zip(self.models, self.builder.parts, strict=True)
+        )
+
+    @property
+    def intervals(self) -> bool:
+        """Whether collisions count between steps."""
+        return self.scenario.avoidance == "intervals"
+
+    def program(self) -> DisjunctiveProgram:
+        """Return the relaxation."""
+        outlines = [
+            outline for obstacle in self.scenario.obstacles for outline in self._outlines(obstacle)
+        ]
+        for model, instants in zip(self.models, self.instants, strict=True):
+            name = model.vehicle.name
+            for keepout, vertices, faces in outlines:
+                outline = Outline(vertices, faces, model.vehicle.radius)
+                self._add(instants, self._cones(instants, outline), "obstacle", name, keepout.name)
+            for cones in self._walls(instants):
+                self._add(instants, cones, "workspace", name, None)
+        for i, j in combinations(range(len(self.models)), 2):
+            one, two = self.models[i].vehicle, self.models[j].vehicle
+            instants = self.instants[i].relative_to(self.instants[j])
+            point = Outline(np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), one.radius + two.radius)
+            self._add(instants, self._cones(instants, point), "pair", one.name, two.name)
+        return self.builder.finish(self.scenario.risk_bound)
+
+    def _add(
+        self, instants: Instants, cones: Cones, cause: Cause, vehicle: str, other: str | None
+    ) -> None:
+        """Add the rows of one hazard."""
+        bound = self.scenario.risk_bound
+        block = cone_rows(instants, cones, bound, is_shared=self.intervals)
+        self.builder.add_block(block, cause, vehicle, other)
+
+    def _cones(self, instants: Instants, outline: Outline) -> Cones:
+        """Return the cones around a hazard in the plane."""
+        count = self.num_directions
+        angles = (2.0 * np.arange(count) + 1.0) * np.pi / count
+        directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        every = np.broadcast_to(directions, (instants.count, *directions.shape))
+        return cones_around(outline, instants.covariances, self.tails, every)
+
+    def _walls(self, instants: Instants) -> list[Cones]:
+        """Return the faces of the workspace: a half-space each, as it is."""
+        workspace = self.scenario.workspace
+        if workspace is None:
+            return []
+        found = []
+        for axis in range(self.scenario.dimension):
+            for sign, corner in ((1.0, workspace.lower), (-1.0, workspace.upper)):
+                normals = np.zeros((instants.count, 1, self.scenario.dimension))
+                normals[:, 0, axis] = sign
+                variances = np.maximum(instants.covariances[:, axis, axis], 0.0)
+                offsets = np.full((instants.count, 1), sign * corner[axis])
+                nothing = np.zeros(instants.count, dtype=bool)
+                found.append(Cones(normals, offsets, np.sqrt(variances)[:, None], nothing))
+        return found
+
+    def _outlines(self, obstacle: Obstacle) -> list[tuple[KeepOut, Tensor, Tensor]]:
+        """Return the corners and faces of an obstacle's pieces at the instants."""
+        horizon = self.scenario.horizon
+        found = []
+        for keepout in obstacle_keepouts(obstacle, 0, horizon, intervals=self.intervals):
+            shapes = keepout.shapes
+            if len(shapes) == 1:
+                found.append((keepout, shapes[0].vertices[None], shapes[0].normals[None]))
+                continue
+            sample = self.instants[0]
+            at = [
+                _between(shapes[k].vertices, shapes[k + 1].vertices, s)
+                for k, s in zip(sample.windows, sample.shares, strict=True)
+            ]
+            faces = [np.vstack([shapes[k].normals, shapes[k + 1].normals]) for k in sample.windows]
+            found.append((keepout, _stacked(at), _stacked(faces)))
+        return found
+
+
+def _between(first: Matrix, second: Matrix, share: float) -> Matrix:
+    """Return points whose hull is the Minkowski interpolation of two hulls."""
+    if share == 1.0:
+        return second
+    sums = (1.0 - share) * first[:, None] + share * second[None]
+    return np.asarray(sums.reshape(-1, first.shape[1]))
+
+
+def _stacked(points: list[Matrix]) -> Tensor:
+    """Stack lists of different lengths, the last of each repeated."""
+    most = max(len(p) for p in points)
+    return np.array([np.concatenate([p, np.repeat(p[-1:], most - len(p), axis=0)]) for p in points])

@@ -1,0 +1,200 @@
+"""Level curves around a hazard in the plane, and the cones of directions between their points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.program.relaxed.tails import DiscTails
+
+__all__ = ["Cones", "Outline", "cones_around"]
+
+_NEAR_FACE = 0.4
+"""Share of the angle between directions within which one gives way to a face's normal [-]."""
+
+_SAME = 1e-9
+"""Length below which two points of a level curve are one [m]."""
+
+_TWIN = 1e-6
+"""Distance of two unit vectors below which they are one direction [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """A convex hazard at I instants.
+
+    Attributes
+    ----------
+    vertices : (I or 1, v, 2) array
+        Its corners, counted in any order; points within the hull do no harm [m].
+    faces : (I or 1, f, 2) array
+        Outward unit normals of its faces; f is 0 for a point.
+    radius : float
+        By how much it is grown [m].
+    """
+
+    vertices: Tensor
+    faces: Tensor
+    radius: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cones:
+    """Affine functions above the distance, one per cone: ``(normal · x − offset) / deviation``.
+
+    Attributes
+    ----------
+    normals : (I, c, 2) array
+        Unit vectors away from the hazard [-].
+    offsets : (I, c) array
+        What the half-space begins at [m]; inf where there is no cone.
+    deviations : (I, c) array
+        What one standard deviation is along the normal [m], at most what it is in truth.
+    is_void : (I,) bool array
+        Instants at which nothing is asked: the hazard is too small beside the noise.
+    """
+
+    normals: Tensor
+    offsets: Matrix
+    deviations: Matrix
+    is_void: np.ndarray
+
+
+def cones_around(
+    outline: Outline, covariances: Tensor, tails: DiscTails, directions: Tensor
+) -> Cones:
+    """Return the cones between neighboring directions around a hazard.
+
+    Let n(θ) be a direction, p its support point on the outline and ``d = Σ n / |n|_Σ``. The points
+    ``x = p + radius · n + least · d`` are the level curve at the least distance. Any mean at a
+    distance q >= least is ``x + (q − least) d`` for one of them. If its direction lies between two
+    given ones, ``m · x >= o`` for the chord's outward normal m, because the curve is convex, and
+    ``m · d`` is no less than the smaller of its values at the two, because the angle between m and
+    n in the metric Σ is largest there. So ``q <= least + (m · x̄ − o) / min(m · d)``.
+
+    Parameters
+    ----------
+    outline : Outline
+        The hazard.
+    covariances : (I, 2, 2) array
+        Of the position relative to it [m²].
+    tails : DiscTails
+        Probabilities of discs.
+    directions : (I, k, 2) array
+        Unit vectors in the metric in which the noise is the same all around; k >= 3, no two
+        neighbors a half turn apart.
+
+    Returns
+    -------
+    Cones
+        c is at most twice the number of directions and faces together.
+    """
+    roots = _roots(covariances)
+    least, shifts, is_void = _least(outline.radius, covariances, tails)
+    normals = _sorted_normals(outline, roots, directions)
+    along = np.einsum("iab,ikb->ika", covariances, normals)
+    lengths = np.sqrt(np.maximum(np.einsum("ika,ika->ik", normals, along), 0.0))
+    gradients = along / np.where(lengths > 0.0, lengths, 1.0)[..., None]
+    grown = outline.radius * normals + least[:, None, None] * gradients
+    first, last = _support_points(outline.vertices, normals)
+    # One side of the hazard, not once there and once back, where two directions coincide.
+    is_twin = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2) < _TWIN
+    first = np.where(is_twin[..., None], last, first)
+    points = _interleaved(first + grown, last + grown)
+    gradients, normals = _interleaved(gradients, gradients), _interleaved(normals, normals)
+    ends = np.roll(points, -1, axis=1)
+    chords = ends - points
+    lengths = np.linalg.norm(chords, axis=2)
+    across = np.stack([chords[..., 1], -chords[..., 0]], axis=2)
+    middles = normals + np.roll(normals, -1, axis=1)
+    turned = np.where(lengths[..., None] > _SAME, across, middles)
+    turned /= np.maximum(np.linalg.norm(turned, axis=2), 1e-300)[..., None]
+    offsets = np.minimum(
+        np.einsum("ica,ica->ic", turned, points), np.einsum("ica,ica->ic", turned, ends)
+    )
+    deviations = np.minimum(
+        np.einsum("ica,ica->ic", turned, gradients),
+        np.einsum("ica,ica->ic", turned, np.roll(gradients, -1, axis=1)),
+    )
+    sizes = np.sqrt(np.maximum(np.trace(covariances, axis1=1, axis2=2), 0.0))
+    is_single = np.all(np.abs(normals - np.roll(normals, -1, axis=1)) < 1e-12, axis=2)
+    is_cone = (lengths > _SAME) | ~is_single
+    is_steep = np.any(is_cone & (deviations < 1e-6 * sizes[:, None]), axis=1) & (sizes > 0.0)
+    margins = deviations * (least + shifts)[:, None]
+    return Cones(
+        turned, np.where(is_cone, offsets - margins, np.inf), deviations, is_void | is_steep
+    )
+
+
+def _roots(covariances: Tensor) -> Tensor:
+    """Return symmetric roots of covariances, the identity where there is no noise."""
+    values, vectors = np.linalg.eigh(covariances)
+    values = np.sqrt(np.maximum(values, 0.0))
+    values[values[:, -1] == 0.0] = 1.0
+    return np.asarray(np.einsum("iak,ik,ibk->iab", vectors, values, vectors))
+
+
+def _least(radius: float, covariances: Tensor, tails: DiscTails) -> tuple[Vector, Vector, Vector]:
+    """Return the least distance and the shift at every instant, and whether none is known."""
+    values = np.sqrt(np.maximum(np.linalg.eigvalsh(covariances), 0.0))
+    small, large = values[:, 0], values[:, -1]
+    is_certain = large == 0.0
+    # An ellipse with semi-axes a >= b contains the disc of radius b²/a that touches it anywhere.
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        radii = radius * small / large**2
+    least, shifts = tails.at(np.where(is_certain, 0.0, radii))
+    is_void = np.isnan(least) & ~is_certain
+    return (
+        np.where(np.isnan(least), 0.0, least),
+        np.where(np.isnan(least), 0.0, shifts),
+        is_void,
+    )
+
+
+def _sorted_normals(outline: Outline, roots: Tensor, directions: Tensor) -> Tensor:
+    """Return the directions in meters and the faces' normals by angle, near ones merged."""
+    # The inverse but for its length, which a direction does not need.
+    adjoint = np.stack(
+        [
+            np.stack([roots[:, 1, 1], -roots[:, 0, 1]], axis=1),
+            np.stack([-roots[:, 1, 0], roots[:, 0, 0]], axis=1),
+        ],
+        axis=1,
+    )
+    normals = np.einsum("iab,ikb->ika", adjoint, directions)
+    normals /= np.maximum(np.linalg.norm(normals, axis=2), 1e-300)[..., None]
+    count = len(normals)
+    faces = np.broadcast_to(outline.faces, (count, *outline.faces.shape[1:]))
+    if faces.shape[1]:
+        cosines = np.einsum("ika,ifa->ikf", normals, faces)
+        nearest = cosines.argmax(axis=2)
+        closest = np.take_along_axis(faces, nearest[..., None], axis=1)
+        is_near = cosines.max(axis=2) > np.cos(_NEAR_FACE * 2.0 * np.pi / directions.shape[1])
+        normals = np.where(is_near[..., None], closest, normals)
+        normals = np.concatenate([normals, faces], axis=1)
+    angles = np.arctan2(normals[..., 1], normals[..., 0])
+    order = angles.argsort(axis=1)
+    return np.take_along_axis(normals, order[..., None], axis=1)
+
+
+def _support_points(vertices: Tensor, normals: Tensor) -> tuple[Tensor, Tensor]:
+    """Return the first and the last corner, counter-clockwise, that each normal supports."""
+    vertices = np.broadcast_to(vertices, (len(normals), *vertices.shape[1:]))
+    heights = np.einsum("ika,iva->ikv", normals, vertices)
+    top = heights.max(axis=2, keepdims=True)
+    is_top = heights >= top - 1e-9 * (1.0 + np.abs(top))
+    across = np.stack([-normals[..., 1], normals[..., 0]], axis=2)
+    along = np.einsum("ika,iva->ikv", across, vertices)
+    first = np.where(is_top, along, np.inf).argmin(axis=2)
+    last = np.where(is_top, along, -np.inf).argmax(axis=2)
+    return (
+        np.take_along_axis(vertices, first[..., None], axis=1),
+        np.take_along_axis(vertices, last[..., None], axis=1),
+    )
+
+
+def _interleaved(first: Tensor, second: Tensor) -> Tensor:
+    """Return one point of each in turn, (I, 2 k, 2)."""
+    return np.stack([first, second], axis=2).reshape(len(first), -1, first.shape[2])

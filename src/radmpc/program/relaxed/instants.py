@@ -1,0 +1,104 @@
+"""Where a vehicle, or one relative to another, is at the instants at which collisions count."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.program.avoidance import Part
+from radmpc.program.condensed import CondensedModel
+
+__all__ = ["Instants"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instants:
+    """A (relative) position at I instants: a share s of the way through a window each.
+
+    Attributes
+    ----------
+    windows : (I,) int array
+        Step at which each instant's interval begins.
+    shares : (I,) array
+        How far through it the instant is, in (0, 1] [-].
+    covariances : (I, d, d) array
+        Of the (relative) position [m²].
+    lower, upper : (I, d) array
+        Box that holds its mean under every admissible control [m].
+    parts : tuple of Part
+        One vehicle, or two with signs +1 and −1.
+    """
+
+    windows: Indices
+    shares: Vector
+    covariances: Tensor
+    lower: Matrix
+    upper: Matrix
+    parts: tuple[Part, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of instants I."""
+        return int(self.windows.size)
+
+    @classmethod
+    def of(cls, model: CondensedModel, part: Part, shares: Sequence[float]) -> Instants:
+        """Return the instants of one vehicle: the same shares of every interval.
+
+        Parameters
+        ----------
+        model : CondensedModel
+            The vehicle.
+        part : Part
+            Its place among the outputs.
+        shares : sequence of float
+            Shares of an interval, in (0, 1] [-].
+        """
+        windows = np.repeat(np.arange(model.horizon), len(shares))
+        share = np.tile(np.asarray(shares, dtype=np.float64), model.horizon)
+        depth = 4.0 * share * (1.0 - share)
+        hang = np.maximum(model.control_bounds, 0.0) @ np.abs(part.sagitta).T
+        spread = depth[:, None] * hang[windows]
+        s = share[:, None]
+        lower, upper = (
+            (1.0 - s) * reach[windows] + s * reach[windows + 1]
+            for reach in (model.reach_lower, model.reach_upper)
+        )
+        covariances = _covariances(model, windows, share)
+        return cls(windows, share, covariances, lower - spread, upper + spread, (part,))
+
+    def relative_to(self, other: Instants) -> Instants:
+        """Return the position of this vehicle relative to another, at the same instants."""
+        away = tuple(replace(part, sign=-part.sign) for part in other.parts)
+        return Instants(
+            self.windows,
+            self.shares,
+            self.covariances + other.covariances,
+            self.lower - other.upper,
+            self.upper - other.lower,
+            self.parts + away,
+        )
+
+
+def _covariances(model: CondensedModel, windows: Indices, shares: Vector) -> Tensor:
+    """Return position covariances between steps, (I, d, d).
+
+    With P that picks positions, ``F = A + B K`` and ``G = P B K`` the deviation is
+    ``((1 − s) P − s (1 − s) G + s P F) δ_k + s P w``; G only where the path is a parabola.
+    """
+    vehicle = model.vehicle
+    system = vehicle.system
+    picked = np.eye(system.num_states)[list(system.position)]
+    loop, bend = system.A, np.zeros_like(picked)
+    if vehicle.gain is not None:
+        loop = system.A + system.B @ vehicle.gain
+        if system.is_double_integrator:
+            bend = picked @ system.B @ vehicle.gain
+    s = shares[:, None, None]
+    moved = (1.0 - s) * picked - s * (1.0 - s) * bend + s * (picked @ loop)
+    states = vehicle.covariances(model.horizon)[windows]
+    fresh = picked @ vehicle.disturbance_covariance @ picked.T
+    return np.asarray(moved @ states @ moved.transpose(0, 2, 1) + s**2 * fresh)

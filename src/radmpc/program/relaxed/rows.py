@@ -1,0 +1,105 @@
+"""Cones around a hazard as the rows of one avoidance per instant."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.gaussian import clearance, clearance_for
+from radmpc.program.avoidance import Part, RowBlock
+from radmpc.program.relaxed.cones import Cones
+from radmpc.program.relaxed.instants import Instants
+
+__all__ = ["cone_rows"]
+
+_DROPPED = 1e-4
+"""Share of Δ up to which an instant's risk is left out [-], wherever the body may be: a relaxation
+may leave out what it likes, and this costs nothing that could be seen."""
+
+_REACH = 1e-6
+"""By how much reach may miss a cone that is offered all the same [m]: reach is exact up to
+rounding."""
+
+
+def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared: bool) -> RowBlock:
+    """Return the rows of one hazard: an avoidance per instant, an alternative per cone.
+
+    Parameters
+    ----------
+    instants : Instants
+        Where the body is.
+    cones : Cones
+        Around the hazard, for the same instants.
+    risk_bound : float
+        Δ [-].
+    is_shared : bool
+        Whether all instants are one event, charged once at the largest risk: what a charge for the
+        whole path is at least. Otherwise every instant is charged.
+
+    Returns
+    -------
+    RowBlock
+        Without rows where every instant is clear throughout its reach.
+    """
+    is_there = np.isfinite(cones.offsets)
+    low, high = instants.lower[:, None], instants.upper[:, None]
+    least = np.where(cones.normals > 0.0, cones.normals * low, cones.normals * high).sum(axis=2)
+    most = np.where(cones.normals > 0.0, cones.normals * high, cones.normals * low).sum(axis=2)
+    deviations = np.where(is_there, np.maximum(cones.deviations, 0.0), 1.0)
+    enough = float(clearance_for(_DROPPED * risk_bound))
+    worst = clearance(np.where(is_there, least - cones.offsets, -np.inf), deviations)
+    is_asked = (worst.max(axis=1) < enough) & ~cones.is_void
+    is_offered = is_asked[:, None] & is_there & (most - cones.offsets >= -_REACH)
+    instant, cone = np.nonzero(is_offered)
+    rows = np.arange(instant.size)
+    entries = _entries(instants, instant, cones.normals[instant, cone], rows)
+    steps = instants.windows[instant] + 1
+    events, firsts = np.unique(steps * instants.count + instant, return_inverse=True)
+    event_steps = events // max(instants.count, 1)
+    if is_shared and instant.size:
+        firsts, event_steps = np.zeros(instant.size, dtype=np.int64), steps[:1]
+    return RowBlock(
+        *entries,
+        offsets=-cones.offsets[instant, cone],
+        deviations=deviations[instant, cone],
+        events=firsts,
+        event_steps=event_steps,
+        alternative_sizes=np.ones(instant.size, dtype=np.int64),
+        avoidance_sizes=np.bincount(instant, minlength=instants.count)[is_asked],
+        avoidance_windows=np.flatnonzero(is_asked),
+        presolved_risk=0.0,
+        num_presolved=int(np.count_nonzero(~is_asked)),
+    )
+
+
+def _entries(
+    instants: Instants, instant: Indices, normals: Matrix, rows: Indices
+) -> tuple[Indices, Indices, Vector]:
+    """Return rows, outputs and values of ``-normal · position`` at the instant of each row."""
+    d = normals.shape[1]
+    windows, shares = instants.windows[instant], instants.shares[instant]
+    found: list[tuple[Indices, Indices, Tensor]] = []
+    for part in instants.parts:
+        for step, weight in ((windows, 1.0 - shares), (windows + 1, shares)):
+            chosen = np.flatnonzero(weight > 0.0)
+            outputs = part.position + step[chosen, None] * d + np.arange(d)
+            values = -part.sign * weight[chosen, None] * normals[chosen]
+            found.append((np.repeat(rows[chosen], d), outputs.ravel(), values.ravel()))
+        if part.sagitta.any():
+            found.append(_sagitta_entries(part, windows, shares, normals, rows))
+    first, second, third = zip(*found, strict=True)
+    return np.concatenate(first), np.concatenate(second), np.concatenate(third)
+
+
+def _sagitta_entries(
+    part: Part, windows: Indices, shares: Vector, normals: Matrix, rows: Indices
+) -> tuple[Indices, Indices, Vector]:
+    """Return the entries of what the mean's parabola deviates from its chord, by the controls."""
+    chosen = np.flatnonzero(shares < 1.0)
+    depth = 4.0 * shares[chosen] * (1.0 - shares[chosen])
+    pull = part.sign * depth[:, None] * (normals[chosen] @ part.sagitta)
+    m = pull.shape[1]
+    plus = part.controls + windows[chosen, None] * m + np.arange(m)
+    outputs = np.concatenate([plus, plus + part.control_bounds.size], axis=1)
+    values = np.concatenate([pull, -pull], axis=1)
+    return np.repeat(rows[chosen], 2 * m), outputs.ravel(), values.ravel()

@@ -1,0 +1,123 @@
+"""How much less than a half-plane a disc collects that touches it from within."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from radmpc.arrays import Indices, Vector
+
+__all__ = ["DiscTails", "disc_probability"]
+
+_RADII = np.geomspace(0.05, 1e3, 120)
+"""Radii of discs that are told apart [standard deviations]: a radius in between counts as the next
+smaller one, which collects less."""
+
+_FARTHEST = 7.0
+"""Distance up to which tails are compared [standard deviations]; beyond, discs and half-planes
+differ less."""
+
+_SAFETY = 1e-6
+"""Added to every shift [standard deviations]: above the error of the quadrature, below anything
+that costs effort."""
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
+_WIDEST = 9.0
+"""How far to the side of the nearest point the disc is looked at [standard deviations]."""
+
+
+def disc_probability(radii: Vector, distances: Vector) -> Vector:
+    r"""Return the probability that a standard normal point of the plane lies in a disc.
+
+    .. math:: \int_{-\rho}^{\rho} \varphi(s)
+              \left[Q(q + \rho - c) - Q(q + \rho + c)\right] ds, \qquad c = \sqrt{\rho^2 - s^2}
+
+    Parameters
+    ----------
+    radii : (r,) array
+        Radii ρ [standard deviations].
+    distances : (...) array that broadcasts against (r,)
+        Distance q from the mean to the disc's outline; negative inside.
+
+    Returns
+    -------
+    array
+        No more than the truth, but for the error of the quadrature.
+    """
+    radii, distances = np.broadcast_arrays(radii, distances)
+    widest = np.arcsin(np.minimum(_WIDEST / radii, 1.0))[..., None]
+    angles = widest * _NODES
+    side = radii[..., None] * np.sin(angles)
+    depth = radii[..., None] * np.cos(angles)
+    # ρ − ρ cos, without cancellation: the disc is deep by as much at that side.
+    behind = 2.0 * radii[..., None] * np.square(np.sin(0.5 * angles))
+    near = distances[..., None] + behind
+    far = near + 2.0 * depth
+    density = np.exp(-0.5 * side**2) / np.sqrt(2.0 * np.pi)
+    within = density * (ndtr(-near) - ndtr(-far)) * depth
+    found: Vector = widest[..., 0] * (within @ _WEIGHTS)
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DiscTails:
+    r"""What certified plans keep from discs of various sizes, at a risk bound Δ.
+
+    With :math:`F_\rho(q)` the probability of a disc of radius ρ at distance q, a certified plan
+    keeps :math:`F_\rho(q) \le \Delta`, so q is at least ``least``; and there
+    :math:`F_\rho(q) \ge Q(q + \text{shift})`.
+
+    Attributes
+    ----------
+    least : (r,) array
+        Least distance [standard deviations]; nan where a disc is so small that a mean inside it
+        may be certified.
+    shifts : (r,) array
+        What makes the half-plane's tail no more than the disc's [standard deviations].
+    """
+
+    least: Vector
+    shifts: Vector
+
+    @classmethod
+    def of(cls, risk_bound: float) -> DiscTails:
+        """Tabulate the tails for a risk bound Δ.
+
+        Parameters
+        ----------
+        risk_bound : float
+            Δ [-].
+        """
+        low, high = np.zeros(_RADII.size), np.full(_RADII.size, _FARTHEST)
+        reachable = disc_probability(_RADII, low) > risk_bound
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            is_above = disc_probability(_RADII, middle) > risk_bound
+            low, high = np.where(is_above, middle, low), np.where(is_above, high, middle)
+        distances = low + np.linspace(0.0, 1.0, 60)[:, None] * (_FARTHEST - low)
+        tails = np.maximum(disc_probability(_RADII, distances), 1e-300)
+        shifts = (-ndtri(tails) - distances).max(axis=0) + _SAFETY
+        return cls(np.where(reachable, low, np.nan), np.maximum(shifts, 0.0))
+
+    def at(self, radii: Vector) -> tuple[Vector, Vector]:
+        """Return the least distances and the shifts of discs.
+
+        Parameters
+        ----------
+        radii : array
+            Radii [standard deviations].
+
+        Returns
+        -------
+        least, shifts : array
+            As in `DiscTails`; nan for discs too small to tell.
+        """
+        places: Indices = np.searchsorted(_RADII, radii, side="right") - 1
+        is_known = places >= 0
+        places = np.maximum(places, 0)
+        return (
+            np.where(is_known, self.least[places], np.nan),
+            np.where(is_known, self.shifts[places], np.nan),
+        )
