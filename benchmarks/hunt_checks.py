@@ -241,10 +241,14 @@ def _gap(result: Result) -> float:
 def _check_bound(notes: Notes, result: Result, answers: Mapping[str, _Answer]) -> None:
     """Note a lower bound, or a proof that there is nothing, that some plan refutes.
 
-    Both speak of plans whose simple bounds sum to Δ at most, wherever such a plan comes from.
+    Both speak of plans whose simple bounds sum to Δ at most, wherever such a plan comes from; the
+    bound on any certified plan speaks of all that are certified.
     """
-    bound = result.lower_bound
+    bound, on_any = result.lower_bound, result.certified_lower_bound
     for name, answer in answers.items():
+        is_below = on_any is not None and on_any > answer.cost * (1.0 + _ROUNDING) + _ROUNDING
+        if answer.is_certified and is_below:
+            notes.add("bound", f"{on_any:.9g} on any plan above {name}'s {answer.cost:.9g}")
         if name == "certified" or not answer.is_simple or bound is None:
             continue
         if bound > answer.cost * (1.0 + _ROUNDING) + _ROUNDING:

@@ -118,6 +118,16 @@ def caught_with(monkeypatch: pytest.MonkeyPatch, change: object, samples: int = 
 
 
 @pytest.mark.slow
+def test_a_bound_on_any_plan_above_a_certified_one_is_caught(monkeypatch: pytest.MonkeyPatch):
+    def change(name: str, result: Result) -> Result:
+        if name != "certified":
+            return result
+        return replace(result, record=replace(result.record, certified_lower_bound=1e3))
+
+    assert "bound" in caught_with(monkeypatch, change, 0).kinds.split()
+
+
+@pytest.mark.slow
 def test_a_lower_bound_above_a_plan_is_caught(monkeypatch: pytest.MonkeyPatch):
     def change(name: str, result: Result) -> Result:
         if name != "certified":

@@ -11,7 +11,7 @@ from radmpc.arrays import Indices, Vector
 
 __all__ = ["DiscTails", "disc_probability"]
 
-_RADII = np.geomspace(0.05, 1e3, 120)
+_RADII = np.geomspace(0.1, 1e3, 80)
 """Radii of discs that are told apart [standard deviations]: a radius in between counts as the next
 smaller one, which collects less."""
 
@@ -23,7 +23,7 @@ _SAFETY = 1e-6
 """Added to every shift [standard deviations]: above the error of the quadrature, below anything
 that costs effort."""
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 _WIDEST = 9.0
 """How far to the side of the nearest point the disc is looked at [standard deviations]."""
 
@@ -92,11 +92,11 @@ class DiscTails:
         """
         low, high = np.zeros(_RADII.size), np.full(_RADII.size, _FARTHEST)
         reachable = disc_probability(_RADII, low) > risk_bound
-        for _ in range(60):
+        for _ in range(40):
             middle = 0.5 * (low + high)
             is_above = disc_probability(_RADII, middle) > risk_bound
             low, high = np.where(is_above, middle, low), np.where(is_above, high, middle)
-        distances = low + np.linspace(0.0, 1.0, 60)[:, None] * (_FARTHEST - low)
+        distances = low + np.linspace(0.0, 1.0, 30)[:, None] * (_FARTHEST - low)
         tails = np.maximum(disc_probability(_RADII, distances), 1e-300)
         shifts = (-ndtri(tails) - distances).max(axis=0) + _SAFETY
         return cls(np.where(reachable, low, np.nan), np.maximum(shifts, 0.0))

@@ -36,7 +36,8 @@ class Tuning:
     prices : int
         Prices tried at most [-].
     least_seconds : float
-        Time that a proof may take in any case, however soon the plan was there [s].
+        Time that a proof may take in any case, however soon the plan was there [s]; otherwise no
+        more than the plan took.
     """
 
     gap: float = 5e-3
@@ -48,7 +49,7 @@ class Tuning:
     worth: float = 0.02
     off: float = 1.5
     prices: int = 2
-    least_seconds: float = 3.0
+    least_seconds: float = 0.5
 
 
 TUNING = Tuning()
