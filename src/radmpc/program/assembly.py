@@ -15,6 +15,7 @@ from radmpc.program.program import ChanceRows
 
 __all__ = [
     "cost_and_upper_bounds",
+    "joined_parents",
     "mean_positions",
     "run_starts",
     "stacked_chance_rows",
@@ -86,6 +87,21 @@ def stacked_chance_rows(
         events=_join(events, np.int64),
         risk_items=_join(risk_items, np.int64),
     )
+
+
+def joined_parents(blocks: Sequence[RowBlock]) -> Indices | None:
+    """Return which alternative each refines, counted through; None where none does."""
+    if all(block.alternative_parents is None for block in blocks):
+        return None
+    base, joined = 0, []
+    for block in blocks:
+        count = block.alternative_sizes.size
+        parents = np.full(count, -1)
+        if block.alternative_parents is not None:
+            parents = np.where(block.alternative_parents >= 0, block.alternative_parents + base, -1)
+        joined.append(parents)
+        base += count
+    return _join(joined, np.int64)
 
 
 def run_starts(sizes: Sequence[Indices]) -> Indices:

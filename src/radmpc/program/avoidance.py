@@ -145,6 +145,8 @@ class RowBlock:
         Risk charged for all other windows.
     num_presolved : int
         How many those are.
+    alternative_parents : (a,) int array or None
+        As in `DisjunctiveProgram`; None where no alternative refines another.
     """
 
     entry_rows: Indices
@@ -159,6 +161,7 @@ class RowBlock:
     avoidance_windows: Indices
     presolved_risk: float
     num_presolved: int = 0
+    alternative_parents: Indices | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

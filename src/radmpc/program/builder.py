@@ -14,6 +14,7 @@ from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.program.assembly import (
     cost_and_upper_bounds,
+    joined_parents,
     mean_positions,
     run_starts,
     stacked_chance_rows,
@@ -276,6 +277,7 @@ class ProgramBuilder:
             layout=self._layout(owners_of_runs(avoidance_starts)),
             presolved_risk=self.presolved_risk,
             num_presolved=self.num_presolved,
+            parents=joined_parents(self.blocks),
         )
 
     def _layout(self, owners: Indices) -> ProgramLayout:

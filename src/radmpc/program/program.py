@@ -136,6 +136,10 @@ class DisjunctiveProgram:
         which a plan may undercut and a lower bound must not charge.
     num_presolved : int
         How many avoidances hold throughout the reachable boxes and were left out.
+    parents : (a,) int array or None
+        The alternative of the same avoidance that each refines, -1 where there is none: whatever
+        satisfies it satisfies that one. Only those that nothing refines are alternatives proper;
+        the others stand for all that refine them. None where no alternative refines another.
     """
 
     cost: Vector
@@ -162,6 +166,7 @@ class DisjunctiveProgram:
     layout: ProgramLayout
     presolved_risk: float = 0.0
     num_presolved: int = 0
+    parents: Indices | None = None
 
     @property
     def num_columns(self) -> int:

@@ -125,7 +125,8 @@ class _Relaxation:
                 variances = np.maximum(instants.covariances[:, axis, axis], 0.0)
                 offsets = np.full((instants.count, 1), sign * corner[axis])
                 nothing = np.zeros(instants.count, dtype=bool)
-                found.append(Cones(normals, offsets, np.sqrt(variances)[:, None], nothing))
+                deviations, alone = np.sqrt(variances)[:, None], np.array([-1])
+                found.append(Cones(normals, offsets, deviations, alone, nothing))
         return found
 
     def _outlines(self, obstacle: Obstacle) -> list[tuple[KeepOut, Tensor, Tensor]]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.relaxed.tails import DiscTails
 
 __all__ = ["Cones", "Outline", "cones_around"]
@@ -19,6 +19,9 @@ _SAME = 1e-9
 
 _TWIN = 1e-6
 """Distance of two unit vectors below which they are one direction [-]."""
+
+_QUARTERS, _HALVES = 4, 8
+"""Wide cones around a hazard, and those that each wide one is made of first [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,6 +47,9 @@ class Outline:
 class Cones:
     """Affine functions above the distance, one per cone: ``(normal · x − offset) / deviation``.
 
+    Wide cones are made of narrower ones and ask for less; the narrowest, which nothing refines, are
+    what counts.
+
     Attributes
     ----------
     normals : (I, c, 2) array
@@ -52,6 +58,8 @@ class Cones:
         What the half-space begins at [m]; inf where there is no cone.
     deviations : (I, c) array
         What one standard deviation is along the normal [m], at most what it is in truth.
+    parents : (c,) int array
+        The wider cone that each is part of; -1 where there is none.
     is_void : (I,) bool array
         Instants at which nothing is asked: the hazard is too small beside the noise.
     """
@@ -59,13 +67,35 @@ class Cones:
     normals: Tensor
     offsets: Matrix
     deviations: Matrix
+    parents: Indices
     is_void: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _LevelCurve:
+    """Points of a level curve, counter-clockwise, two per direction.
+
+    Attributes
+    ----------
+    points, normals, gradients : (I, c, 2) array
+        Where, the outward normal there [-], and where the distance grows by one deviation [m].
+    margins : (I,) array
+        Deviations at which tails begin: the least distance and the shift [-].
+    sizes : (I,) array
+        Size of the noise [m].
+    """
+
+    points: Tensor
+    normals: Tensor
+    gradients: Tensor
+    margins: Vector
+    sizes: Vector
 
 
 def cones_around(
     outline: Outline, covariances: Tensor, tails: DiscTails, directions: Tensor
 ) -> Cones:
-    """Return the cones between neighboring directions around a hazard.
+    """Return the cones between neighboring directions around a hazard, and wider ones.
 
     Let n(θ) be a direction, p its support point on the outline and ``d = Σ n / |n|_Σ``. The points
     ``x = p + radius · n + least · d`` are the level curve at the least distance. Any mean at a
@@ -89,8 +119,36 @@ def cones_around(
     Returns
     -------
     Cones
-        c is at most twice the number of directions and faces together.
+        At most twice as many narrow ones as directions and faces together.
     """
+    curve, is_void = _level_curve(outline, covariances, tails, directions)
+    count = curve.points.shape[1]
+    halves = np.linspace(0, count, _HALVES + 1).round().astype(np.int64)
+    quarters = halves[:: _HALVES // _QUARTERS]
+    firsts = np.concatenate([np.arange(count), halves[:-1], quarters[:-1]])
+    lasts = np.concatenate([np.arange(count) + 1, halves[1:], quarters[1:]]) % count
+    parents = np.concatenate(
+        [
+            count + np.searchsorted(halves, np.arange(count), side="right") - 1,
+            count + _HALVES + np.arange(_HALVES) // (_HALVES // _QUARTERS),
+            np.full(_QUARTERS, -1),
+        ]
+    )
+    normals, offsets, deviations, is_cone = _spanned(curve, firsts, lasts)
+    is_flat = (deviations < 1e-6 * curve.sizes[:, None]) & (curve.sizes > 0.0)[:, None]
+    is_narrow = np.arange(firsts.size) < count
+    is_void = is_void | np.any(is_cone & is_flat & is_narrow, axis=1)
+    is_there = is_cone & (is_narrow | ~is_flat)
+    margins = deviations * curve.margins[:, None]
+    return Cones(
+        normals, np.where(is_there, offsets - margins, np.inf), deviations, parents, is_void
+    )
+
+
+def _level_curve(
+    outline: Outline, covariances: Tensor, tails: DiscTails, directions: Tensor
+) -> tuple[_LevelCurve, np.ndarray]:
+    """Return the level curve at the least distance, and where none is known."""
     roots = _roots(covariances)
     least, shifts, is_void = _least(outline.radius, covariances, tails)
     normals = _sorted_normals(outline, roots, directions)
@@ -102,30 +160,44 @@ def cones_around(
     # One side of the hazard, not once there and once back, where two directions coincide.
     is_twin = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2) < _TWIN
     first = np.where(is_twin[..., None], last, first)
-    points = _interleaved(first + grown, last + grown)
-    gradients, normals = _interleaved(gradients, gradients), _interleaved(normals, normals)
-    ends = np.roll(points, -1, axis=1)
-    chords = ends - points
+    sizes = np.sqrt(np.maximum(np.trace(covariances, axis1=1, axis2=2), 0.0))
+    curve = _LevelCurve(
+        _interleaved(first + grown, last + grown),
+        _interleaved(normals, normals),
+        _interleaved(gradients, gradients),
+        least + shifts,
+        sizes,
+    )
+    return curve, is_void
+
+
+def _spanned(
+    curve: _LevelCurve, firsts: Indices, lasts: Indices
+) -> tuple[Tensor, Matrix, Matrix, np.ndarray]:
+    """Return normals, offsets and deviations of arcs of a level curve, and which are there.
+
+    Arcs of a half turn and more are not: nothing can be said of them.
+    """
+    begin, end = curve.points[:, firsts], curve.points[:, lasts]
+    chords = end - begin
     lengths = np.linalg.norm(chords, axis=2)
     across = np.stack([chords[..., 1], -chords[..., 0]], axis=2)
-    middles = normals + np.roll(normals, -1, axis=1)
-    turned = np.where(lengths[..., None] > _SAME, across, middles)
+    one, two = curve.normals[:, firsts], curve.normals[:, lasts]
+    turned = np.where(lengths[..., None] > _SAME, across, one + two)
     turned /= np.maximum(np.linalg.norm(turned, axis=2), 1e-300)[..., None]
     offsets = np.minimum(
-        np.einsum("ica,ica->ic", turned, points), np.einsum("ica,ica->ic", turned, ends)
+        np.einsum("ica,ica->ic", turned, begin), np.einsum("ica,ica->ic", turned, end)
     )
     deviations = np.minimum(
-        np.einsum("ica,ica->ic", turned, gradients),
-        np.einsum("ica,ica->ic", turned, np.roll(gradients, -1, axis=1)),
+        np.einsum("ica,ica->ic", turned, curve.gradients[:, firsts]),
+        np.einsum("ica,ica->ic", turned, curve.gradients[:, lasts]),
     )
-    sizes = np.sqrt(np.maximum(np.trace(covariances, axis1=1, axis2=2), 0.0))
-    is_single = np.all(np.abs(normals - np.roll(normals, -1, axis=1)) < 1e-12, axis=2)
-    is_cone = (lengths > _SAME) | ~is_single
-    is_steep = np.any(is_cone & (deviations < 1e-6 * sizes[:, None]), axis=1) & (sizes > 0.0)
-    margins = deviations * (least + shifts)[:, None]
-    return Cones(
-        turned, np.where(is_cone, offsets - margins, np.inf), deviations, is_void | is_steep
+    angles = np.arctan2(
+        one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0], (one * two).sum(axis=2)
     )
+    is_wide = angles < -_TWIN
+    is_single = np.all(np.abs(one - two) < 1e-12, axis=2)
+    return turned, offsets, deviations, ((lengths > _SAME) | ~is_single) & ~is_wide
 
 
 def _roots(covariances: Tensor) -> Tensor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import clearance, clearance_for
@@ -11,6 +12,8 @@ from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.instants import Instants
 
 __all__ = ["cone_rows"]
+
+Flags = npt.NDArray[np.bool_]
 
 _DROPPED = 1e-4
 """Share of Δ up to which an instant's risk is left out [-], wherever the body may be: a relaxation
@@ -49,7 +52,8 @@ def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared:
     enough = float(clearance_for(_DROPPED * risk_bound))
     worst = clearance(np.where(is_there, least - cones.offsets, -np.inf), deviations)
     is_asked = (worst.max(axis=1) < enough) & ~cones.is_void
-    is_offered = is_asked[:, None] & is_there & (most - cones.offsets >= -_REACH)
+    is_within = is_asked[:, None] & is_there & (most - cones.offsets >= -_REACH)
+    is_offered, parents = _offered(is_within, cones.parents)
     instant, cone = np.nonzero(is_offered)
     rows = np.arange(instant.size)
     entries = _entries(instants, instant, cones.normals[instant, cone], rows)
@@ -69,7 +73,54 @@ def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared:
         avoidance_windows=np.flatnonzero(is_asked),
         presolved_risk=0.0,
         num_presolved=int(np.count_nonzero(~is_asked)),
+        alternative_parents=parents[instant, cone],
     )
+
+
+def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
+    """Return which cones are offered, and the number of the one that each is part of.
+
+    Narrow cones that are within reach are; wide ones where they stand for several of these, and
+    for fewer than the next wider one that is offered.
+
+    Parameters
+    ----------
+    is_within : (I, c) bool array
+        Cones within reach.
+    parents : (c,) int array
+        The wider cone that each is part of; -1 where there is none.
+
+    Returns
+    -------
+    is_offered : (I, c) bool array
+        Those that are alternatives, counted instant by instant.
+    parents : (I, c) int array
+        The number of the alternative that each of them refines; -1 where there is none.
+    """
+    wide = np.unique(parents[parents >= 0])
+    is_narrow = np.ones(parents.size, dtype=bool)
+    is_narrow[wide] = False
+    is_offered = is_within & is_narrow
+    stands_for = np.zeros(is_within.shape, dtype=np.int64)
+    stands_for[is_offered] = 1
+    for cone in np.flatnonzero(parents >= 0):
+        # Every cone comes before the wider one that it is part of.
+        stands_for[:, parents[cone]] += stands_for[:, cone]
+    every = stands_for[:, parents < 0].sum(axis=1)
+    above = np.full(is_within.shape, -1)
+    for cone in reversed(range(parents.size)):
+        outer = np.full(len(every), parents[cone])
+        if parents[cone] >= 0:
+            is_kept = is_offered[:, parents[cone]]
+            outer = np.where(is_kept, outer, above[:, parents[cone]])
+        above[:, cone] = outer
+        if not is_narrow[cone]:
+            of_outer = np.where(outer >= 0, stands_for[np.arange(len(every)), outer], every)
+            count = stands_for[:, cone]
+            is_offered[:, cone] = is_within[:, cone] & (count > 1) & (count < of_outer)
+    numbers = np.cumsum(is_offered.ravel()).reshape(is_offered.shape) - 1
+    chosen = np.take_along_axis(numbers, np.maximum(above, 0), axis=1)
+    return is_offered, np.where(above >= 0, chosen, -1)
 
 
 def _entries(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from radmpc.arrays import Indices
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.priced.rating import Rater, Rating
 from radmpc.solvers.priced.tuning import TUNING
@@ -28,6 +29,12 @@ class BranchingChoice:
         self._table = rater.table
         self._weights = np.ones(program.num_avoidances)
         self._owner = program.layout.owners
+        parents = program.parents
+        self._parents: Indices = (
+            np.full(program.num_alternatives, -1) if parents is None else parents
+        )
+        self._is_refined = np.zeros(program.num_alternatives, dtype=bool)
+        self._is_refined[self._parents[self._parents >= 0]] = True
 
     def failed(self, alternative: int) -> None:
         """Note that choosing an alternative ended a branch."""
@@ -56,7 +63,8 @@ class BranchingChoice:
         if rating.cheapest.size == 0:
             return None, False
         free = np.ones(rating.cheapest.size, dtype=bool)
-        free[self._owner[list(chosen)]] = False
+        decided = np.array(chosen, dtype=np.int64)
+        free[self._owner[decided[~self._is_refined[decided]]]] = False
         least = np.where(free, rating.short.min(axis=1), -np.inf)
         violated = np.flatnonzero(least > 0.0)
         if violated.size == 0:
@@ -74,16 +82,37 @@ class BranchingChoice:
         )
         return int(violated[(nearest[:, 0] + TUNING.second_weight * second).argmax()]), True
 
-    def alternatives(self, avoidance: int, rating: Rating) -> tuple[int, ...]:
-        """Return the possible alternatives of an avoidance, the one violated least first.
+    def alternatives(
+        self, avoidance: int, chosen: Sequence[int], rating: Rating
+    ) -> tuple[int, ...]:
+        """Return the alternatives of an avoidance to choose from, the one violated least first.
+
+        Where one is chosen that others refine, these; otherwise those that refine no other.
 
         Parameters
         ----------
         avoidance : int
             Its number.
+        chosen : sequence of int
+            The node's alternatives.
         rating : Rating
             Of the node's point.
         """
         short = rating.short[avoidance]
         order = [int(i) for i in short.argsort(kind="stable") if np.isfinite(short[i])]
-        return tuple(int(self._table[avoidance, i]) for i in order)
+        proper = [int(self._table[avoidance, i]) for i in order]
+        outer = next((c for c in chosen if self._owner[c] == avoidance), -1)
+        return tuple(dict.fromkeys(inner for p in proper for inner in self._step_to(p, outer)))
+
+    def replaced(self, chosen: tuple[int, ...], alternative: int) -> tuple[int, ...]:
+        """Return a node's alternatives with one more, in place of the one that it refines."""
+        outer = int(self._parents[alternative])
+        return (*(c for c in chosen if c != outer), alternative)
+
+    def _step_to(self, alternative: int, outer: int) -> tuple[int, ...]:
+        """Return the next step from an alternative towards one that it refines; none if not."""
+        while self._parents[alternative] != outer:
+            alternative = int(self._parents[alternative])
+            if alternative < 0:
+                return ()
+        return (alternative,)

@@ -71,6 +71,9 @@ class Rater:
         self.row_cap = min(unit, CONVEX_RISK)
         self.floor = deviations * float(clearance_for(self.row_cap))
         self.possible = possible_alternatives(program, self.floor)
+        if program.parents is not None:
+            # What others refine is no alternative of its own.
+            self.possible[program.parents[program.parents >= 0]] = False
         self._reference = deviations * float(
             clearance_for(min(TUNING.reference * unit, CONVEX_RISK))
         )

@@ -199,7 +199,7 @@ class RiskTree:
             self._solve(node)
         children = []
         for alternative in node.alternatives:
-            child = self._node(node.bound, (*node.chosen, alternative))
+            child = self._node(node.bound, self._choice.replaced(node.chosen, alternative))
             self._solve(child)
             if child.alternatives:
                 children.append(child)
@@ -240,7 +240,7 @@ class RiskTree:
                     continue
                 if avoidance is None:
                     break
-                node.alternatives = self._choice.alternatives(avoidance, rating)
+                node.alternatives = self._choice.alternatives(avoidance, node.chosen, rating)
                 return
         node.is_open = True
         self._parked.append(node)
