@@ -52,6 +52,17 @@ finally:
     print(*sys.modules, file=sys.stderr)
 """
 
+LOOKS = """
+import gc, sys
+from radmpc.__main__ import main
+generations = [0]
+gc.callbacks.append(lambda phase, found: generations.append(found["generation"]))
+try:
+    main()
+finally:
+    print(max(generations), gc.get_freeze_count() > len(gc.get_objects()), file=sys.stderr)
+"""
+
 
 def loaded(*words: object) -> set[str]:
     """Return the modules that a command has loaded by its end."""
@@ -117,6 +128,16 @@ def test_a_small_scenario_is_planned_without_other_planners_and_fallbacks(
     modules = loaded("plan", with_rock(CORNERS))
     assert "radmpc.planners.certified.planning" in modules
     assert modules & (OTHER_PLANNERS | RARELY) == set()
+
+
+@pytest.mark.slow
+def test_what_is_loaded_for_a_small_scenario_is_not_looked_through_for_garbage(
+    crossing: Path,
+) -> None:
+    command = [sys.executable, "-c", LOOKS, "plan", str(crossing)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    # Of the young ones once or twice; at the end, of what has come since the freeze.
+    assert done.stderr.split() == ["0", "True"]
 
 
 @pytest.mark.slow
