@@ -122,6 +122,27 @@ def test_of_scipy_only_what_small_scenarios_need_is_loaded(
 
 
 @pytest.mark.slow
+def test_parts_of_numpy_that_only_scipy_names_are_not_loaded(
+    with_rock: Callable[[str], Path],
+) -> None:
+    modules = loaded("plan", with_rock(CORNERS))
+    assert {"numpy.f2py", "numpy.testing"} <= modules  # their names
+    assert modules & {"numpy.f2py.crackfortran", "numpy.testing.overrides", "unittest"} == set()
+
+
+def test_a_part_that_waits_is_loaded_by_whoever_asks() -> None:
+    asks = "from radmpc.console.running.deferring import defer; defer('json', 'tool', 'nothing'); "
+    assert {"json", "json.tool"} <= loaded_by(asks + "pass")
+    assert loaded_by(asks + "pass") & {"argparse", "json.nothing"} == set()
+    for use in (
+        "import json.tool",
+        "from json.tool import main",
+        "json = __import__('json').tool.main",
+    ):
+        assert "argparse" in loaded_by(asks + use)
+
+
+@pytest.mark.slow
 def test_a_small_scenario_is_planned_without_other_planners_and_fallbacks(
     with_rock: Callable[[str], Path],
 ) -> None:
