@@ -1,7 +1,7 @@
 """What numpy loads for scipy and nobody uses here waits until somebody does.
 
 As scipy starts it copies every public name of numpy, for which numpy loads all its parts, those for
-Fortran and for tests among them: a seventh of the time that `plan` takes for two vehicles.
+Fortran and for tests among them: 109 modules, a tenth of the time of `plan` for two vehicles.
 """
 
 from __future__ import annotations
