@@ -12,6 +12,9 @@ INSTALLED_DEV := $(VENV)/.installed-dev
 
 # Workers share the processors already: threads within small matrices only stand in their way.
 export OPENBLAS_NUM_THREADS ?= 1
+# Tests start some hundred processes, and uv leaves the compiling to whoever imports: each of them would
+# compile all it imports anew, which is longer than to run it.
+unexport PYTHONDONTWRITEBYTECODE
 # Neighbors stay together, so that what a file's tests share is made once; who is done takes over.
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 

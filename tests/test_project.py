@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
 import shutil
 import subprocess
@@ -78,6 +79,22 @@ def test_continuous_integration_runs_the_same_check() -> None:
     script = ROOT / ".ci" / "run"
     assert script.stat().st_mode & 0o111
     assert "make check" in script.read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
+def test_what_the_check_starts_keeps_its_bytecode() -> None:
+    command = ["make", "--eval", "told: ; @env", "told"]
+    told = subprocess.run(
+        command,
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+    )
+    names = {line.partition("=")[0] for line in told.stdout.splitlines()}
+    assert "OPENBLAS_NUM_THREADS" in names
+    assert "PYTHONDONTWRITEBYTECODE" not in names
 
 
 SOURCE_FILES = sorted((ROOT / "src" / "radmpc").rglob("*.py"))

@@ -12,6 +12,7 @@ import typer
 
 from radmpc.console import arguments as given
 from radmpc.console.output import show, show_json
+from radmpc.console.running.deferring import defer
 from radmpc.console.running.guard import Code, GuardedCommands
 from radmpc.version import __version__
 
@@ -53,6 +54,7 @@ def options(
     """Plan fleets whose joint risk of any collision stays within one bound."""
     # The guard around all commands reads --debug; it stands here for the help text.
     del version, debug
+    defer("numpy", "f2py", "testing")
 
 
 @app.command()

@@ -72,7 +72,11 @@ def test_progress_is_shown_on_a_terminal_only() -> None:
     assert pipe.getvalue() == ""
 
 
-def test_progress_tells_the_best_plan_the_limit_and_how_to_stop() -> None:
+def test_progress_tells_the_best_plan_the_limit_and_how_to_stop(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = time.monotonic()
+    monkeypatch.setattr(time, "monotonic", lambda: now)
     line = ProgressLine(is_planning=True, seconds=60.0)
     line("sets", 2, 2)
     assert line.text() == "sets 2/2; 0 of 60 s; Ctrl-C keeps the best plan so far"
@@ -114,6 +118,23 @@ def test_the_first_interrupt_asks_and_the_second_stops() -> None:
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_a_second_interrupt_that_falls_into_the_first_stops(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    alive = [signal.SIGINT]
+
+    class Interrupted(threading.Event):
+        def set(self) -> None:
+            if alive:
+                signal.raise_signal(alive.pop())
+            super().set()
+
+    monkeypatch.setattr(threading, "Event", Interrupted)
+    with pytest.raises(KeyboardInterrupt), stop_on_interrupt():
+        signal.raise_signal(signal.SIGINT)
+    assert capfd.readouterr().err == ""
 
 
 def test_outside_the_main_thread_interrupts_are_left_alone() -> None:

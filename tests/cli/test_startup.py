@@ -52,6 +52,17 @@ finally:
     print(*sys.modules, file=sys.stderr)
 """
 
+LOOKS = """
+import gc, sys
+from radmpc.__main__ import main
+generations = [0]
+gc.callbacks.append(lambda phase, found: generations.append(found["generation"]))
+try:
+    main()
+finally:
+    print(max(generations), gc.get_freeze_count() > len(gc.get_objects()), file=sys.stderr)
+"""
+
 
 def loaded(*words: object) -> set[str]:
     """Return the modules that a command has loaded by its end."""
@@ -111,12 +122,43 @@ def test_of_scipy_only_what_small_scenarios_need_is_loaded(
 
 
 @pytest.mark.slow
+def test_parts_of_numpy_that_only_scipy_names_are_not_loaded(
+    with_rock: Callable[[str], Path],
+) -> None:
+    modules = loaded("plan", with_rock(CORNERS))
+    assert {"numpy.f2py", "numpy.testing"} <= modules  # their names
+    assert modules & {"numpy.f2py.crackfortran", "numpy.testing.overrides", "unittest"} == set()
+
+
+def test_a_part_that_waits_is_loaded_by_whoever_asks() -> None:
+    asks = "from radmpc.console.running.deferring import defer; defer('json', 'tool', 'nothing'); "
+    assert {"json", "json.tool"} <= loaded_by(asks + "pass")
+    assert loaded_by(asks + "pass") & {"argparse", "json.nothing"} == set()
+    for use in (
+        "import json.tool",
+        "from json.tool import main",
+        "json = __import__('json').tool.main",
+    ):
+        assert "argparse" in loaded_by(asks + use)
+
+
+@pytest.mark.slow
 def test_a_small_scenario_is_planned_without_other_planners_and_fallbacks(
     with_rock: Callable[[str], Path],
 ) -> None:
     modules = loaded("plan", with_rock(CORNERS))
     assert "radmpc.planners.certified.planning" in modules
     assert modules & (OTHER_PLANNERS | RARELY) == set()
+
+
+@pytest.mark.slow
+def test_what_is_loaded_for_a_small_scenario_is_not_looked_through_for_garbage(
+    crossing: Path,
+) -> None:
+    command = [sys.executable, "-c", LOOKS, "plan", str(crossing)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    # Of the young ones once or twice; at the end, of what has come since the freeze.
+    assert done.stderr.split() == ["0", "True"]
 
 
 @pytest.mark.slow

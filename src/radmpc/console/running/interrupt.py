@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import threading
@@ -24,6 +25,8 @@ def stop_on_interrupt() -> Iterator[Callable[[], bool]]:
         Returns True once Ctrl-C was pressed.
     """
     requested = threading.Event()
+    # Counted in one step: the second Ctrl-C may fall into what answers the first.
+    earlier = itertools.count()
     if threading.current_thread() is not threading.main_thread():
         # Only the main thread may set handlers; elsewhere the caller owns the signal.
         yield requested.is_set
@@ -31,7 +34,7 @@ def stop_on_interrupt() -> Iterator[Callable[[], bool]]:
 
     def handle(signum: int, frame: FrameType | None) -> None:
         del signum, frame
-        if requested.is_set():
+        if next(earlier):
             raise KeyboardInterrupt
         requested.set()
         # Not print: a handler may interrupt a print, which is not reentrant.
