@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
+from radmpc.gaussian import clearance_for
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
@@ -18,7 +19,7 @@ from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.cones import Cones, Outline, cones_around
 from radmpc.program.relaxed.instants import Instants
-from radmpc.program.relaxed.rows import cone_rows
+from radmpc.program.relaxed.rows import DROPPED, cone_rows
 from radmpc.program.relaxed.tails import DiscTails
 
 __all__ = ["build_relaxation"]
@@ -86,31 +87,42 @@ class _Relaxation:
             name = model.vehicle.name
             for keepout, vertices, faces in outlines:
                 outline = Outline(vertices, faces, model.vehicle.radius)
-                self._add(instants, self._cones(instants, outline), "obstacle", name, keepout.name)
+                self._keep_out(instants, outline, "obstacle", name, keepout.name)
             for cones in self._walls(instants):
                 self._add(instants, cones, "workspace", name, None)
         for i, j in combinations(range(len(self.models)), 2):
             one, two = self.models[i].vehicle, self.models[j].vehicle
             instants = self.instants[i].relative_to(self.instants[j])
             point = Outline(np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), one.radius + two.radius)
-            self._add(instants, self._cones(instants, point), "pair", one.name, two.name)
+            self._keep_out(instants, point, "pair", one.name, two.name)
         return self.builder.finish(self.scenario.risk_bound)
 
-    def _add(
-        self, instants: Instants, cones: Cones, cause: Cause, vehicle: str, other: str | None
+    def _keep_out(
+        self, instants: Instants, outline: Outline, cause: Cause, vehicle: str, other: str | None
     ) -> None:
-        """Add the rows of one hazard."""
-        bound = self.scenario.risk_bound
-        block = cone_rows(instants, cones, bound, is_shared=self.intervals)
-        self.builder.add_block(block, cause, vehicle, other)
-
-    def _cones(self, instants: Instants, outline: Outline) -> Cones:
-        """Return the cones around a hazard in the plane."""
+        """Add the rows of a hazard, at the instants at which it is within reach."""
+        enough = float(clearance_for(DROPPED * self.scenario.risk_bound))
+        variances = np.trace(instants.covariances, axis1=1, axis2=2)
+        room = outline.radius + enough * np.sqrt(np.maximum(variances, 0.0))
+        ends = outline.vertices.min(axis=1), outline.vertices.max(axis=1)
+        chosen = instants.near(*ends, room)
+        if not chosen.size:
+            return
+        instants, outline = instants.take(chosen), outline.take(chosen)
         count = self.num_directions
         angles = (2.0 * np.arange(count) + 1.0) * np.pi / count
         directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         every = np.broadcast_to(directions, (instants.count, *directions.shape))
-        return cones_around(outline, instants.covariances, self.tails, every)
+        cones = cones_around(outline, instants.covariances, self.tails, every)
+        self._add(instants, cones, cause, vehicle, other)
+
+    def _add(
+        self, instants: Instants, cones: Cones, cause: Cause, vehicle: str, other: str | None
+    ) -> None:
+        """Add the rows of cones."""
+        bound = self.scenario.risk_bound
+        block = cone_rows(instants, cones, bound, is_shared=self.intervals)
+        self.builder.add_block(block, cause, vehicle, other)
 
     def _walls(self, instants: Instants) -> list[Cones]:
         """Return the faces of the workspace: a half-space each, as it is."""

@@ -42,6 +42,12 @@ class Outline:
     faces: Tensor
     radius: float
 
+    def take(self, chosen: Indices) -> Outline:
+        """Return the hazard at some of the instants, by their numbers."""
+        vertices = self.vertices if len(self.vertices) == 1 else self.vertices[chosen]
+        faces = self.faces if len(self.faces) == 1 else self.faces[chosen]
+        return Outline(vertices, faces, self.radius)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cones:

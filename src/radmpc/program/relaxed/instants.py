@@ -70,6 +70,30 @@ class Instants:
         covariances = _covariances(model, windows, share)
         return cls(windows, share, covariances, lower - spread, upper + spread, (part,))
 
+    def near(self, lower: Matrix, upper: Matrix, room: Vector) -> Indices:
+        """Return the numbers of the instants at which the body may come near boxes.
+
+        Parameters
+        ----------
+        lower, upper : (I or 1, d) array
+            The boxes [m].
+        room : (I,) array
+            What counts as near [m].
+        """
+        apart = np.maximum(lower - self.upper, self.lower - upper)
+        return np.flatnonzero(np.all(apart <= room[:, None], axis=1))
+
+    def take(self, chosen: Indices) -> Instants:
+        """Return some of the instants, by their numbers."""
+        return Instants(
+            self.windows[chosen],
+            self.shares[chosen],
+            self.covariances[chosen],
+            self.lower[chosen],
+            self.upper[chosen],
+            self.parts,
+        )
+
     def relative_to(self, other: Instants) -> Instants:
         """Return the position of this vehicle relative to another, at the same instants."""
         away = tuple(replace(part, sign=-part.sign) for part in other.parts)

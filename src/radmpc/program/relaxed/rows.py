@@ -11,11 +11,11 @@ from radmpc.program.avoidance import Part, RowBlock
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.instants import Instants
 
-__all__ = ["cone_rows"]
+__all__ = ["DROPPED", "cone_rows"]
 
 Flags = npt.NDArray[np.bool_]
 
-_DROPPED = 1e-4
+DROPPED = 1e-4
 """Share of Δ up to which an instant's risk is left out [-], wherever the body may be: a relaxation
 may leave out what it likes, and this costs nothing that could be seen."""
 
@@ -49,7 +49,7 @@ def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared:
     least = np.where(cones.normals > 0.0, cones.normals * low, cones.normals * high).sum(axis=2)
     most = np.where(cones.normals > 0.0, cones.normals * high, cones.normals * low).sum(axis=2)
     deviations = np.where(is_there, np.maximum(cones.deviations, 0.0), 1.0)
-    enough = float(clearance_for(_DROPPED * risk_bound))
+    enough = float(clearance_for(DROPPED * risk_bound))
     worst = clearance(np.where(is_there, least - cones.offsets, -np.inf), deviations)
     is_asked = (worst.max(axis=1) < enough) & ~cones.is_void
     is_within = is_asked[:, None] & is_there & (most - cones.offsets >= -_REACH)
@@ -70,7 +70,7 @@ def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared:
         event_steps=event_steps,
         alternative_sizes=np.ones(instant.size, dtype=np.int64),
         avoidance_sizes=np.bincount(instant, minlength=instants.count)[is_asked],
-        avoidance_windows=np.flatnonzero(is_asked),
+        avoidance_windows=instants.windows[is_asked],
         presolved_risk=0.0,
         num_presolved=int(np.count_nonzero(~is_asked)),
         alternative_parents=parents[instant, cone],
@@ -103,12 +103,12 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
     is_offered = is_within & is_narrow
     stands_for = np.zeros(is_within.shape, dtype=np.int64)
     stands_for[is_offered] = 1
-    for cone in np.flatnonzero(parents >= 0):
+    for cone in np.flatnonzero(parents >= 0).tolist():
         # Every cone comes before the wider one that it is part of.
         stands_for[:, parents[cone]] += stands_for[:, cone]
     every = stands_for[:, parents < 0].sum(axis=1)
     above = np.full(is_within.shape, -1)
-    for cone in reversed(range(parents.size)):
+    for cone in range(parents.size - 1, -1, -1):
         outer = np.full(len(every), parents[cone])
         if parents[cone] >= 0:
             is_kept = is_offered[:, parents[cone]]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 
 import numpy as np
 
@@ -58,11 +59,14 @@ class _Proof:
     price: float
     best: float
     tails: DiscTails = field(init=False)
+    parts: tuple[Members, ...] = field(init=False)
     sets: dict[Members, RelaxedSet] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Tabulate the tails."""
+        """Tabulate the tails, and put sets whose plans cost most beyond the least first."""
         self.tails = DiscTails.of(self.fleet.scenario.risk_bound)
+        parts = [tuple(sorted(members)) for members in self.incumbent.sets]
+        self.parts = tuple(sorted(parts, key=self._paid_for_hazards, reverse=True))
 
     @property
     def is_over(self) -> bool:
@@ -89,18 +93,27 @@ class _Proof:
             if self.is_over:
                 return
 
+    def _paid_for_hazards(self, members: Members) -> float:
+        """Return what a set's plan costs beyond the least in empty space."""
+        vehicles = self.fleet.scenario.vehicles
+        return sum(
+            vehicles[i].cost_weight * float(np.abs(self.incumbent.controls[i]).sum())
+            - self.fleet.base[i]
+            for i in members
+        )
+
     def _search(self, num_directions: int) -> None:
         """Search all sets at the present price, until what is open matters no more."""
         gap, nodes = TUNING.set_gap, TUNING.nodes
         for _ in range(TUNING.rounds):
             worth = TUNING.worth * max(self.incumbent.cost - self.best, 0.0)
             is_new = False
-            for members in self.incumbent.sets:
-                if self.fleet.limits.reached:
-                    break
-                is_new |= self._advance(tuple(sorted(members)), num_directions, gap, nodes, worth)
-            self._note()
-            if self.is_over or not is_new:
+            for members in self.parts:
+                is_new |= self._advance(members, num_directions, gap, nodes, worth)
+                self._note()
+                if self.is_over:
+                    return
+            if not is_new:
                 return
             gap, nodes = gap * TUNING.finer, 2 * nodes
 
@@ -109,16 +122,20 @@ class _Proof:
     ) -> bool:
         """Search a set on, its vehicles alone before; tell whether there was anything to do."""
         known = self.sets.get(members)
+        if known is None and self._paid_for_hazards(members) <= worth:
+            return False
         if known is None:
             known = RelaxedSet.of(self.fleet, members, self.tails, num_directions)
         is_here = known.price == self.price
         if is_here and (known.is_trivial or known.value - known.bound <= worth):
             return False
         bounds: list[SetBound] = []
-        if len(members) > 1:
-            for block, i in enumerate(members):
-                self._advance((i,), num_directions, gap, nodes, worth)
-                bounds.append(SetBound(frozenset({block}), self.sets[i,].bound))
+        for size in range(1, min(len(members), 3)):
+            for blocks in combinations(range(len(members)), size):
+                part = tuple(members[block] for block in blocks)
+                self._advance(part, num_directions, gap, nodes, worth)
+                if part in self.sets:
+                    bounds.append(SetBound(frozenset(blocks), self.sets[part].bound))
         share = nodes * len(members)
         hint = _point([self.incumbent.controls[i] for i in members])
         self.sets[members] = known.searched(self.fleet, self.price, tuple(bounds), gap, share, hint)
@@ -126,18 +143,16 @@ class _Proof:
 
     def _note(self) -> None:
         """Keep the bound at the present price if it is the best."""
-        parts = [tuple(sorted(members)) for members in self.incumbent.sets]
-        total = 0.0
-        for members in parts:
+        total = sum(self.fleet.base)
+        for members in self.parts:
             known = self.sets.get(members)
-            is_here = known is not None and known.price == self.price
-            base = sum(self.fleet.base[i] for i in members)
-            total += known.bound if known is not None and is_here else base
+            if known is not None and known.price == self.price:
+                total += known.bound - known.base
         self.best = max(self.best, total - self.price * self.fleet.scenario.risk_bound)
 
     def _has_moved_price(self) -> bool:
         """Choose a better price where the relaxed plans risk far more or less than Δ."""
-        found = [self.sets.get(tuple(sorted(members))) for members in self.incumbent.sets]
+        found = [self.sets.get(members) for members in self.parts]
         risk = sum(s.best.risk for s in found if s is not None and s.best is not None)
         ratio = risk / self.fleet.scenario.risk_bound
         if self.price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
