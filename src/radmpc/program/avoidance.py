@@ -145,18 +145,21 @@ class RowBlock:
         Standard deviations of the left sides [m].
     events : (r,) int array
         The event each row belongs to.
-    event_things, event_steps : (e,) int array
-        The thing to avoid that each event is part of, and its step, from the program's first on.
+    event_steps : (e,) int array
+        Step of each event, from the program's first on.
     alternative_sizes : (a,) int array
         Rows of each alternative; they follow one another.
     avoidance_sizes : (v,) int array
         Alternatives of each window that asks for a choice.
-    avoidance_things, avoidance_windows : (v,) int array
-        The things, and the numbers of their windows, that do.
+    avoidance_windows : (v,) int array
+        The windows that do, by their numbers among those of their thing.
     presolved_risk : float
         Risk charged for all other windows.
     num_presolved : int
         How many those are.
+    event_things, avoidance_things : (e,) and (v,) int array, or None
+        The thing to avoid that each event, and each window that asks for a choice, is part of; None
+        where there is but one.
     """
 
     entry_rows: Indices
@@ -165,14 +168,14 @@ class RowBlock:
     offsets: Vector
     deviations: Vector
     events: Indices
-    event_things: Indices
     event_steps: Indices
     alternative_sizes: Indices
     avoidance_sizes: Indices
-    avoidance_things: Indices
     avoidance_windows: Indices
     presolved_risk: float
     num_presolved: int = 0
+    event_things: Indices | None = None
+    avoidance_things: Indices | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

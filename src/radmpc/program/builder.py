@@ -179,15 +179,33 @@ class ProgramBuilder:
     ) -> None:
         """Add the rows of things to avoid, and the risk of their presolved windows."""
         block = avoidance_rows(body, windows, self.scenario.risk_bound)
+        self.add_block(block, cause, vehicle, *others)
+
+    def add_block(self, block: RowBlock, cause: Cause, vehicle: str, *others: str | None) -> None:
+        """Number the rows of things to avoid.
+
+        Parameters
+        ----------
+        block : RowBlock
+            Their rows.
+        cause : {'obstacle', 'pair', 'workspace'}
+            What may happen.
+        vehicle : str
+            To whom.
+        *others : str or None
+            With each of these things.
+        """
         self.presolved_risk += block.presolved_risk
         self.num_presolved += block.num_presolved
         if block.avoidance_sizes.size == 0:
             return
         base = len(self.risk_items)
         span = int(block.event_steps.max()) + 1
-        keys, numbers = np.unique(
-            block.event_things * span + block.event_steps, return_inverse=True
-        )
+        steps, windows = block.event_steps, block.avoidance_windows
+        of_events, of_windows = block.event_things, block.avoidance_things
+        of_events = np.zeros_like(steps) if of_events is None else of_events
+        of_windows = np.zeros_like(windows) if of_windows is None else of_windows
+        keys, numbers = np.unique(of_events * span + steps, return_inverse=True)
         self.risk_items += [
             RiskItem(cause, vehicle, others[key // span], self.first_step + key % span)
             for key in keys.tolist()
@@ -195,9 +213,7 @@ class ProgramBuilder:
         first = self.first_step + (0 if self.intervals else 1)
         self.avoidances += [
             RiskItem(cause, vehicle, others[thing], first + window)
-            for thing, window in zip(
-                block.avoidance_things.tolist(), block.avoidance_windows.tolist(), strict=True
-            )
+            for thing, window in zip(of_windows.tolist(), windows.tolist(), strict=True)
         ]
         self.blocks.append(block)
         self.block_risk_items.append(base + numbers)

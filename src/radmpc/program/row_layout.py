@@ -28,11 +28,9 @@ def empty_block(presolved_risk: float, num_presolved: int) -> RowBlock:
         offsets=none,
         deviations=none,
         events=ints,
-        event_things=ints,
         event_steps=ints,
         alternative_sizes=ints,
         avoidance_sizes=ints,
-        avoidance_things=ints,
         avoidance_windows=ints,
         presolved_risk=presolved_risk,
         num_presolved=num_presolved,
@@ -94,14 +92,14 @@ def lay_out(
         offsets=np.repeat(offsets.ravel(), repeats),
         deviations=np.repeat(deviations.ravel(), repeats),
         events=np.repeat(events, repeats),
-        event_things=keys[0],
         event_steps=keys[1],
         alternative_sizes=counts.sum(axis=1),
         avoidance_sizes=kept[1],
-        avoidance_things=windows.things[kept[0]],
         avoidance_windows=windows.numbers[kept[0]],
         presolved_risk=presolved_risk,
         num_presolved=int(np.count_nonzero(~kept[0])),
+        event_things=keys[0],
+        avoidance_things=windows.things[kept[0]],
     )
 
 
