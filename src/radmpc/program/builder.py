@@ -182,7 +182,7 @@ class ProgramBuilder:
         self.add_block(block, cause, vehicle, *others)
 
     def add_block(self, block: RowBlock, cause: Cause, vehicle: str, *others: str | None) -> None:
-        """Number the rows of things to avoid.
+        """Take rows of things to avoid, and number them.
 
         Parameters
         ----------
