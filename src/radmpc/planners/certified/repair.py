@@ -29,7 +29,7 @@ _NEAR = 5e-9
 _FAR = 12.0
 """Clearance in standard deviations beyond which a row is left out while risks are rescaled [-]."""
 
-_WARM = 128
+_WARM = 64
 """Linear programs that are kept from one rescaling to the next [-]: each takes 0.3 MB."""
 
 _SLACK = 1e-6
