@@ -200,7 +200,7 @@ class ProgramBuilder:
         if block.avoidance_sizes.size == 0:
             return
         base = len(self.risk_items)
-        span = int(block.event_steps.max()) + 1
+        span = int(block.event_steps.max(initial=0)) + 1
         steps, windows = block.event_steps, block.avoidance_windows
         of_events, of_windows = block.event_things, block.avoidance_things
         of_events = np.zeros_like(steps) if of_events is None else of_events
