@@ -1,4 +1,4 @@
-"""One avoidance over all windows: what is kept out of what and when, and the resulting rows."""
+"""Avoidances over all windows: what is kept out of what and when, and the resulting rows."""
 
 from __future__ import annotations
 
@@ -72,6 +72,9 @@ class Part:
 class Windows:
     """Faces to stay within at each window, ``normals @ position <= near`` (and ``far``).
 
+    The windows of one thing to avoid follow one another, and things follow one another: all at
+    once, because arrays of a single one are so small that most of the time would be numpy's calls.
+
     Attributes
     ----------
     normals : (w, f, d) array
@@ -81,7 +84,11 @@ class Windows:
     directions : (w, f) int array
         Equal numbers are equal normals.
     intervals : bool
-        Whether window j is [j, j+1] or step j+1 alone.
+        Whether window j of a thing is [j, j+1] or step j+1 alone.
+    numbers : (w,) int array
+        The number j of each window among those of its thing.
+    things : (w,) int array
+        The thing that is avoided there, counted from 0.
     """
 
     normals: Tensor
@@ -89,37 +96,42 @@ class Windows:
     far: Matrix
     directions: Indices
     intervals: bool
+    numbers: Indices
+    things: Indices
 
     @classmethod
     def constant(
-        cls, normals: Matrix, offsets: Vector, horizon: int, *, intervals: bool
+        cls, normals: Tensor, offsets: Matrix, horizon: int, *, intervals: bool
     ) -> Windows:
         """Return windows whose faces never change.
 
         Parameters
         ----------
-        normals : (f, d) array
-            Directions into what is avoided.
-        offsets : (f,) array
+        normals : (n, f, d) array
+            Directions into each of n things.
+        offsets : (n, f) array
             Right sides [m].
         horizon : int
-            Number of windows.
+            Number of windows of each.
         intervals : bool
             Whether windows are intervals.
         """
-        repeated = np.tile(offsets, (horizon, 1))
+        count, num_faces = offsets.shape
+        repeated = np.repeat(offsets, horizon, axis=0)
         return cls(
-            np.broadcast_to(normals, (horizon, *normals.shape)),
+            np.repeat(normals, horizon, axis=0),
             repeated,
             repeated,
-            np.tile(np.arange(len(offsets)), (horizon, 1)),
+            np.tile(np.arange(num_faces), (count * horizon, 1)),
             intervals,
+            np.tile(np.arange(horizon), count),
+            np.repeat(np.arange(count), horizon),
         )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RowBlock:
-    """The rows of one avoidance over all windows; numbers count from 0 within the block.
+    """The rows of some things to avoid over all windows; numbers count from 0 within the block.
 
     Attributes
     ----------
@@ -140,13 +152,16 @@ class RowBlock:
     avoidance_sizes : (v,) int array
         Alternatives of each window that asks for a choice.
     avoidance_windows : (v,) int array
-        The windows that do.
+        The windows that do, by their numbers among those of their thing.
     presolved_risk : float
         Risk charged for all other windows.
     num_presolved : int
         How many those are.
     alternative_parents : (a,) int array or None
         As in `DisjunctiveProgram`; None where no alternative refines another.
+    event_things, avoidance_things : (e,) and (v,) int array, or None
+        The thing to avoid that each event, and each window that asks for a choice, is part of; None
+        where there is but one.
     """
 
     entry_rows: Indices
@@ -162,6 +177,8 @@ class RowBlock:
     presolved_risk: float
     num_presolved: int = 0
     alternative_parents: Indices | None = None
+    event_things: Indices | None = None
+    avoidance_things: Indices | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -74,10 +74,8 @@ def build_program(
         keepouts = obstacle_keepouts(obstacle, first_step, horizon, intervals=intervals)
         of_obstacles += keepouts
     for i in range(len(models)):
-        for keepout in of_obstacles:
-            builder.keep_out(i, "obstacle", keepout)
-        for keepout in temporal:
-            builder.keep_out(i, "pair", keepout)
+        builder.keep_out(i, "obstacle", of_obstacles)
+        builder.keep_out(i, "pair", temporal)
         builder.keep_in_workspace(i)
     for i, j in combinations(range(len(models)), 2):
         builder.keep_apart(i, j)

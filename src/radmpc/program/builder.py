@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.gaussian import clearance, tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.plan import Cause
@@ -22,9 +23,10 @@ from radmpc.program.assembly import (
 )
 from radmpc.program.avoidance import Body, Part, RowBlock, Windows
 from radmpc.program.condensed import CondensedModel, joint_bent_covariances
+from radmpc.program.joined import batches, faces_at_start, joined_windows
 from radmpc.program.keepout import KeepOut
 from radmpc.program.layout import ProgramLayout, owners_of_runs
-from radmpc.program.openings import opening_directions
+from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.program.rows import avoidance_rows
 
@@ -92,39 +94,31 @@ class ProgramBuilder:
         """Whether collisions count between steps."""
         return self.scenario.avoidance == "intervals"
 
-    def keep_out(self, i: int, cause: Cause, keepout: KeepOut) -> None:
-        """Keep a vehicle out of a convex set.
+    def keep_out(self, i: int, cause: Cause, keepouts: Sequence[KeepOut]) -> None:
+        """Keep a vehicle out of convex sets.
 
         Parameters
         ----------
         i : int
             Number of the vehicle.
         cause : {'obstacle', 'pair'}
-            What the set stands for.
-        keepout : KeepOut
-            The set, window by window.
+            What the sets stand for.
+        keepouts : sequence of KeepOut
+            The sets, window by window.
         """
-        model = self.models[i]
-        radius = model.vehicle.radius
-        body = self._body(i)
-        extra = np.zeros((0, self.scenario.dimension))
-        if keepout.start is not None and keepout.shapes:
-            ends = (keepout.shapes[0].vertices, keepout.shapes[-1].vertices)
-            extra = opening_directions(body.endpoints, keepout.start.normals, ends, radius)
-        if len(extra):
-            keepout = keepout.with_directions(extra, intervals=self.intervals)
-        windows = Windows(
-            -keepout.normals,
-            -(keepout.near + radius),
-            -(keepout.far + radius),
-            keepout.directions,
-            self.intervals,
-        )
-        if keepout.start is not None:
-            normals = -np.vstack([keepout.start.normals, extra])
-            offsets = -(np.append(keepout.start.offsets, keepout.start.support(extra)) + radius)
-            self._charge_start(body, normals, offsets, (cause, model.vehicle.name, keepout.name))
-        self._add(body, windows, cause, model.vehicle.name, keepout.name)
+        vehicle, body = self.models[i].vehicle, self._body(i)
+        for some in batches(keepouts):
+            extras = openings(body.endpoints, some, vehicle.radius)
+            labels = [(cause, vehicle.name, k.name) for k in some if k.start is not None]
+            if labels:
+                normals, offsets = faces_at_start(some, extras)
+                self._charge_starts(body, -normals, -(offsets + vehicle.radius), labels)
+            opened = [
+                keepout.with_directions(extra, intervals=self.intervals) if len(extra) else keepout
+                for keepout, extra in zip(some, extras, strict=True)
+            ]
+            windows = joined_windows(opened, vehicle.radius, intervals=self.intervals)
+            self._add(body, windows, cause, vehicle.name, [k.name for k in some])
 
     def keep_apart(self, i: int, j: int) -> None:
         """Keep two vehicles apart by faces around their relative position.
@@ -149,11 +143,11 @@ class ProgramBuilder:
             origin = np.zeros((1, self.scenario.dimension))
             extra = opening_directions(body.endpoints, faces, (origin, origin), distance)
             faces = np.vstack([faces, extra])
-        offsets = np.full(len(faces), -distance)
+        normals, offsets = -faces[None], np.full((1, len(faces)), -distance)
         names = (one.vehicle.name, two.vehicle.name)
-        self._charge_start(body, -faces, offsets, ("pair", *names))
-        windows = Windows.constant(-faces, offsets, one.horizon, intervals=self.intervals)
-        self._add(body, windows, "pair", *names)
+        self._charge_starts(body, normals, offsets, [("pair", *names)])
+        windows = Windows.constant(normals, offsets, one.horizon, intervals=self.intervals)
+        self._add(body, windows, "pair", names[0], [names[1]])
 
     def keep_in_workspace(self, i: int) -> None:
         """Keep a vehicle's center inside: convex, so every face is an avoidance of its own."""
@@ -163,16 +157,12 @@ class ProgramBuilder:
         model = self.models[i]
         body = self._body(i)
         identity = np.eye(self.scenario.dimension)
-        normals = np.concatenate([identity, -identity])
-        offsets = np.concatenate([workspace.upper, -workspace.lower])
-        for face in range(len(normals)):
-            one = slice(face, face + 1)
-            name = model.vehicle.name
-            self._charge_start(body, normals[one], offsets[one], ("workspace", name, None))
-            windows = Windows.constant(
-                normals[one], offsets[one], model.horizon, intervals=self.intervals
-            )
-            self._add(body, windows, "workspace", name, None)
+        normals = np.concatenate([identity, -identity])[:, None]
+        offsets = np.concatenate([workspace.upper, -workspace.lower])[:, None]
+        name, others = model.vehicle.name, [None] * len(normals)
+        self._charge_starts(body, normals, offsets, [("workspace", name, None)] * len(normals))
+        windows = Windows.constant(normals, offsets, model.horizon, intervals=self.intervals)
+        self._add(body, windows, "workspace", name, others)
 
     def _body(self, i: int) -> Body:
         """Return a vehicle alone."""
@@ -186,59 +176,71 @@ class ProgramBuilder:
         )
 
     def _add(
-        self, body: Body, windows: Windows, cause: Cause, vehicle: str, other: str | None
+        self, body: Body, windows: Windows, cause: Cause, vehicle: str, others: Sequence[str | None]
     ) -> None:
-        """Add the rows of one thing to avoid, and the risk of its presolved windows."""
+        """Add the rows of things to avoid, and the risk of their presolved windows."""
         block = avoidance_rows(body, windows, self.scenario.risk_bound)
-        self.add_block(block, cause, vehicle, other)
+        self.add_block(block, cause, vehicle, *others)
 
-    def add_block(self, block: RowBlock, cause: Cause, vehicle: str, other: str | None) -> None:
-        """Take the rows of one thing to avoid.
+    def add_block(self, block: RowBlock, cause: Cause, vehicle: str, *others: str | None) -> None:
+        """Take rows of things to avoid, and number them.
 
         Parameters
         ----------
         block : RowBlock
-            Its rows.
+            Their rows.
         cause : {'obstacle', 'pair', 'workspace'}
             What may happen.
         vehicle : str
             To whom.
-        other : str or None
-            The obstacle or the other vehicle.
+        *others : str or None
+            With each of these things.
         """
         self.presolved_risk += block.presolved_risk
         self.num_presolved += block.num_presolved
         if block.avoidance_sizes.size == 0:
             return
         base = len(self.risk_items)
-        steps, numbers = np.unique(block.event_steps, return_inverse=True)
+        span = int(block.event_steps.max(initial=0)) + 1
+        steps, windows = block.event_steps, block.avoidance_windows
+        of_events, of_windows = block.event_things, block.avoidance_things
+        of_events = np.zeros_like(steps) if of_events is None else of_events
+        of_windows = np.zeros_like(windows) if of_windows is None else of_windows
+        keys, numbers = np.unique(of_events * span + steps, return_inverse=True)
         self.risk_items += [
-            RiskItem(cause, vehicle, other, self.first_step + int(k)) for k in steps
+            RiskItem(cause, vehicle, others[key // span], self.first_step + key % span)
+            for key in keys.tolist()
         ]
         first = self.first_step + (0 if self.intervals else 1)
         self.avoidances += [
-            RiskItem(cause, vehicle, other, first + int(w)) for w in block.avoidance_windows
+            RiskItem(cause, vehicle, others[thing], first + window)
+            for thing, window in zip(of_windows.tolist(), windows.tolist(), strict=True)
         ]
         self.blocks.append(block)
         self.block_risk_items.append(base + numbers)
 
-    def _charge_start(
-        self, body: Body, normals: Matrix, offsets: Vector, label: tuple[Cause, str, str | None]
+    def _charge_starts(
+        self,
+        body: Body,
+        normals: Tensor,
+        offsets: Matrix,
+        labels: Sequence[tuple[Cause, str, str | None]],
     ) -> None:
-        """Note the least risk of any face at k = 0, which no control changes; charge it.
+        """Note the least risk of any face of each thing at k = 0, which no control changes.
 
-        Under intervals the rows at k = 0 are part of the alternatives, and charged there.
+        It is charged, but under intervals: there the rows at k = 0 are part of the alternatives.
         """
         if self.first_step > 0:
             return
         slack = offsets - normals @ body.lower[0]
-        variances = np.einsum("fa,ab,fb->f", normals, body.covariances[0], normals)
+        variances = np.einsum("nfa,ab,nfb->nf", normals, body.covariances[0], normals)
         deviations = np.sqrt(np.maximum(variances, 0.0))
-        risk = float(tail_probability(clearance(slack, deviations)).min())
-        if not self.intervals:
-            self.initial_risk += risk
-        if risk > _NEGLIGIBLE:
-            self.initial.append((RiskItem(*label, 0), risk))
+        risks = tail_probability(clearance(slack, deviations)).min(axis=1)
+        for label, risk in zip(labels, risks.tolist(), strict=True):
+            if not self.intervals:
+                self.initial_risk += risk
+            if risk > _NEGLIGIBLE:
+                self.initial.append((RiskItem(*label, 0), risk))
 
     def finish(self, risk_bound: float) -> DisjunctiveProgram:
         """Stack the blocks and the hard rows into the program of a risk bound Δ."""

@@ -7,15 +7,23 @@ one avoidance. All others keep their faces.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.gaussian import clearance, tail_probability
+from radmpc.geometry import Polytope
+from radmpc.program.joined import joined_faces
+from radmpc.program.keepout import KeepOut
 
-__all__ = ["best_clearance", "clearances", "opening_directions"]
+__all__ = ["best_clearance", "clearances", "opening_directions", "openings"]
 
 _POOR = 1e-3
 """Risk of the best face from which on further directions are tried at a start or a goal [-]."""
+
+_NEARLY = 0.99
+"""Share of that risk from which it is computed once more, face by face [-]."""
 
 _WORTH = 0.1
 """Share of that risk below which another direction must come to be added [-]."""
@@ -74,6 +82,62 @@ def best_clearance(
     found = clearances(mean, covariance, tried, corners, radius)
     best = int(found.argmax())
     return float(found[best]), tried[best]
+
+
+def openings(
+    endpoints: tuple[tuple[Vector, Vector, Matrix], ...],
+    keepouts: Sequence[KeepOut],
+    radius: float,
+) -> list[Matrix]:
+    """Return what `opening_directions` finds for each set, asked only where it may find any.
+
+    Parameters
+    ----------
+    endpoints : tuple of ((d,) array, (d,) array, (d, d) array)
+        As there.
+    keepouts : sequence of KeepOut
+        The sets; nothing is found for those whose start is charged elsewhere.
+    radius : float
+        By how much they are grown [m].
+
+    Returns
+    -------
+    list of (e, d) array
+        Mostly empty ones.
+    """
+    found = [np.zeros((0, k.normals.shape[2])) for k in keepouts]
+    asked = [i for i, k in enumerate(keepouts) if k.start is not None and k.shapes]
+    if not asked:
+        return found
+    poor = _poorly_separated(endpoints, [keepouts[i].shapes for i in asked], radius)
+    for i, is_poor in zip(asked, poor, strict=True):
+        first, last = keepouts[i].shapes[0], keepouts[i].shapes[-1]
+        if is_poor:
+            corners = (first.vertices, last.vertices)
+            found[i] = opening_directions(endpoints, first.normals, corners, radius)
+    return found
+
+
+def _poorly_separated(
+    endpoints: tuple[tuple[Vector, Vector, Matrix], ...],
+    shapes: Sequence[Sequence[Polytope]],
+    radius: float,
+) -> list[bool]:
+    """Tell from which sets the faces may not separate a start or a goal, all sets at once."""
+    parts = []
+    for first, last in ((some[0], some[-1]) for some in shapes):
+        at_goal = first.offsets if last is first else last.support(first.normals)
+        parts.append((first.normals, [first.offsets, at_goal]))
+    normals, offsets = joined_faces(parts)
+    worst = np.full(len(parts), np.inf)
+    for (lower, upper, covariance), moment in zip(endpoints, (0, 1), strict=True):
+        reached = np.where(normals > 0.0, normals * upper, normals * lower).sum(axis=2)
+        variances = np.einsum("nfa,ab,nfb->nf", normals, covariance, normals)
+        slack = reached - offsets[:, moment] - radius
+        cleared = clearance(slack, np.sqrt(np.maximum(variances, 0.0)))
+        worst = np.minimum(worst, cleared.max(axis=1))
+    # A little less than what `opening_directions` asks for: it rounds in another order.
+    return [risk > _NEARLY * _POOR for risk in tail_probability(worst).tolist()]
 
 
 def opening_directions(

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Vector
+from radmpc.arrays import Indices, Vector
 
 __all__ = ["shares_of_reserve"]
 
@@ -29,7 +29,10 @@ the worst sagitta, and most are smaller."""
 
 
 def shares_of_reserve(
-    near: Sequence[Vector], far: Sequence[Vector], sagitta: Vector
+    near: Sequence[Vector],
+    far: Sequence[Vector],
+    sagitta: Vector,
+    ends: tuple[Indices, Indices],
 ) -> list[Vector]:
     """Return the shares θ of the near end that are worth an alternative each.
 
@@ -40,6 +43,8 @@ def shares_of_reserve(
         where it may lack. The first beyond what is charged nothing, the others at some risk.
     sagitta : (w, f) array
         Largest sagitta toward the face [m].
+    ends : tuple of (n,) int array
+        The first and the last window of each of n things that are avoided.
 
     Returns
     -------
@@ -58,10 +63,10 @@ def shares_of_reserve(
     usual = np.where(free_far > 0.5, 1.0 - free_far, usual)
     usual = np.where(free_near > 0.5, free_near, usual)
     shares = [usual]
-    for window, ends in ((0, near), (-1, far)):
+    for is_first, window, spares in ((True, ends[0], near), (False, ends[1], far)):
         # Positions at the start are fixed, at the goal nearly so: their slack is known beforehand.
-        own: Vector = usual[window] if window == 0 else 1.0 - usual[window]
-        rooms = [largest(spare)[window] for spare in ends]
+        own: Vector = usual[window] if is_first else 1.0 - usual[window]
+        rooms = [largest(spare)[window] for spare in spares]
         tried = [own]
         for less in (*rooms, np.where(rooms[-1] < own, _LESS, own)):
             is_new = np.all([np.abs(less - other) > _LEAST_GAIN for other in tried], axis=0)
@@ -69,6 +74,6 @@ def shares_of_reserve(
             tried.append(np.where(is_worth, less, own))
             if is_worth.any():
                 share = np.full(sagitta.shape, np.nan)
-                share[window, is_worth] = (less if window == 0 else 1.0 - less)[is_worth]
+                share[window] = np.where(is_worth, less if is_first else 1.0 - less, np.nan)
                 shares.append(share)
     return shares

@@ -22,7 +22,18 @@ def empty_block(presolved_risk: float, num_presolved: int) -> RowBlock:
     """
     none, ints = np.zeros(0), np.zeros(0, dtype=np.int64)
     return RowBlock(
-        ints, ints, none, none, none, ints, ints, ints, ints, ints, presolved_risk, num_presolved
+        entry_rows=ints,
+        entry_outputs=ints,
+        entry_values=none,
+        offsets=none,
+        deviations=none,
+        events=ints,
+        event_steps=ints,
+        alternative_sizes=ints,
+        avoidance_sizes=ints,
+        avoidance_windows=ints,
+        presolved_risk=presolved_risk,
+        num_presolved=num_presolved,
     )
 
 
@@ -70,7 +81,8 @@ def lay_out(
     direction = np.repeat(windows.directions[window, face], num_ends)
     kinds = np.tile([end.kind for end in ends], count)
     every_step = np.stack([end.steps[window] for end in ends], axis=1)
-    keys, events = _numbered(every_step.ravel(), 2 * direction + kinds)
+    things = np.repeat(windows.things[window], num_ends)
+    keys, events = _numbered((things, every_step.ravel(), 2 * direction + kinds))
     offsets = np.stack([end.offsets[window, face] for end in ends], axis=1)
     deviations = np.stack([end.deviations[window, face] for end in ends], axis=1)
     return RowBlock(
@@ -80,12 +92,14 @@ def lay_out(
         offsets=np.repeat(offsets.ravel(), repeats),
         deviations=np.repeat(deviations.ravel(), repeats),
         events=np.repeat(events, repeats),
-        event_steps=keys,
+        event_steps=keys[1],
         alternative_sizes=counts.sum(axis=1),
         avoidance_sizes=kept[1],
-        avoidance_windows=np.flatnonzero(kept[0]),
+        avoidance_windows=windows.numbers[kept[0]],
         presolved_risk=presolved_risk,
         num_presolved=int(np.count_nonzero(~kept[0])),
+        event_things=keys[0],
+        avoidance_things=windows.things[kept[0]],
     )
 
 
@@ -108,6 +122,7 @@ def _entries(
         Number of the first row of each end, and how many rows it has.
     """
     window, normals, reserves = chosen
+    number = windows.numbers[window]
     firsts, counts = numbered
     entries: list[tuple[Indices, Indices, Vector]] = []
     for e, end in enumerate(ends):
@@ -121,10 +136,10 @@ def _entries(
             if windows.intervals and part.sagitta.any():
                 one, two = ~is_split & (reserve > 0.0), is_split
                 entries.append(
-                    _half_sagitta_entries(part, plain[one], normals[one], window[one], reserve[one])
+                    _half_sagitta_entries(part, plain[one], normals[one], number[one], reserve[one])
                 )
                 entries.append(
-                    _sagitta_entries(part, bent, normals[two], window[two], reserve[two])
+                    _sagitta_entries(part, bent, normals[two], number[two], reserve[two])
                 )
     return entries
 
@@ -152,29 +167,31 @@ def _num_pulls(body: Body, normals: Vector) -> Indices:
 
 
 def _sagitta_entries(
-    part: Part, rows: Indices, normals: Vector, window: Indices, reserve: Vector
+    part: Part, rows: Indices, normals: Vector, number: Indices, reserve: Vector
 ) -> tuple[Indices, Indices, Vector]:
     """Return the entries that reserve a multiple of the mean curve's sagitta, signed."""
     pull = reserve[:, None] * (part.sign * (normals @ part.sagitta))
     m = pull.shape[1]
-    plus = part.controls + window[:, None] * m + np.arange(m)
+    plus = part.controls + number[:, None] * m + np.arange(m)
     outputs = np.concatenate([plus, plus + part.control_bounds.size], axis=1)
     return np.repeat(rows, 2 * m), outputs, np.concatenate([-pull, pull], axis=1)
 
 
 def _half_sagitta_entries(
-    part: Part, rows: Indices, normals: Vector, window: Indices, reserve: Vector
+    part: Part, rows: Indices, normals: Vector, number: Indices, reserve: Vector
 ) -> tuple[Indices, Indices, Vector]:
     """Return the entries that reserve a multiple of it where it comes closer, by halves of |u|."""
     pull = part.sign * (normals @ part.sagitta)
     m = pull.shape[1]
     span = part.control_bounds.size
-    outputs = part.controls + window[:, None] * m + np.arange(m) + np.where(pull > 0.0, span, 0)
+    outputs = part.controls + number[:, None] * m + np.arange(m) + np.where(pull > 0.0, span, 0)
     return np.repeat(rows, m), outputs, reserve[:, None] * np.abs(pull)
 
 
-def _numbered(steps: Indices, directions: Indices) -> tuple[Indices, Indices]:
-    """Return the step of each distinct (step, direction) and the number of each row's pair."""
-    width = int(directions.max(initial=0)) + 1
-    keys, numbers = np.unique(steps * width + directions, return_inverse=True)
-    return keys // width, numbers
+def _numbered(keys: tuple[Indices, Indices, Indices]) -> tuple[tuple[Indices, Indices], Indices]:
+    """Return thing and step of each distinct (thing, step, direction), and every row's number."""
+    things, steps, directions = keys
+    width, span = int(directions.max(initial=0)) + 1, int(steps.max(initial=0)) + 1
+    found, numbers = np.unique((things * span + steps) * width + directions, return_inverse=True)
+    of_events, at = np.divmod(found // width, span)
+    return (of_events, at), numbers

@@ -1,4 +1,4 @@
-"""Chance rows of one avoidance over all windows: faces, noise, sagitta, and the presolve."""
+"""Chance rows of avoidances over all windows: faces, noise, sagitta, and the presolve."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ more offers more alternatives there, which cost nodes."""
 
 
 def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
-    """Return the rows of one avoidance, or the risk of its windows alone where all are presolved.
+    """Return the rows of avoidances, or the risk of their windows alone if all are presolved.
 
     A window is presolved if one of its faces holds under every admissible control with a risk of
     at most `PRESOLVED_RISK` (less where Δ is tiny): it is charged that risk and needs no choice. A
@@ -45,12 +45,12 @@ def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
     """
     num_windows = len(windows.near)
     enough = float(clearance_for(min(PRESOLVED_RISK, PRESOLVED_SHARE * risk_bound)))
-    after = 1 + np.arange(num_windows)
+    before = windows.numbers
+    after = before + 1
     if not windows.intervals:
         ends = [_end(body, windows.normals, windows.near, after, body.covariances[after])]
         sagitta, shares = np.zeros(windows.near.shape), [np.full(windows.near.shape, 0.5)]
     else:
-        before = np.arange(num_windows)
         here = (body, windows.normals, windows.near, before)
         there = (body, windows.normals, windows.far, after)
         ends = [_end(*here, body.covariances[before])]
@@ -60,7 +60,8 @@ def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         sagitta = _worst_sagitta(body, windows)
         levels = enough, float(clearance_for(min(_SOME * risk_bound, CONVEX_RISK)))
         near = [np.minimum.reduce([_spare(end, c) for end in ends[:-1]]) for c in levels]
-        shares = shares_of_reserve(near, [_spare(ends[-1], c) for c in levels], sagitta)
+        far = [_spare(ends[-1], c) for c in levels]
+        shares = shares_of_reserve(near, far, sagitta, _first_and_last(windows))
     worst = [_worst(ends, sagitta, share) for share in shares]
     best = np.minimum.reduce([clearance(end.most, end.deviations) for end in ends])
     safest_clearance = worst[0].max(axis=1)
@@ -128,10 +129,16 @@ def _worst(ends: list[End], sagitta: Vector, share: Vector) -> Vector:
     return np.asarray(np.minimum.reduce([_clearance(end, sagitta, share) for end in ends]))
 
 
+def _first_and_last(windows: Windows) -> tuple[Indices, Indices]:
+    """Return the places of the first and of the last window of every thing."""
+    ends = np.flatnonzero(np.diff(windows.things, append=windows.things[-1] + 1))
+    return np.append(0, ends[:-1] + 1), ends
+
+
 def _worst_sagitta(body: Body, windows: Windows) -> Vector:
     """Return the largest sagitta of the mean curve toward each face, (w, f) [m]."""
     sagitta = np.zeros(windows.near.shape)
     for part in body.parts:
-        bounds = np.maximum(part.control_bounds, 0.0)
+        bounds = np.maximum(part.control_bounds, 0.0)[windows.numbers]
         sagitta += np.einsum("wfc,wc->wf", np.abs(windows.normals @ part.sagitta), bounds)
     return sagitta

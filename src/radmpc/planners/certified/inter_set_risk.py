@@ -115,8 +115,8 @@ def pair_risks_across_sets(
         return {}
     faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
     apart_by = (means[one] - means[two]) @ faces.T - (radii[one] + radii[two])[:, None, None]
-    noise = np.einsum("fa,pkab,fb->pkf", faces, covariances[one] + covariances[two], faces)
-    deviations = np.sqrt(np.maximum(noise, 0.0))
+    noise = np.sum((faces @ covariances) * faces, axis=3)
+    deviations = np.sqrt(np.maximum(noise[one] + noise[two], 0.0))
     if scenario.avoidance == "intervals":
         sagitta = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
         if sagittas is not None:
@@ -159,7 +159,8 @@ def _neighbors(
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
     path = float(steps) + 2.0 * sagitta if scenario.avoidance == "intervals" else 0.0
     found = []
-    largest = np.linalg.eigvalsh(covariances)[..., -1].max(axis=0)
+    # No less than the largest variance in any direction.
+    largest = np.trace(covariances, axis1=2, axis2=3).max(axis=0)
     for k in range(means.shape[1]):
         spread = float(np.sqrt(max(float(largest[k]), 0.0)))
         near = 2.0 * radii.max() + _FAR * np.sqrt(2.0) * spread + path

@@ -53,6 +53,10 @@ class Surroundings:
 
     def of(self, members: tuple[int, ...]) -> Scenario:
         """Return the scenario of some vehicles and the obstacles they may meet."""
-        alone = self._scenario.subset(members, self._scenario.risk_bound)
+        whole = self._scenario
         near = np.flatnonzero(self._near[list(members)].any(axis=0))
-        return replace(alone, obstacles=tuple(self._scenario.obstacles[int(i)] for i in near))
+        return replace(
+            whole,
+            vehicles=tuple(whole.vehicles[i] for i in members),
+            obstacles=tuple(whole.obstacles[int(i)] for i in near),
+        )

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.inter_set_risk import by_sets, pair_risks_across_sets
 from radmpc.planners.certified.merging import Members, owners_of
@@ -55,6 +55,7 @@ class SetPrograms:
         self.surroundings = Surroundings(scenario, self.models)
         self._problems: dict[Members, SetProblem] = {}
         self._alone: dict[Members, Scenario] = {}
+        self._motions: dict[Members, tuple[Vector, Tensor, Tensor]] = {}
 
     def problem(self, members: Members) -> SetProblem:
         """Return a set's program, built when first asked for."""
@@ -150,15 +151,27 @@ class SetPrograms:
         means = np.empty((self.scenario.num_vehicles, *self.models[0].drift_position.shape))
         sagittas = np.zeros((means.shape[0], means.shape[1] - 1, means.shape[2]))
         for members, z in zip(sets, points, strict=True):
-            means[list(members)] = self.problem(members).means(z)
-            for i, controls in zip(
-                members, controls_of(self.problem(members).models, z), strict=True
-            ):
-                if self.scenario.vehicles[i].system.is_double_integrator:
-                    sagittas[i] = self.scenario.dt**2 / 8.0 * controls
+            places = list(members)
+            means[places], sagittas[places] = self._motion(members, z)
         return pair_risks_across_sets(
             self.scenario, means, self.covariances, owners_of(sets), sagittas
         )
+
+    def _motion(self, members: Members, z: Vector) -> tuple[Tensor, Tensor]:
+        """Return the mean positions of a set, (n, T+1, d), and their sagittas, (n, T, d).
+
+        Those of the last point asked for are kept: from one estimate to the next few sets move.
+        """
+        known = self._motions.get(members)
+        if known is None or known[0] is not z:
+            problem = self.problem(members)
+            means = problem.means(z)
+            sagittas = np.zeros((len(members), means.shape[1] - 1, means.shape[2]))
+            for place, controls in enumerate(controls_of(problem.models, z)):
+                if self.scenario.vehicles[members[place]].system.is_double_integrator:
+                    sagittas[place] = self.scenario.dt**2 / 8.0 * controls
+            known = self._motions[members] = (z, means, sagittas)
+        return known[1:]
 
     def controls(self, sets: Sequence[Members], points: Sequence[Vector]) -> tuple[Matrix, ...]:
         """Return every vehicle's controls, in the scenario's order.

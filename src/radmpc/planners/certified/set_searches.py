@@ -14,7 +14,6 @@ from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
-from radmpc.program.build import condensed_models
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
 
@@ -23,7 +22,10 @@ __all__ = ["SetSearch", "search_sets", "solve_sets"]
 _TUNED = TUNING.sets
 
 _CHUNKS = 16
-"""Parts that a round's sets are handed out in [-]: each worth sending, enough to share."""
+"""Parts that a round's small sets are handed out in [-]: each worth sending, enough to share."""
+
+_SMALL = 2
+"""Vehicles of the largest sets that are handed out together [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,8 +34,8 @@ class SetSearch:
 
     Attributes
     ----------
-    members : tuple of int
-        The vehicles.
+    problem : SetProblem
+        The set's program: to send it takes a tenth of the time of building it anew.
     scenario : Scenario
         These vehicles alone, with what they may meet.
     state : SetState or None
@@ -42,7 +44,7 @@ class SetSearch:
         What is asked.
     """
 
-    members: tuple[int, ...]
+    problem: SetProblem
     scenario: Scenario
     state: SetState | None
     order: Order
@@ -89,11 +91,10 @@ def solve_sets(
     for members in sets:
         order = _order(fleet, state, members, unit_price, effort, is_rough=is_rough)
         if order is not None:
-            fleet.programs.problem(members)
-            alone = fleet.programs.alone(members)
-            searches.append(SetSearch(members, alone, state.set_states.get(members), order))
-    found = search_sets(searches, fleet.programs.problem, fleet.limits, fleet.executor, tell)
-    new = {search.members: one for search, one in zip(searches, found, strict=True)}
+            problem, alone = fleet.programs.problem(members), fleet.programs.alone(members)
+            searches.append(SetSearch(problem, alone, state.set_states.get(members), order))
+    found = search_sets(searches, fleet.limits, fleet.executor, tell)
+    new = {search.problem.members: one for search, one in zip(searches, found, strict=True)}
     return replace(state, set_states={**state.set_states, **new})
 
 
@@ -146,7 +147,6 @@ def _bounds_of_parts(
 
 def search_sets(
     searches: Sequence[SetSearch],
-    problem: Callable[[tuple[int, ...]], SetProblem],
     limits: Limits,
     executor: Executor | None,
     progress: Callable[[int, int], None],
@@ -157,8 +157,6 @@ def search_sets(
     ----------
     searches : sequence of SetSearch
         The sets.
-    problem : callable
-        Returns a set's program, for those searched here.
     limits : Limits
         When to stop early.
     executor : Executor or None
@@ -172,30 +170,40 @@ def search_sets(
         In the order of the searches.
     """
     if executor is None or len(searches) < 2:
-        found = []
-        for search in searches:
-            found.append(
-                advance(
-                    problem(search.members), search.scenario, search.state, search.order, limits
-                )
-            )
-            progress(len(found), len(searches))
-        return found
-    size = -(-len(searches) // _CHUNKS)
-    chunks = [tuple(searches[i : i + size]) for i in range(0, len(searches), size)]
-    states: list[SetState] = []
-    answers = run_elsewhere(_search_afresh, chunks, limits, executor, progress)
-    for chunk, answer in zip(chunks, answers, strict=True):
-        states += search_sets(chunk, problem, limits, None, progress) if answer is None else answer
-    return states
+        return _searched_here(searches, limits, progress)
+    tasks = _shared_out([len(search.problem.members) for search in searches])
+    chunks = [tuple(searches[i] for i in numbers) for numbers in tasks]
+    answers = run_elsewhere(_search_in_turn, chunks, limits, executor, progress)
+    states: dict[int, SetState] = {}
+    for numbers, chunk, answer in zip(tasks, chunks, answers, strict=True):
+        found = _searched_here(chunk, limits, progress) if answer is None else answer
+        states |= zip(numbers, found, strict=True)
+    return [states[i] for i in range(len(searches))]
 
 
-def _search_afresh(searches: Sequence[SetSearch], limits: Limits) -> list[SetState]:
-    """Search sets whose programs are not at hand."""
-    found = []
+def _shared_out(sizes: Sequence[int]) -> list[list[int]]:
+    """Return the numbers of sets of some sizes in parts to be handed out, the longest first.
+
+    The largest sets come first and alone, since all the others are done while the hardest is.
+    """
+    order = sorted(range(len(sizes)), key=lambda i: -sizes[i])
+    large = [[i] for i in order if sizes[i] > _SMALL]
+    small = order[len(large) :]
+    step = max(1, -(-len(small) // _CHUNKS))
+    return large + [small[i : i + step] for i in range(0, len(small), step)]
+
+
+def _searched_here(
+    searches: Sequence[SetSearch], limits: Limits, progress: Callable[[int, int], None]
+) -> list[SetState]:
+    """Search sets in this process."""
+    found: list[SetState] = []
     for search in searches:
-        models = condensed_models(search.scenario)
-        everyone = tuple(range(len(models)))
-        problem = SetProblem.of(search.scenario, everyone, models, search.order.unit)
-        found.append(advance(problem, search.scenario, search.state, search.order, limits))
+        found.append(advance(search.problem, search.scenario, search.state, search.order, limits))
+        progress(len(found), len(searches))
     return found
+
+
+def _search_in_turn(searches: Sequence[SetSearch], limits: Limits) -> list[SetState]:
+    """Search sets in a worker."""
+    return _searched_here(searches, limits, lambda done, total: None)

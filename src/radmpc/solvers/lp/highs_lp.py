@@ -34,13 +34,18 @@ _DUAL_SIMPLEX = (
     ("simplex_strategy", 1),
     # Few pivots follow each change: exact edge weights cost more than they save.
     ("simplex_dual_edge_weight_strategy", 0),
+    # Meters, seconds and shares of a budget are of one order as they are, and warm vertices of a
+    # search are left as they were found: scales and perturbed costs have to be undone every time.
+    ("simplex_scale_strategy", 0),
+    ("dual_simplex_cost_perturbation_multiplier", 0.0),
     ("primal_feasibility_tolerance", FEASIBILITY_TOL),
     ("dual_feasibility_tolerance", FEASIBILITY_TOL),
     # Tangents far out in the tail are flat, and still count where risk bounds are small.
     ("small_matrix_value", 1e-12),
 )
 """Options of the warm dual simplex. Dantzig pricing took 10 to 18 % less time than steepest
-edge."""
+edge. Without scales and perturbation it takes 40 % less in 76 searches of `fleet(64)` and
+`paper(8)`, and a fifth fewer nodes. A solve that fails is repeated by HiGHS as it comes."""
 
 _BEYOND = 1e-7
 """Share of the cutoff by which HiGHS goes beyond it [-], so that the cutoff is proven despite
