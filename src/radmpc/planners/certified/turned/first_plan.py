@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -64,18 +65,23 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         ways = detours(hazards, stopped, clearance)
     best, least = None, np.inf
     nearly = TUNING.nearly * float(hazards.radii.mean())
+    hopeless = TUNING.hopeless * float(hazards.radii.sum())
     limits = task.limits.within(
         min(TUNING.first_seconds, TUNING.first_time_share * task.limits.seconds_left)
     )
-    for attempt in _attempts(task, (alone.paths, ways), (sets, price), (rng, limits)):
+    begin = _Begin(task, alone.paths, ways, sets, price, clearance)
+    for attempt, penalty in _attempts(begin, rng, limits):
         missed = np.inf
         for kept in (clearance, TUNING.narrower * clearance):
-            is_apart = attempt.successive.keep_apart(kept, TUNING.max_sweeps, limits)
-            missed = float(attempt.successive.missed.sum())
+            successive = attempt.successive
+            is_apart = successive.keep_apart(kept, TUNING.max_sweeps, limits, penalty)
+            missed = float(successive.missed.sum())
             if is_apart or missed <= nearly:
                 found = attempt.run(TUNING.first_rounds)
                 if found.controls:
                     return found
+            if missed > hopeless:
+                break
         if missed < least:
             best, least = attempt, missed
         if limits.reached:
@@ -83,34 +89,89 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     return FleetIncumbent() if best is None else best.run(TUNING.first_rounds)
 
 
-def _attempts(
-    task: Task,
-    begin: tuple[Paths, Mapping[int, Matrix]],
-    planned: tuple[tuple[tuple[int, ...], ...], float],
-    chance: tuple[np.random.Generator, Limits],
-) -> Iterator[Turning]:
-    """Begin with paths alone; where there are ways, with these all at once, in order, at random."""
-    hazards = task.hazards
-    (alone, ways), (sets, price), (rng, limits) = begin, planned, chance
+@dataclass(frozen=True, slots=True, eq=False)
+class _Begin:
+    """What attempts begin with.
 
-    def referring(places: Mapping[int, Matrix]) -> Turning:
-        turning = Turning(task, FleetIncumbent(), sets, price)
-        turning.successive.begin(alone.controls)
+    Attributes
+    ----------
+    task : Task
+        What is asked.
+    alone : Paths
+        What vehicles do by themselves.
+    ways : mapping of int to (p, d) array
+        The shortest ways around obstacles of those that these stop [m].
+    sets : tuple of tuple of int
+        Who get in each other's way.
+    price : float
+        Shadow price of the risk, per unit of probability.
+    clearance : float
+        Standard deviations to keep [-].
+    """
+
+    task: Task
+    alone: Paths
+    ways: Mapping[int, Matrix]
+    sets: tuple[tuple[int, ...], ...]
+    price: float
+    clearance: float
+
+    def referring(self, places: Mapping[int, Matrix]) -> Turning:
+        """Return half-spaces turned to given positions, for all others to their paths alone."""
+        turning = Turning(self.task, FleetIncumbent(), self.sets, self.price)
+        turning.successive.begin(self.alone.controls)
         for i, path in places.items():
             turning.successive.refer(i, path)
         return turning
 
-    yield referring({i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()})
+
+def _attempts(
+    begin: _Begin, rng: np.random.Generator, limits: Limits
+) -> Iterator[tuple[Turning, float]]:
+    """Begin with paths alone; where there are ways, with these at even speed, paced, at random.
+
+    With each comes the penalty of a meter missed in the first sweep: high for places that keep off
+    each other already.
+    """
+    ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
+    yield begin.referring({i: timed(w, hazards.horizon, 0.0, 1.0) for i, w in ways.items()}), usual
     if not ways:
         return
-    if hazards.count > 1:
-        from radmpc.planners.certified.turned.prioritized import prioritized  # noqa: PLC0415 - few need it
-
-        in_order = prioritized(hazards, lambda: limits.reached)
-        if in_order:
-            yield referring(in_order)
+    for places, penalty in _kept_apart(begin, limits):
+        yield begin.referring(places), penalty
     for _ in range(TUNING.attempts):
-        yield referring({i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()})
+        drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
+        yield begin.referring(drawn), usual
+
+
+def _kept_apart(begin: _Begin, limits: Limits) -> Iterator[tuple[Mapping[int, Matrix], float]]:
+    """Place vehicles one after the other: in space and time, on given ways, or on both."""
+    from radmpc.planners.certified.turned.pacing import (  # noqa: PLC0415 - few need it
+        clear_of,
+        paced,
+        pulled_ways,
+        shortest_ways,
+    )
+    from radmpc.planners.certified.turned.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
+
+    hazards, clearance = begin.task.hazards, begin.clearance
+    placed, ticks = {}, 1
+    if hazards.count > 1:
+        placed, ticks = prioritized_ticks(hazards, lambda: limits.reached)
+        if placed:
+            yield {i: path[::ticks] for i, path in placed.items()}, TUNING.first_penalty
+    clear = clear_of(hazards)
+    if clear is None or limits.reached:
+        return
+    shortest = shortest_ways(hazards, clear, clearance)
+    pulled = pulled_ways(hazards, clear, placed, clearance)
+    choices = {
+        i: [shortest[i], *pulled.get(i, ())] for i in (placed or shortest) if i in shortest
+    }
+    if len(choices) == hazards.count:
+        on_ways = paced(hazards, choices, clear, clearance, lambda: limits.reached)
+        if on_ways:
+            yield on_ways, TUNING.paced_penalty
 
 
 def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:

@@ -41,6 +41,9 @@ class Tuning:
         Penalty for a meter missed, in multiples of what the cheapest meter of detour costs: in the
         first sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that
         several vehicles share a detour instead of the first one making all of it.
+    paced_penalty : float
+        The first of these where vehicles are placed at a pace that keeps them clear of each other
+        [-]: with a small one they leave it, and miss more in the end.
     steady : float
         Relative change of the cost below which sweeps without a miss end [-].
     stuck : int
@@ -60,6 +63,8 @@ class Tuning:
         Share of the clearance that is kept where ways are too narrow for all of it [-].
     nearly : float
         What paths may miss in all to be turned at a price of risk all the same [mean radii].
+    hopeless : float
+        What paths may miss in all for another try with less room [sums of radii].
     first_seconds, first_time_share : float
         Time after which no other attempt is begun [s], at most this share of what is left [-].
     fastest : float
@@ -141,6 +146,7 @@ class Tuning:
     first_penalty: float = 10.0
     penalty_growth: float = 1.3
     last_penalty: float = 1e4
+    paced_penalty: float = 300.0
     steady: float = 2e-3
     stuck: int = 8
     looks: int = 3
@@ -149,6 +155,7 @@ class Tuning:
     attempts: int = 8
     narrower: float = 0.7
     nearly: float = 0.2
+    hopeless: float = 4.0
     first_seconds: float = 10.0
     first_time_share: float = 0.2
     fastest: float = 0.95
