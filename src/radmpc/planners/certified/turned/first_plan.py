@@ -70,11 +70,11 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         min(TUNING.first_seconds, TUNING.first_time_share * task.limits.seconds_left)
     )
     begin = _Begin(task, alone.paths, ways, sets, price, clearance)
-    for attempt, penalty in _attempts(begin, rng, limits):
+    for attempt, penalty, sweeps in _attempts(begin, rng, limits):
         missed = np.inf
         for kept in (clearance, TUNING.narrower * clearance):
             successive = attempt.successive
-            is_apart = successive.keep_apart(kept, TUNING.max_sweeps, limits, penalty)
+            is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
             missed = float(successive.missed.sum())
             if is_apart or missed <= nearly:
                 found = attempt.run(TUNING.first_rounds)
@@ -127,51 +127,56 @@ class _Begin:
 
 def _attempts(
     begin: _Begin, rng: np.random.Generator, limits: Limits
-) -> Iterator[tuple[Turning, float]]:
+) -> Iterator[tuple[Turning, float, int]]:
     """Begin with paths alone; where there are ways, with these at even speed, paced, at random.
 
-    With each comes the penalty of a meter missed in the first sweep: high for places that keep off
-    each other already.
+    With each come the penalty of a meter missed in the first sweep, high for places that keep off
+    each other already, and how many sweeps to try.
     """
     ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
-    yield begin.referring({i: timed(w, hazards.horizon, 0.0, 1.0) for i, w in ways.items()}), usual
+    evenly = {i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()}
+    yield begin.referring(evenly), usual, TUNING.quick_sweeps if ways else TUNING.max_sweeps
     if not ways:
         return
     for places, penalty in _kept_apart(begin, limits):
-        yield begin.referring(places), penalty
+        yield begin.referring(places), penalty, TUNING.max_sweeps
+    yield begin.referring(evenly), usual, TUNING.max_sweeps
     for _ in range(TUNING.attempts):
         drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
-        yield begin.referring(drawn), usual
+        yield begin.referring(drawn), usual, TUNING.max_sweeps
 
 
 def _kept_apart(begin: _Begin, limits: Limits) -> Iterator[tuple[Mapping[int, Matrix], float]]:
     """Place vehicles one after the other: in space and time, on given ways, or on both."""
     from radmpc.planners.certified.turned.pacing import (  # noqa: PLC0415 - few need it
+        Pacing,
         clear_of,
-        paced,
         pulled_ways,
         shortest_ways,
     )
     from radmpc.planners.certified.turned.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
 
     hazards, clearance = begin.task.hazards, begin.clearance
-    placed, ticks = {}, 1
-    if hazards.count > 1:
-        placed, ticks = prioritized_ticks(hazards, lambda: limits.reached)
-        if placed:
-            yield {i: path[::ticks] for i, path in placed.items()}, TUNING.first_penalty
-    clear = clear_of(hazards)
-    if clear is None or limits.reached:
+    clear, pacing = clear_of(hazards), None
+    if clear is not None:
+        pacing = Pacing(hazards, clear, clearance)
+        for i, way in shortest_ways(hazards, clear, clearance).items():
+            pacing.offer(i, way)
+        places = pacing.run(range(hazards.count), lambda: limits.reached)
+        if places:
+            yield places, TUNING.paced_penalty
+    if hazards.count == 1 or limits.reached:
         return
-    shortest = shortest_ways(hazards, clear, clearance)
-    pulled = pulled_ways(hazards, clear, placed, clearance)
-    choices = {
-        i: [shortest[i], *pulled.get(i, ())] for i in (placed or shortest) if i in shortest
-    }
-    if len(choices) == hazards.count:
-        on_ways = paced(hazards, choices, clear, clearance, lambda: limits.reached)
-        if on_ways:
-            yield on_ways, TUNING.paced_penalty
+    placed, ticks = prioritized_ticks(hazards, lambda: limits.reached)
+    if placed and pacing is not None and clear is not None:
+        for i, ways in pulled_ways(hazards, clear, placed, clearance).items():
+            for way in ways:
+                pacing.offer(i, way)
+        places = pacing.run(tuple(placed), lambda: limits.reached)
+        if places:
+            yield places, TUNING.paced_penalty
+    if placed:
+        yield {i: path[::ticks] for i, path in placed.items()}, TUNING.first_penalty
 
 
 def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from radmpc.planners.certified.turned.grid import Grid
 from radmpc.planners.certified.turned.track import Closeness, Track, track
 from radmpc.program.hazards import Hazards
 
-__all__ = ["clear_of", "paced", "pulled_ways", "shortest_ways"]
+__all__ = ["Pacing", "clear_of", "pulled_ways", "shortest_ways"]
 
 _TRIES = 16
 """Orders that are tried at most [-]."""
@@ -35,99 +34,94 @@ _LITTLE = 1e-6
 """Distance below which points of a way are the same [m]."""
 
 
-@dataclass(slots=True, eq=False)
-class _Placing:
-    """Vehicles placed so far; what was computed of two is kept while the second stays."""
-
-    hazards: Hazards
-    clearance: float
-    placed: dict[int, Matrix] = field(default_factory=dict)
-    _known: dict[tuple[int, int], tuple[Matrix, Closeness]] = field(default_factory=dict)
-
-    def place(self, tracks: Sequence[tuple[Track, float]]) -> bool:
-        """Place a vehicle on the best of its tracks; tell whether there is any."""
-        best: tuple[Matrix, float] | None = None
-        for each, alone in tracks:
-            if best is not None and alone >= best[1]:
-                # Others only make it dearer; tracks come in the order of what they cost alone.
-                break
-            others = [self._closeness(each, j) for j in self.placed]
-            found = each.paced(self.hazards.horizon, others)
-            if found is not None and (best is None or found[1] < best[1]):
-                best = found
-        if best is None:
-            return False
-        self.placed[tracks[0][0].vehicle] = best[0]
-        return True
-
-    def _closeness(self, each: Track, other: int) -> Closeness:
-        """Return what being near a placed vehicle costs."""
-        path, key = self.placed[other], (id(each), other)
-        known = self._known.get(key)
-        if known is None or not np.array_equal(known[0], path):
-            known = path, each.closeness(self.hazards, other, path, self.clearance)
-            self._known[key] = known
-        return known[1]
-
-
-def paced(
-    hazards: Hazards,
-    ways: Mapping[int, Sequence[Matrix]],
-    clear: Clear,
-    clearance: float,
-    is_stopped: Callable[[], bool],
-) -> Mapping[int, Matrix]:
-    """Return where vehicles are at each step on the best of their ways.
+class Pacing:
+    """A fleet that is placed on ways, one vehicle after the other.
 
     Parameters
     ----------
     hazards : Hazards
         The fleet: double integrators in the plane.
-    ways : mapping of int to sequence of (p, 2) array
-        Corners of ways of each vehicle from start to goal [m]; in the order to begin with.
     clear : Clear
         How far places are from obstacles.
     clearance : float
         Standard deviations to keep from everything [-].
-    is_stopped : callable
-        Returns True once it is time to stop.
-
-    Returns
-    -------
-    mapping of int to (T+1, 2) array
-        Positions [m]; empty where no order of those tried leads to any.
     """
-    tracks: dict[int, list[tuple[Track, float]]] = {}
-    for i, choices in ways.items():
-        tracks[i] = _laid_out(hazards, i, choices, clear, clearance)
-        if not tracks[i] or is_stopped():
-            return {}
-    order, placing = list(ways), _Placing(hazards, clearance)
-    for _ in range(_TRIES):
-        placing.placed = {}
-        for i in order:
-            if is_stopped():
-                return {}
-            if not placing.place(tracks[i]):
-                order.remove(i)
-                order.insert(0, i)
+
+    def __init__(self, hazards: Hazards, clear: Clear, clearance: float) -> None:
+        self._hazards, self._clear, self._clearance = hazards, clear, clearance
+        self._tracks: dict[int, list[tuple[Track, float]]] = {}
+        self._placed: dict[int, Matrix] = {}
+        self._known: dict[tuple[int, int], tuple[Matrix, Closeness]] = {}
+
+    def offer(self, vehicle: int, way: Matrix) -> None:
+        """Let a vehicle take a way, too, if there is any pace for it.
+
+        Parameters
+        ----------
+        vehicle : int
+            Its number.
+        way : (p, 2) array
+            Corners of the way from its start to its goal [m].
+        """
+        laid_out = track(self._hazards, vehicle, way, self._clear, self._clearance)
+        alone = None if laid_out is None else laid_out.paced(self._hazards.horizon, ())
+        if laid_out is not None and alone is not None:
+            self._tracks.setdefault(vehicle, []).append((laid_out, alone[1]))
+            self._tracks[vehicle].sort(key=lambda one: one[1])
+
+    def run(self, order: Sequence[int], is_stopped: Callable[[], bool]) -> Mapping[int, Matrix]:
+        """Return where vehicles are at each step, each on the best of its ways.
+
+        Parameters
+        ----------
+        order : sequence of int
+            Who is placed first; who finds no pace is put first, and all begin again.
+        is_stopped : callable
+            Returns True once it is time to stop.
+
+        Returns
+        -------
+        mapping of int to (T+1, 2) array
+            Positions [m]; empty where no order of those tried leads to any.
+        """
+        tried: set[tuple[int, ...]] = set()
+        following = tuple(order)
+        while len(tried) < _TRIES and following not in tried and len(self._tracks) == len(order):
+            tried.add(following)
+            self._placed = {}
+            for i in following:
+                if is_stopped():
+                    return {}
+                if not self._place(i):
+                    following = (i, *(j for j in following if j != i))
+                    break
+            else:
+                return self._placed
+        return {}
+
+    def _place(self, vehicle: int) -> bool:
+        """Place a vehicle at the best pace on any of its ways; tell whether there is one."""
+        best: tuple[Matrix, float] | None = None
+        for each, alone in self._tracks[vehicle]:
+            if best is not None and alone >= best[1]:
+                # Others only make it dearer; the ways come in the order of what they cost alone.
                 break
-        else:
-            return placing.placed
-    return {}
+            others = [self._closeness(each, j) for j in self._placed]
+            found = each.paced(self._hazards.horizon, others)
+            if found is not None and (best is None or found[1] < best[1]):
+                best = found
+        if best is not None:
+            self._placed[vehicle] = best[0]
+        return best is not None
 
-
-def _laid_out(
-    hazards: Hazards, i: int, ways: Sequence[Matrix], clear: Clear, clearance: float
-) -> list[tuple[Track, float]]:
-    """Return a vehicle's ways laid out, and what each costs alone, the cheapest first."""
-    found = []
-    for way in ways:
-        each = track(hazards, i, way, clear, clearance)
-        alone = None if each is None else each.paced(hazards.horizon, ())
-        if each is not None and alone is not None:
-            found.append((each, alone[1]))
-    return sorted(found, key=lambda one: one[1])
+    def _closeness(self, each: Track, other: int) -> Closeness:
+        """Return what being near a placed vehicle costs; kept while that one stays on its path."""
+        path, key = self._placed[other], (id(each), other)
+        known = self._known.get(key)
+        if known is None or not np.array_equal(known[0], path):
+            known = path, each.closeness(self._hazards, other, path, self._clearance)
+            self._known[key] = known
+        return known[1]
 
 
 def clear_of(hazards: Hazards) -> Clear | None:
@@ -147,7 +141,7 @@ def shortest_ways(hazards: Hazards, clear: Clear, clearance: float) -> Mapping[i
     Parameters
     ----------
     hazards, clear, clearance
-        As in `paced`.
+        As in `Pacing`.
     """
     found = detours(hazards, range(hazards.count), clearance, clear.grid)
     return {i: _distinct(clear.pulled(way, _room(hazards, i))) for i, way in found.items()}
@@ -161,7 +155,7 @@ def pulled_ways(
     Parameters
     ----------
     hazards, clear, clearance
-        As in `paced`.
+        As in `Pacing`.
     paths : mapping of int to (K+1, 2) array
         Positions, tick by tick [m].
     """

@@ -52,14 +52,14 @@ class SuccessiveLp:
     paths : Paths
         Everyone's latest paths.
     missed : (N,) array
-        How far half-spaces were missed when each vehicle was planned last [m].
+        How far half-spaces were missed when each vehicle was planned last; inf before [m].
     """
 
     def __init__(self, hazards: Hazards, limits: Limits) -> None:
         self.hazards = hazards
         self.limits = limits
         self.paths = Paths(hazards)
-        self.missed = np.zeros(hazards.count)
+        self.missed = np.full(hazards.count, np.inf)
         self._ahead = Paths(hazards)
         self._programs: dict[Group, GroupLp] = {}
         self._meter = _cheapest_meter(hazards)

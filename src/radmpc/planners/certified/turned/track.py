@@ -123,10 +123,10 @@ class Track:
             None where there is no pace that keeps off them.
         """
         num_levels, _, count = self.costs.shape
-        near = np.zeros((horizon, count, self.num_moves))
+        near = np.zeros((horizon, count, self.num_moves), dtype=np.float32)
         for step, place, lack in others:
             near[step, place] += lack
-        value = np.full((num_levels, count), np.inf)
+        value = np.full((num_levels, count), np.inf, dtype=np.float32)
         value[0, -1] = 0.0
         level = np.arange(num_levels)
         ends = level[None, :, None] * count + self.ends
@@ -203,7 +203,7 @@ def track(hazards: Hazards, i: int, way: Matrix, clear: Clear, clearance: float)
     costs[is_never] = np.inf
     start = hazards.models[i].drift_velocity
     first = 0.0 if start is None else float(ahead[0] @ start[0]) / unit
-    return Track(i, places, ends, costs, int(np.clip(round(first), 0, level[-1])), price)
+    return Track(i, places, ends, costs.astype(np.float32), int(np.clip(round(first), 0, level[-1])), price)
 
 
 def _limits(model: CondensedModel) -> tuple[float, float, Vector]:

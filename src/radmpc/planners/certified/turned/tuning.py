@@ -56,6 +56,8 @@ class Tuning:
         Factor on how far one looks around for it [-].
     max_sweeps : int
         Sweeps over the fleet for a first plan, at most [-]; `empty_40agents_3` takes nine.
+    quick_sweeps : int
+        The same where there are other ways to begin with [-].
     attempts : int
         Times of ways around obstacles that a first plan is tried with, at most [-]: each takes 0.1
         to 0.5 s for three to eight vehicles.
@@ -152,12 +154,13 @@ class Tuning:
     looks: int = 3
     further: float = 3.0
     max_sweeps: int = 40
+    quick_sweeps: int = 12
     attempts: int = 8
     narrower: float = 0.7
     nearly: float = 0.2
-    hopeless: float = 4.0
-    first_seconds: float = 10.0
-    first_time_share: float = 0.2
+    hopeless: float = 1.0
+    first_seconds: float = 20.0
+    first_time_share: float = 0.4
     fastest: float = 0.95
     first_rounds: int = 8
     first_dear: float = 3.0
