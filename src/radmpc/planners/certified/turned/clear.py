@@ -12,6 +12,12 @@ from radmpc.program.hazards import Hazards
 
 __all__ = ["Clear"]
 
+_POINTS = 160
+"""Points of the grid along its longest axis [-]."""
+
+_COARSE = 1.5
+"""Spacing of the grid up to which it tells corners apart [radii of the smallest]."""
+
 _AHEAD = 24
 """Points of a way that a straight piece may replace at most [-]."""
 
@@ -41,8 +47,20 @@ class Clear:
     field: Matrix
 
     @classmethod
-    def of(cls, hazards: Hazards, grid: Grid) -> Clear:
-        """Return the distances at the points of a grid, borders of the workspace among them."""
+    def of(cls, hazards: Hazards) -> Clear | None:
+        """Return the distances, borders of the workspace among them; None where they tell nothing.
+
+        Parameters
+        ----------
+        hazards : Hazards
+            The fleet; double integrators in the plane, or nothing is returned.
+        """
+        are_double = all(m.vehicle.system.is_double_integrator for m in hazards.models)
+        if hazards.dimension != 2 or not are_double:
+            return None
+        grid = Grid.of(hazards, _POINTS)
+        if grid.spacing > _COARSE * float(hazards.radii.min()):
+            return None
         far = float(10.0 * hazards.radii.max() + grid.spacing)
         field = np.minimum(grid.distances, far)
         if hazards.workspace is not None:

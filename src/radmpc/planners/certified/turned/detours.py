@@ -67,7 +67,11 @@ def detours(
 
 
 def ways_beside(
-    hazards: Hazards, grid: Grid, parts: Mapping[int, Sequence[Matrix]], clearance: float, far: float
+    hazards: Hazards,
+    grid: Grid,
+    parts: Mapping[int, Sequence[Matrix]],
+    clearance: float,
+    far: float,
 ) -> dict[int, list[Matrix]]:
     """Return the shortest ways beside given ones, piece by piece.
 
@@ -98,7 +102,10 @@ def ways_beside(
         found[i] = []
         for piece in pieces:
             beside = np.unique(np.concatenate(tree.query_ball_point(piece, far))).astype(np.int64)
-            ends = [int(np.linalg.norm(grid.points[beside] - p, axis=1).argmin()) for p in piece[[0, -1]]]
+            ends = [
+                int(np.linalg.norm(grid.points[beside] - p, axis=1).argmin())
+                for p in piece[[0, -1]]
+            ]
             for room in rooms:
                 key = (round(float(room), 9), round(spread, 9))
                 if key not in graphs:

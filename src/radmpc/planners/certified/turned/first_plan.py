@@ -12,7 +12,7 @@ from radmpc.gaussian import CONVEX_RISK, clearance_for
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near
-from radmpc.planners.certified.turned.paths import Paths, timed
+from radmpc.planners.certified.turned.paths import Paths, evenly, timed
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
@@ -134,49 +134,54 @@ def _attempts(
     each other already, and how many sweeps to try.
     """
     ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
-    evenly = {i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()}
-    yield begin.referring(evenly), usual, TUNING.quick_sweeps if ways else TUNING.max_sweeps
+    usually = {i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()}
+    yield begin.referring(usually), usual, TUNING.quick_sweeps if ways else TUNING.max_sweeps
     if not ways:
         return
-    for places, penalty in _kept_apart(begin, limits):
+    for places, penalty in _kept_apart(begin, rng, limits):
         yield begin.referring(places), penalty, TUNING.max_sweeps
-    yield begin.referring(evenly), usual, TUNING.max_sweeps
+    yield begin.referring(usually), usual, TUNING.max_sweeps
     for _ in range(TUNING.attempts):
         drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
         yield begin.referring(drawn), usual, TUNING.max_sweeps
 
 
-def _kept_apart(begin: _Begin, limits: Limits) -> Iterator[tuple[Mapping[int, Matrix], float]]:
-    """Place vehicles one after the other: in space and time, on given ways, or on both."""
-    from radmpc.planners.certified.turned.pacing import (  # noqa: PLC0415 - few need it
-        Pacing,
-        clear_of,
-        pulled_ways,
-        shortest_ways,
-    )
+def _kept_apart(
+    begin: _Begin, rng: np.random.Generator, limits: Limits
+) -> Iterator[tuple[Mapping[int, Matrix], float]]:
+    """Place vehicles clear of each other: on their ways, all together tick by tick, or in order."""
+    from radmpc.planners.certified.turned.clear import Clear  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.pacing import Pacing  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.ways import pulled_ways, shortest_ways  # noqa: PLC0415 - few need it
 
     hazards, clearance = begin.task.hazards, begin.clearance
-    clear, pacing = clear_of(hazards), None
+    clear = Clear.of(hazards)
     if clear is not None:
         pacing = Pacing(hazards, clear, clearance)
-        for i, way in shortest_ways(hazards, clear, clearance).items():
-            pacing.offer(i, way)
+        pacing.offer(shortest_ways(hazards, clear, clearance))
         places = pacing.run(range(hazards.count), lambda: limits.reached)
         if places:
             yield places, TUNING.paced_penalty
     if hazards.count == 1 or limits.reached:
         return
+    if clear is not None:
+        from radmpc.planners.certified.turned.knots import joint_ways  # noqa: PLC0415 - few need it
+
+        joint = joint_ways(hazards, clear, rng.spawn(1)[0], lambda: limits.reached)
+        if joint:
+            pacing.offer(pulled_ways(hazards, clear, joint, clearance))
+            spread = {i: evenly(way, hazards.horizon) for i, way in joint.items()}
+            yield pacing.mend(spread, lambda: limits.reached), TUNING.paced_penalty
     placed, ticks = prioritized_ticks(hazards, lambda: limits.reached)
-    if placed and pacing is not None and clear is not None:
-        for i, ways in pulled_ways(hazards, clear, placed, clearance).items():
-            for way in ways:
-                pacing.offer(i, way)
+    if not placed:
+        return
+    if clear is not None:
+        pacing.offer(pulled_ways(hazards, clear, placed, clearance))
         places = pacing.run(tuple(placed), lambda: limits.reached)
         if places:
             yield places, TUNING.paced_penalty
-    if placed:
-        yield {i: path[::ticks] for i, path in placed.items()}, TUNING.first_penalty
+    yield {i: path[::ticks] for i, path in placed.items()}, TUNING.first_penalty
 
 
 def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:

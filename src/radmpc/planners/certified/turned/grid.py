@@ -112,5 +112,7 @@ def _from_corners(points: Tensor, corners: Matrix) -> Tensor:
         length = np.linalg.norm(away, axis=-1)
         reach = (away @ corners.T).max(axis=-1)
         along = np.einsum("...d,...d->...", away, points) - reach
-        best = np.maximum(best, np.where(length > 0.0, along / np.where(length > 0.0, length, 1.0), 0.0))
+        best = np.maximum(
+            best, np.where(length > 0.0, along / np.where(length > 0.0, length, 1.0), 0.0)
+        )
     return best

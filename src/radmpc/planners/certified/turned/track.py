@@ -203,7 +203,9 @@ def track(hazards: Hazards, i: int, way: Matrix, clear: Clear, clearance: float)
     costs[is_never] = np.inf
     start = hazards.models[i].drift_velocity
     first = 0.0 if start is None else float(ahead[0] @ start[0]) / unit
-    return Track(i, places, ends, costs.astype(np.float32), int(np.clip(round(first), 0, level[-1])), price)
+    return Track(
+        i, places, ends, costs.astype(np.float32), int(np.clip(round(first), 0, level[-1])), price
+    )
 
 
 def _limits(model: CondensedModel) -> tuple[float, float, Vector]:
@@ -218,9 +220,7 @@ def _limits(model: CondensedModel) -> tuple[float, float, Vector]:
     return dt, max(fastest, _TINY), np.abs(system.B[list(system.velocity or ())]) @ most
 
 
-def _lack(
-    hazards: Hazards, i: int, places: Matrix, most: int, kept: tuple[Clear, float]
-) -> Matrix:
+def _lack(hazards: Hazards, i: int, places: Matrix, most: int, kept: tuple[Clear, float]) -> Matrix:
     """Return the room that moves from place to place miss, (n, m) [m], by their length."""
     clear, clearance = kept
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
