@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.components import components
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
+
+if TYPE_CHECKING:
+    from radmpc.planners.certified.turned.pacing import Pacing
 
 __all__ = ["first_plan"]
 
@@ -138,8 +142,8 @@ def _attempts(
     yield begin.referring(usually), usual, TUNING.quick_sweeps if ways else TUNING.max_sweeps
     if not ways:
         return
-    for places, penalty in _kept_apart(begin, rng, limits):
-        yield begin.referring(places), penalty, TUNING.max_sweeps
+    for turning, penalty in _kept_apart(begin, rng, limits):
+        yield turning, penalty, TUNING.max_sweeps
     yield begin.referring(usually), usual, TUNING.max_sweeps
     for _ in range(TUNING.attempts):
         drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
@@ -148,40 +152,57 @@ def _attempts(
 
 def _kept_apart(
     begin: _Begin, rng: np.random.Generator, limits: Limits
-) -> Iterator[tuple[Mapping[int, Matrix], float]]:
+) -> Iterator[tuple[Turning, float]]:
     """Place vehicles clear of each other: on their ways, all together tick by tick, or in order."""
     from radmpc.planners.certified.turned.clear import Clear  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.knots import joint_ways  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.pacing import Pacing  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.ways import pulled_ways, shortest_ways  # noqa: PLC0415 - few need it
 
     hazards, clearance = begin.task.hazards, begin.clearance
-    clear = Clear.of(hazards)
+    clear, pacing = Clear.of(hazards), None
+
+    def is_stopped() -> bool:
+        return limits.reached
+
     if clear is not None:
         pacing = Pacing(hazards, clear, clearance)
         pacing.offer(shortest_ways(hazards, clear, clearance))
-        places = pacing.run(range(hazards.count), lambda: limits.reached)
-        if places:
-            yield places, TUNING.paced_penalty
+        yield from _paced(begin, pacing, pacing.run(range(hazards.count), is_stopped), limits)
     if hazards.count == 1 or limits.reached:
         return
-    if clear is not None:
-        from radmpc.planners.certified.turned.knots import joint_ways  # noqa: PLC0415 - few need it
-
-        joint = joint_ways(hazards, clear, rng.spawn(1)[0], lambda: limits.reached)
+    if clear is not None and pacing is not None:
+        joint = joint_ways(hazards, clear, rng.spawn(1)[0], is_stopped)
         if joint:
             pacing.offer(pulled_ways(hazards, clear, joint, clearance))
-            spread = {i: evenly(way, hazards.horizon) for i, way in joint.items()}
-            yield pacing.mend(spread, lambda: limits.reached), TUNING.paced_penalty
-    placed, ticks = prioritized_ticks(hazards, lambda: limits.reached)
+            places = {i: evenly(way, hazards.horizon) for i, way in joint.items()}
+            yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
+    placed, ticks = prioritized_ticks(hazards, is_stopped)
     if not placed:
         return
-    if clear is not None:
+    if clear is not None and pacing is not None:
         pacing.offer(pulled_ways(hazards, clear, placed, clearance))
-        places = pacing.run(tuple(placed), lambda: limits.reached)
-        if places:
-            yield places, TUNING.paced_penalty
-    yield {i: path[::ticks] for i, path in placed.items()}, TUNING.first_penalty
+        yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), limits)
+    yield (
+        begin.referring({i: path[::ticks] for i, path in placed.items()}),
+        TUNING.first_penalty,
+    )
+
+
+def _paced(
+    begin: _Begin, pacing: Pacing, places: Mapping[int, Matrix], limits: Limits
+) -> Iterator[tuple[Turning, float]]:
+    """Begin with places at a pace, if any; then with a finer one for those who missed it."""
+    if not places:
+        return
+    turning = begin.referring(places)
+    yield turning, TUNING.paced_penalty
+    few = TUNING.misses * float(begin.task.hazards.radii.mean())
+    missing = np.flatnonzero(turning.successive.missed > few).tolist()
+    if missing and not limits.reached:
+        finer = pacing.refine(missing, lambda: limits.reached)
+        yield begin.referring(finer), TUNING.paced_penalty
 
 
 def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:

@@ -16,6 +16,10 @@ __all__ = ["Pacing"]
 _TRIES = 16
 """Orders that are tried at most [-]."""
 
+_FINENESSES = (0.75, 1.25, 1.5)
+"""Places on ways for those who find no controls for their pace, in multiples of the usual number
+[-]: where corners fall between places, others may be on them."""
+
 _MENDS = 2
 """Times that every vehicle is placed again around all others [-]."""
 
@@ -34,28 +38,48 @@ class Pacing:
     """
 
     def __init__(self, hazards: Hazards, clear: Clear, clearance: float) -> None:
-        self._hazards, self._clear, self._clearance = hazards, clear, clearance
+        self._hazards, self._clearance = hazards, clearance
+        self._kept = clear, clearance
+        self._ways: dict[int, list[Matrix]] = {}
         self._tracks: dict[int, list[tuple[Track, float]]] = {}
         self._placed: dict[int, Matrix] = {}
         self._known: dict[tuple[int, int], tuple[Matrix, Closeness]] = {}
 
-    def offer(self, ways: Mapping[int, Sequence[Matrix]]) -> None:
+    def offer(self, ways: Mapping[int, Sequence[Matrix]], fineness: float = 1.0) -> None:
         """Let vehicles take ways, too, as far as there is any pace for them.
 
         Parameters
         ----------
         ways : mapping of int to sequence of (p, 2) array
             Corners of ways from each vehicle's start to its goal [m].
+        fineness : float
+            Places on the ways, in multiples of the usual number [-].
         """
         for i, choices in ways.items():
+            self._ways.setdefault(i, [])
+            self._ways[i] += [way for way in choices if fineness == 1.0]
             for way in choices:
-                laid_out = track(self._hazards, i, way, self._clear, self._clearance)
+                laid_out = track(self._hazards, i, way, self._kept, fineness)
                 alone = None if laid_out is None else laid_out.paced(self._hazards.horizon, ())
                 if laid_out is not None and alone is not None:
                     self._tracks.setdefault(i, []).append((laid_out, alone[1]))
                     self._tracks[i].sort(key=lambda one: one[1])
 
-    def run(self, order: Sequence[int], is_stopped: Callable[[], bool]) -> Mapping[int, Matrix]:
+    def refine(self, vehicles: Sequence[int], is_stopped: Callable[[], bool]) -> dict[int, Matrix]:
+        """Return the latest places, some vehicles at the best pace of a finer choice.
+
+        Parameters
+        ----------
+        vehicles : sequence of int
+            Who find no controls for the pace they have.
+        is_stopped : callable
+            Returns True once it is time to stop.
+        """
+        for fineness in _FINENESSES:
+            self.offer({i: self._ways[i] for i in vehicles if i in self._ways}, fineness)
+        return self.mend(self._placed, is_stopped, vehicles)
+
+    def run(self, order: Sequence[int], is_stopped: Callable[[], bool]) -> dict[int, Matrix]:
         """Return where vehicles are at each step, each on the best of its ways.
 
         Parameters
@@ -82,12 +106,15 @@ class Pacing:
                     following = (i, *(j for j in following if j != i))
                     break
             else:
-                return self._placed
+                return dict(self._placed)
         return {}
 
     def mend(
-        self, places: Mapping[int, Matrix], is_stopped: Callable[[], bool]
-    ) -> Mapping[int, Matrix]:
+        self,
+        places: Mapping[int, Matrix],
+        is_stopped: Callable[[], bool],
+        vehicles: Sequence[int] | None = None,
+    ) -> dict[int, Matrix]:
         """Return places at a pace that vehicles can keep, as far as all others' leave one.
 
         Parameters
@@ -96,16 +123,18 @@ class Pacing:
             Where everyone is at each step [m], clear of each other, at whatever speed.
         is_stopped : callable
             Returns True once it is time to stop.
+        vehicles : sequence of int or None
+            Who may be placed again; None for all.
         """
         self._placed = dict(places)
         for _ in range(_MENDS):
-            for i in sorted(self._tracks):
+            for i in sorted(self._tracks) if vehicles is None else vehicles:
                 if is_stopped():
-                    return self._placed
+                    return dict(self._placed)
                 before = self._placed.pop(i)
-                if not self._place(i):
+                if not (i in self._tracks and self._place(i)):
                     self._placed[i] = before
-        return self._placed
+        return dict(self._placed)
 
     def _place(self, vehicle: int) -> bool:
         """Place a vehicle at the best pace on any of its ways; tell whether there is one."""

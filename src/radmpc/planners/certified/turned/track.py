@@ -150,7 +150,9 @@ class Track:
         return np.asarray(self.places[path]), cost
 
 
-def track(hazards: Hazards, i: int, way: Matrix, clear: Clear, clearance: float) -> Track | None:
+def track(
+    hazards: Hazards, i: int, way: Matrix, kept: tuple[Clear, float], fineness: float = 1.0
+) -> Track | None:
     """Lay out a way.
 
     Parameters
@@ -161,10 +163,10 @@ def track(hazards: Hazards, i: int, way: Matrix, clear: Clear, clearance: float)
         Whose way it is: that of a double integrator.
     way : (p, 2) array
         Its corners, no two in a row at the same place [m].
-    clear : Clear
-        How far places are from obstacles.
-    clearance : float
-        Standard deviations to keep from them [-].
+    kept : tuple of Clear and float
+        How far places are from obstacles, and standard deviations to keep from them [-].
+    fineness : float
+        Places on the way, in multiples of the usual number [-].
 
     Returns
     -------
@@ -174,7 +176,8 @@ def track(hazards: Hazards, i: int, way: Matrix, clear: Clear, clearance: float)
     dt, fastest, push = _limits(hazards.models[i])
     lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
     reach = 0.5 * dt * fastest
-    finest = int(np.clip(np.ceil(reach * _PER_RADIUS / hazards.radii[i]), *_LEVELS))
+    finest = reach * _PER_RADIUS / hazards.radii[i]
+    finest = int(np.ceil(np.clip(finest, *_LEVELS) * fineness))
     # Speeds at the steps sum to half the way: from rest to rest, only even numbers of places do.
     count = 2 * max(1, round(float(lengths[-1]) * finest / reach / 2.0)) + 1
     along = np.linspace(0.0, lengths[-1], count)
@@ -192,7 +195,7 @@ def track(hazards: Hazards, i: int, way: Matrix, clear: Clear, clearance: float)
     there = speeds[level[None, :, None], ends]
     change = np.abs(there - speeds[:, None])
     missed = places[ends] - places - 0.5 * dt * (there + speeds[:, None])
-    lack = _lack(hazards, i, places, 2 * level.size - 1, (clear, clearance))
+    lack = _lack(hazards, i, places, 2 * level.size - 1, kept)
     price = _MISSED * fastest
     costs = change.sum(axis=3) + price * np.linalg.norm(missed, axis=3)
     costs += price * np.moveaxis(lack[:, level[:, None] + level], 0, 2)

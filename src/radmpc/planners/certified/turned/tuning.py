@@ -44,6 +44,8 @@ class Tuning:
     paced_penalty : float
         The first of these where vehicles are placed at a pace that keeps them clear of each other
         [-]: with a small one they leave it, and miss more in the end.
+    misses : float
+        What a vehicle misses in all for another pace to be sought for it [mean radii].
     steady : float
         Relative change of the cost below which sweeps without a miss end [-].
     stuck : int
@@ -149,6 +151,7 @@ class Tuning:
     penalty_growth: float = 1.3
     last_penalty: float = 1e4
     paced_penalty: float = 300.0
+    misses: float = 0.02
     steady: float = 2e-3
     stuck: int = 8
     looks: int = 3
