@@ -172,22 +172,19 @@ def _kept_apart(
         yield from _paced(begin, pacing, pacing.run(range(hazards.count), is_stopped), limits)
     if hazards.count == 1 or limits.reached:
         return
-    if clear is not None and pacing is not None:
+    placed, ticks = prioritized_ticks(hazards, is_stopped)
+    if placed and clear is not None and pacing is not None:
+        pacing.offer(pulled_ways(hazards, clear, placed, clearance))
+        yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), limits)
+    if clear is not None and pacing is not None and not limits.reached:
         joint = joint_ways(hazards, clear, rng.spawn(1)[0], is_stopped)
         if joint:
             pacing.offer(pulled_ways(hazards, clear, joint, clearance))
             places = {i: evenly(way, hazards.horizon) for i, way in joint.items()}
             yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
-    placed, ticks = prioritized_ticks(hazards, is_stopped)
-    if not placed:
-        return
-    if clear is not None and pacing is not None:
-        pacing.offer(pulled_ways(hazards, clear, placed, clearance))
-        yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), limits)
-    yield (
-        begin.referring({i: path[::ticks] for i, path in placed.items()}),
-        TUNING.first_penalty,
-    )
+    if placed:
+        in_order = {i: path[::ticks] for i, path in placed.items()}
+        yield begin.referring(in_order), TUNING.first_penalty
 
 
 def _paced(

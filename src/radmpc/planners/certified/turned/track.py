@@ -26,7 +26,7 @@ _PER_RADIUS = 2.0
 _LEVELS = (4, 16)
 """Fewest and most levels of speed along an axis [-]."""
 
-_MISSED = 100.0
+_MISSED = 500.0
 """Cost of a meter of room that is missed, or by which no speed leads from place to place, in
 multiples of what reaching full speed costs [1/m]."""
 

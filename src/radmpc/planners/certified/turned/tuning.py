@@ -162,7 +162,7 @@ class Tuning:
     narrower: float = 0.7
     nearly: float = 0.2
     hopeless: float = 1.0
-    first_seconds: float = 20.0
+    first_seconds: float = 30.0
     first_time_share: float = 0.4
     fastest: float = 0.95
     first_rounds: int = 8
