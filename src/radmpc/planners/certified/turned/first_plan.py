@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 __all__ = ["first_plan"]
 
+_TINY = 1e-9
+"""Stands for a length of 0 where one divides by it [m]."""
+
 
 def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncumbent:
     """Plan a fleet one vehicle after the other, then all at a price of risk.
@@ -58,7 +61,10 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     sets = _meeting(hazards, alone.paths, clearance)
     largest = max(len(members) for members in sets)
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
-    if not is_crowded and (not stopped.size or hazards.count > TUNING.few):
+    is_easy = not is_crowded and (not stopped.size or hazards.count > TUNING.few)
+    if is_easy and (largest == 1 or hazards.count > TUNING.few):
+        return FleetIncumbent()
+    if is_easy and _gives_way(task, alone.paths, clearance):
         return FleetIncumbent()
     # Risk counts for more than effort at first: a falling price stays near what is certified.
     price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound
@@ -71,7 +77,10 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     nearly = TUNING.nearly * float(hazards.radii.mean())
     hopeless = TUNING.hopeless * float(hazards.radii.sum())
     limits = task.limits.within(
-        min(TUNING.first_seconds, TUNING.first_time_share * task.limits.seconds_left)
+        min(
+            TUNING.first_seconds,
+            (TUNING.easy_share if is_easy else TUNING.first_time_share) * task.limits.seconds_left,
+        )
     )
     begin = _Begin(task, alone.paths, ways, sets, price, clearance)
     for attempt, penalty, sweeps in _attempts(begin, rng, limits):
@@ -138,16 +147,42 @@ def _attempts(
     each other already, and how many sweeps to try.
     """
     ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
+    meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     usually = {i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()}
-    yield begin.referring(usually), usual, TUNING.quick_sweeps if ways else TUNING.max_sweeps
-    if not ways:
-        return
+    if ways:
+        yield begin.referring(usually), usual, TUNING.quick_sweeps
+    else:
+        yield _on_best_side(begin, limits), usual, TUNING.max_sweeps
     for turning, penalty in _kept_apart(begin, rng, limits):
         yield turning, penalty, TUNING.max_sweeps
-    yield begin.referring(usually), usual, TUNING.max_sweeps
+    if ways:
+        yield begin.referring(usually), usual, TUNING.max_sweeps
     for _ in range(TUNING.attempts):
         drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
+        for i in meeting:
+            if i not in ways:
+                path = _bowed(hazards, i, TUNING.most_bow * rng.uniform(-1.0, 1.0))
+                drawn[i] = _timed_anyhow(hazards, i, path, rng)
         yield begin.referring(drawn), usual, TUNING.max_sweeps
+
+
+def _on_best_side(begin: _Begin, limits: Limits) -> Turning:
+    """Begin with paths alone, or all bowed to the right, by what it costs to keep apart."""
+    straight = begin.referring({})
+    if begin.task.hazards.count > TUNING.few:
+        return straight
+    tried = [straight]
+    meeting = [i for members in begin.sets if len(members) > 1 for i in members]
+    for bow in TUNING.bows:
+        tried.append(begin.referring({i: _bowed(begin.task.hazards, i, bow) for i in meeting}))
+    nearly = TUNING.nearly * float(begin.task.hazards.radii.mean())
+
+    def rank(turning: Turning) -> tuple[bool, float]:
+        successive = turning.successive
+        successive.keep_apart(begin.clearance, TUNING.max_sweeps, limits)
+        return float(successive.missed.sum()) > nearly, successive.paths.cost()
+
+    return min(tried, key=rank)
 
 
 def _kept_apart(
@@ -200,6 +235,25 @@ def _paced(
     if missing and not limits.reached:
         finer = pacing.refine(missing, lambda: limits.reached)
         yield begin.referring(finer), TUNING.paced_penalty
+
+
+def _gives_way(task: Task, alone: Paths, clearance: float) -> bool:
+    """Whether vehicles keep apart at once, planned one after the other from their paths alone."""
+    probe = SuccessiveLp(task.hazards, task.limits)
+    probe.begin(alone.controls)
+    return probe.keep_apart(TUNING.narrower * clearance, TUNING.quick_sweeps)
+
+
+def _bowed(hazards: Hazards, i: int, bow: float) -> Matrix:
+    """Return places at even speed on a bow to the right of the straight way, in largest radii."""
+    model = hazards.models[i]
+    start = model.drift_position[0]
+    goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
+    share = np.linspace(0.0, 1.0, hazards.horizon + 1)[:, None]
+    right = np.zeros(start.size)
+    right[:2] = (goal - start)[1], (start - goal)[0]
+    right *= bow * float(hazards.radii.max()) / max(float(np.linalg.norm(right)), _TINY)
+    return np.asarray(start + share * (goal - start) + np.sin(np.pi * share) * right)
 
 
 def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
