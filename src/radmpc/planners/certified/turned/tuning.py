@@ -142,6 +142,9 @@ class Tuning:
         Vehicles of a fleet beyond which it is not planned as one without regard for risk [-].
     noiseless_seconds, noiseless_share : float
         Time for a plan without regard for risk [s], at most this share of what is left [-].
+    most_time_from_noiseless : float
+        Share of the time left after a search without a plan for turning such plans [-]: the rest is
+        for the safest one.
     noiseless_nodes : int
         Nodes per vehicle for such a plan [-]; any will do.
     """
@@ -207,6 +210,7 @@ class Tuning:
     most_vehicles: int = 8
     noiseless_seconds: float = 2.0
     noiseless_share: float = 0.3
+    most_time_from_noiseless: float = 0.5
     noiseless_nodes: int = 150
 
 
