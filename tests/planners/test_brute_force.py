@@ -16,12 +16,13 @@ from radmpc.experiments.families import paper, paper_vehicle
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 
-TOLERANCE = 5e-3
+TOLERANCE = 2e-3
 """How much dearer than the best of all directions tried a plan may be [-]: it counts as done where
-a turn gains less than a fifth of the gap of 0.1 %, and it may end in another optimum."""
+a turn gains less than a fifth of the gap of 0.1 %. Measured were 0.005 %."""
 
 COARSE, FINE = 8, 72
-"""Directions per constraint that are all combined, and that are tried one constraint at a time."""
+"""Directions all around, per constraint: those that are all combined, and those between them that
+are tried one constraint at a time."""
 
 BOX = np.array([[2.4, -1.2], [3.4, -1.2], [3.4, 0.9], [2.4, 0.9]])
 
@@ -92,7 +93,7 @@ class Brute:
                 offset -= (other @ normal).max() + self.scenario.vehicles[i].radius
             # The clearance z is (offset - terms) / sigma >= 0; the risk t lies above all tangents.
             at_most(terms, (0, 0.0), offset)
-            for z in np.linspace(0.0, 6.0, 61):
+            for z in np.linspace(0.0, 5.0, 26):
                 slope = float(norm.pdf(z))
                 # t >= Q(z) - slope (clearance - z), in units of the bound.
                 scaled = [(n, slope / sigma * c) for n, c in terms]
@@ -100,7 +101,9 @@ class Brute:
                 at_most(scaled, (number, -self.scenario.risk_bound), right)
         total = np.zeros(columns)
         total[2 * span * count :] = 1.0
-        limit = np.tile(np.repeat([v.control_limit for v in self.scenario.vehicles], 2, axis=0), steps)
+        limit = np.tile(
+            np.repeat([v.control_limit for v in self.scenario.vehicles], 2, axis=0), steps
+        )
         upper = np.append(limit.ravel()[: 2 * span * count], np.ones(len(hazards)))
         objective = np.append(np.ones(2 * span * count), np.zeros(len(hazards)))
         found = linprog(
@@ -124,7 +127,9 @@ class Brute:
             angles, here = list(first), cost
             for number in (*range(len(hazards)), *range(len(hazards))):
                 tried = []
-                for angle in 2.0 * np.pi * np.arange(FINE) / FINE:
+                # Those between this direction and its neighbors on the coarse grid.
+                for turn in np.arange(-FINE // COARSE, FINE // COARSE + 1):
+                    angle = angles[number] + 2.0 * np.pi * turn / FINE
                     other = [*angles[:number], float(angle), *angles[number + 1 :]]
                     tried.append((self.cost(hazards, other), other))
                 here, angles = min(tried, key=lambda one: one[0])
@@ -140,7 +145,7 @@ def scenario_of(ends: Sequence[tuple], horizon: int, obstacles: tuple = ()) -> S
     return replace(paper(1, 0), vehicles=vehicles, obstacles=obstacles, horizon=horizon)
 
 
-@pytest.mark.parametrize("goal", [(6.0, 0.4), (6.0, -0.6)])
+@pytest.mark.parametrize("goal", [(6.0, 0.4), pytest.param((6.0, -0.6), marks=pytest.mark.slow)])
 def test_a_plan_around_a_box_is_no_dearer_than_by_any_directions(goal: tuple[float, float]) -> None:
     box = Obstacle.polygon("box", BOX)
     scenario = scenario_of([((0.0, 0.0), goal)], 4, (box,))
@@ -153,7 +158,7 @@ def test_a_plan_around_a_box_is_no_dearer_than_by_any_directions(goal: tuple[flo
     assert everywhere.cost <= best * (1.0 + TOLERANCE)
 
 
-@pytest.mark.parametrize("offset", [0.0, 0.3])
+@pytest.mark.parametrize("offset", [pytest.param(0.0, marks=pytest.mark.slow), 0.3])
 def test_a_plan_of_two_that_cross_is_no_dearer_than_by_any_directions(offset: float) -> None:
     ends = [((0.0, 0.0), (5.0, 0.0)), ((2.5 + offset, -2.5), (2.5 + offset, 2.5))]
     scenario = scenario_of(ends, 4)

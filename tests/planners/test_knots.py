@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -58,7 +59,9 @@ def test_distances_past_a_corner_are_those_of_the_corner(tmp_path: Path) -> None
     for angle in (0.6, 0.8, 1.0):
         place = corner + 0.4 * np.array([-np.cos(angle), np.sin(angle)])
         assert clear.at(place) == pytest.approx(0.4, abs=1e-3)
-    assert clear.along(np.array([0.5, 1.9]), np.array([1.1, 2.5])) == pytest.approx(0.4 / np.sqrt(2.0), abs=0.01)
+    assert clear.along(np.array([0.5, 1.9]), np.array([1.1, 2.5])) == pytest.approx(
+        0.4 / np.sqrt(2.0), abs=0.01
+    )
 
 
 def test_a_pace_keeps_room_at_corners_and_speeds_that_lead_from_place_to_place(
@@ -128,7 +131,7 @@ def test_joint_ways_lead_everyone_to_the_goal_without_conflict(seed: int) -> Non
     found = joint_search(neighbors, starts, goals, 20_000, rng, never)
     assert found[0] == starts
     assert found[-1] == goals
-    for before, after in zip(found[:-1], found[1:], strict=True):
+    for before, after in pairwise(found):
         assert len(set(after)) == count
         for i in range(count):
             assert after[i] == before[i] or after[i] in neighbors[before[i]]
