@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from radmpc.planners.certified.turned.pacing import Pacing
 
 __all__ = ["first_plan"]
+
+_SIDES = 2
+"""Beginnings that are turned where nothing stands in the way [-]."""
 
 _TINY = 1e-9
 """Stands for a length of 0 where one divides by it [m]."""
@@ -51,7 +54,7 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     FleetIncumbent
         A certified plan; none where none was found.
     """
-    hazards = task.hazards
+    hazards, task = task.hazards, _told_once(task)
     alone = SuccessiveLp(hazards, task.limits)
     if not alone.begin_alone():
         return FleetIncumbent()
@@ -83,23 +86,42 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         )
     )
     begin = _Begin(task, alone.paths, ways, sets, price, clearance)
-    for attempt, penalty, sweeps in _attempts(begin, rng, limits):
+    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
+    found, num_sides = FleetIncumbent(), 1 if ways or hazards.count > TUNING.few else _SIDES
+    for number, (attempt, penalty, sweeps) in enumerate(_attempts(begin, rng, limits)):
+        if found.controls and (number >= num_sides or limits.reached):
+            return found
         missed = np.inf
         for kept in (clearance, TUNING.narrower * clearance):
             successive = attempt.successive
             is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
             missed = float(successive.missed.sum())
             if is_apart or missed <= nearly:
-                found = attempt.run(TUNING.first_rounds)
-                if found.controls:
-                    return found
+                other = attempt.run(TUNING.first_rounds)
+                found = min(found, other, key=lambda one: one.cost)
+                if other.controls:
+                    break
             if missed > hopeless:
                 break
         if missed < least:
             best, least = attempt, missed
         if limits.reached:
             break
-    return FleetIncumbent() if best is None else best.run(TUNING.first_rounds)
+    if found.controls or best is None:
+        return found
+    return best.run(TUNING.first_rounds)
+
+
+def _told_once(task: Task) -> Task:
+    """Return the same task that tells a cost only if it is the least so far."""
+    costs = [np.inf]
+
+    def found(cost: float) -> None:
+        if cost < costs[-1]:
+            costs.append(cost)
+            task.found(cost)
+
+    return replace(task, found=found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,7 +174,8 @@ def _attempts(
     if ways:
         yield begin.referring(usually), usual, TUNING.quick_sweeps
     else:
-        yield _on_best_side(begin, limits), usual, TUNING.max_sweeps
+        for turning in _sides(begin, limits):
+            yield turning, usual, TUNING.max_sweeps
     for turning, penalty in _kept_apart(begin, rng, limits):
         yield turning, penalty, TUNING.max_sweeps
     if ways:
@@ -166,11 +189,11 @@ def _attempts(
         yield begin.referring(drawn), usual, TUNING.max_sweeps
 
 
-def _on_best_side(begin: _Begin, limits: Limits) -> Turning:
+def _sides(begin: _Begin, limits: Limits) -> list[Turning]:
     """Begin with paths alone, or all bowed to the right, by what it costs to keep apart."""
     straight = begin.referring({})
     if begin.task.hazards.count > TUNING.few:
-        return straight
+        return [straight]
     tried = [straight]
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     for bow in TUNING.bows:
@@ -182,7 +205,7 @@ def _on_best_side(begin: _Begin, limits: Limits) -> Turning:
         successive.keep_apart(begin.clearance, TUNING.max_sweeps, limits)
         return float(successive.missed.sum()) > nearly, successive.paths.cost()
 
-    return min(tried, key=rank)
+    return sorted(tried, key=rank)[:_SIDES]
 
 
 def _kept_apart(
