@@ -76,40 +76,48 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         from radmpc.planners.certified.turned.detours import detours  # noqa: PLC0415 - loads graphs
 
         ways = detours(hazards, stopped, clearance)
-    best, least = None, np.inf
-    nearly = TUNING.nearly * float(hazards.radii.mean())
-    hopeless = TUNING.hopeless * float(hazards.radii.sum())
-    limits = task.limits.within(
-        min(
-            TUNING.first_seconds,
-            (TUNING.easy_share if is_easy else TUNING.first_time_share) * task.limits.seconds_left,
-        )
-    )
+    time_share = TUNING.easy_share if is_easy else TUNING.first_time_share
+    seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
     begin = _Begin(task, alone.paths, ways, sets, price, clearance)
+    return _tried(begin, rng, task.limits.within(seconds))
+
+
+def _tried(begin: _Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
+    """Return the plan of the first attempt that leads to one, or the cheapest of several sides."""
+    hazards = begin.task.hazards
+    best, least, found = None, np.inf, FleetIncumbent()
     # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
-    found, num_sides = FleetIncumbent(), 1 if ways or hazards.count > TUNING.few else _SIDES
-    for number, (attempt, penalty, sweeps) in enumerate(_attempts(begin, rng, limits)):
-        if found.controls and (number >= num_sides or limits.reached):
-            return found
-        missed = np.inf
-        for kept in (clearance, TUNING.narrower * clearance):
-            successive = attempt.successive
-            is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
-            missed = float(successive.missed.sum())
-            if is_apart or missed <= nearly:
-                other = attempt.run(TUNING.first_rounds)
-                found = min(found, other, key=lambda one: one.cost)
-                if other.controls:
-                    break
-            if missed > hopeless:
-                break
+    num_sides = 1 if begin.ways or hazards.count > TUNING.few else _SIDES
+    attempts = _attempts(begin, rng, limits)
+    for number, (attempt, penalty, sweeps) in enumerate(attempts, start=1):
+        missed, other = _turned(begin, attempt, limits, (penalty, sweeps))
+        found = min(found, other, key=lambda one: one.cost)
         if missed < least:
             best, least = attempt, missed
-        if limits.reached:
+        # Asked before the next attempt, which takes time to prepare.
+        if limits.reached or (found.controls and number >= num_sides):
             break
     if found.controls or best is None:
         return found
     return best.run(TUNING.first_rounds)
+
+
+def _turned(
+    begin: _Begin, attempt: Turning, limits: Limits, pace: tuple[float, int]
+) -> tuple[float, FleetIncumbent]:
+    """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
+    radii, successive = begin.task.hazards.radii, attempt.successive
+    penalty, sweeps = pace
+    for kept in (begin.clearance, TUNING.narrower * begin.clearance):
+        is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
+        missed = float(successive.missed.sum())
+        if is_apart or missed <= TUNING.nearly * float(radii.mean()):
+            found = attempt.run(TUNING.first_rounds)
+            if found.controls:
+                return missed, found
+        if missed > TUNING.hopeless * float(radii.sum()):
+            break
+    return missed, FleetIncumbent()
 
 
 def _told_once(task: Task) -> Task:
