@@ -69,8 +69,20 @@ def attempts(
 ) -> Iterator[tuple[Turning, float, int]]:
     """Begin with paths alone; where there are ways, with these at even speed, paced, at random.
 
-    With each come the penalty of a meter missed in the first sweep, high for places that keep off
-    each other already, and how many sweeps to try.
+    Parameters
+    ----------
+    begin : Begin
+        What they begin with.
+    rng : Generator
+        Draws times, sides and joint ways.
+    limits : Limits
+        When to stop.
+
+    Yields
+    ------
+    tuple of Turning, float and int
+        Half-spaces turned to paths, the penalty of a meter missed in the first sweep, high for
+        places that keep off each other already [-], and how many sweeps to try.
     """
     ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
