@@ -10,13 +10,13 @@ import pytest
 
 from radmpc import certify, import_scenario
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.turned.clear import Clear
-from radmpc.planners.certified.turned.joint_search import joint_search
-from radmpc.planners.certified.turned.knots import joint_ways
-from radmpc.planners.certified.turned.pacing import Pacing
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.joint_search import joint_search
+from radmpc.planners.certified.turned.narrow.knots import joint_ways
+from radmpc.planners.certified.turned.narrow.pacing import Pacing
+from radmpc.planners.certified.turned.narrow.track import track
+from radmpc.planners.certified.turned.narrow.ways import shortest_ways
 from radmpc.planners.certified.turned.prioritized import prioritized
-from radmpc.planners.certified.turned.track import track
-from radmpc.planners.certified.turned.ways import shortest_ways
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from running import first_plan

@@ -17,7 +17,7 @@ from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
 if TYPE_CHECKING:
-    from radmpc.planners.certified.turned.pacing import Pacing
+    from radmpc.planners.certified.turned.narrow.pacing import Pacing
 
 __all__ = ["SIDES", "Begin", "attempts"]
 
@@ -128,11 +128,11 @@ def _kept_apart(
     begin: Begin, rng: np.random.Generator, limits: Limits
 ) -> Iterator[tuple[Turning, float]]:
     """Place vehicles clear of each other: on their ways, all together tick by tick, or in order."""
-    from radmpc.planners.certified.turned.clear import Clear  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.knots import joint_ways  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.pacing import Pacing  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.clear import Clear  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.knots import joint_ways  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.pacing import Pacing  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.ways import pulled_ways, shortest_ways  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.ways import pulled_ways, shortest_ways  # noqa: PLC0415 - few need it
 
     hazards, clearance = begin.task.hazards, begin.clearance
     clear, pacing = Clear.of(hazards), None

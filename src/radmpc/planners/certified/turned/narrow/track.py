@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.planners.certified.turned.clear import Clear
 from radmpc.planners.certified.turned.directions import closest_approach
+from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 

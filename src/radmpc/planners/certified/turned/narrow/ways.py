@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.turned.clear import Clear
 from radmpc.planners.certified.turned.detours import detours, ways_beside
+from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.program.hazards import Hazards
 
 __all__ = ["pulled_ways", "shortest_ways"]

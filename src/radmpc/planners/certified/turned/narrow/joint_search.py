@@ -96,26 +96,33 @@ def joint_search(
         if not visit.untried:
             stack.pop()
             continue
-        constraint = visit.untried.popleft()
-        if constraint.depth < len(starts):
-            vehicle = visit.order[constraint.depth]
-            for node in (*neighbors[visit.here[vehicle]], visit.here[vehicle]):
-                visit.untried.append(_Constraint(vehicle, node, constraint, constraint.depth + 1))
+        constraint = _next_constraint(visit, neighbors)
         following = proposals.next(visit, constraint)
         if following is None:
             continue
-        again = known.get(following)
-        if again is not None:
-            stack.append(again)
-            continue
-        priorities = tuple(
-            p + 1.0 if following[i] != goals[i] else p - float(np.floor(p))
-            for i, p in enumerate(visit.priorities)
-        )
-        visit = _Visit(following, visit, priorities, _ordered(priorities), deque([_Constraint()]))
-        known[following] = visit
-        stack.append(visit)
+        if following not in known:
+            known[following] = _visit_after(visit, following, goals)
+        stack.append(known[following])
     return []
+
+
+def _next_constraint(visit: _Visit, neighbors: Neighbors) -> _Constraint:
+    """Return the next constraint to try, and queue those that add another vehicle to it."""
+    constraint = visit.untried.popleft()
+    if constraint.depth < len(visit.here):
+        vehicle = visit.order[constraint.depth]
+        for node in (*neighbors[visit.here[vehicle]], visit.here[vehicle]):
+            visit.untried.append(_Constraint(vehicle, node, constraint, constraint.depth + 1))
+    return constraint
+
+
+def _visit_after(visit: _Visit, following: Configuration, goals: Configuration) -> _Visit:
+    """Return the first visit to a configuration: who waits longest comes first."""
+    priorities = tuple(
+        p + 1.0 if following[i] != goals[i] else p - float(np.floor(p))
+        for i, p in enumerate(visit.priorities)
+    )
+    return _Visit(following, visit, priorities, _ordered(priorities), deque([_Constraint()]))
 
 
 def _ordered(priorities: Sequence[float]) -> tuple[int, ...]:

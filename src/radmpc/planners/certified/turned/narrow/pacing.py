@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.planners.certified.turned.clear import Clear
-from radmpc.planners.certified.turned.track import Closeness, Track, track
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.track import Closeness, Track, track
 from radmpc.program.hazards import Hazards
 
 __all__ = ["Pacing"]

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.planners.certified.turned.clear import Clear
-from radmpc.planners.certified.turned.joint_search import joint_search
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.joint_search import joint_search
 from radmpc.program.hazards import Hazards
 
 __all__ = ["joint_ways"]
