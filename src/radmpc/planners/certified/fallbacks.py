@@ -12,6 +12,7 @@ from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
+from radmpc.planners.certified.turned.tuning import TUNING as TURNING
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.certified.within_budget import replan_with_alternatives
 
@@ -58,7 +59,9 @@ def last_resort(search: PriceSearch, state: SearchState) -> LastResort:
     fleet = search.fleet
     scenario, limits = fleet.scenario, fleet.limits
     answer: WhyNot | None = None
-    state = turn_from_noiseless(fleet, state, search.judge)
+    # Not all of the time: the safest plan is tried in any case.
+    some = limits.within(TURNING.most_time_from_noiseless * limits.seconds_left)
+    state = turn_from_noiseless(fleet.with_limits(some), state, search.judge)
     if state.has_plan and state.budget > 0.0 and state.without_plan() is None:
         # Prices that were doubtful without any plan are not so with one: go on for a bound.
         state = search.run(state)

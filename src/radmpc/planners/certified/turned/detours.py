@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.grid import FREE, Grid
 from radmpc.program.hazards import Hazards
 
-__all__ = ["detours"]
+__all__ = ["detours", "ways_beside"]
 
 _ROOMS = (1.0, 0.7, 0.4, 0.0)
 """Shares of the clearance that ways are sought with, one after the other [-]."""
@@ -22,7 +23,10 @@ _NARROW = 4.0
 
 
 def detours(
-    hazards: Hazards, vehicles: Sequence[int] | Indices, clearance: float = 0.0
+    hazards: Hazards,
+    vehicles: Sequence[int] | Indices,
+    clearance: float = 0.0,
+    grid: Grid | None = None,
 ) -> dict[int, Matrix]:
     """Return the shortest ways of vehicles around standing obstacles.
 
@@ -35,12 +39,15 @@ def detours(
     clearance : float
         Standard deviations that ways keep from obstacles where there are such ways [-].
 
+    grid : Grid or None
+        The points that ways lead over; None for the usual ones.
+
     Returns
     -------
     dict of int to (p, d) array
         Corners of the ways from start to goal [m], of those for which there is one.
     """
-    grid = Grid.of(hazards)
+    grid = Grid.of(hazards) if grid is None else grid
     graphs: dict[tuple[float, float], csr_array] = {}
     found = {}
     for i in np.asarray(vehicles).tolist():
@@ -57,6 +64,72 @@ def detours(
                 found[i] = way
                 break
     return found
+
+
+def ways_beside(
+    hazards: Hazards,
+    grid: Grid,
+    parts: Mapping[int, Sequence[Matrix]],
+    clearance: float,
+    far: float,
+) -> dict[int, list[Matrix]]:
+    """Return the shortest ways beside given ones, piece by piece.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    grid : Grid
+        The points that ways lead over.
+    parts : mapping of int to sequence of (p, d) array
+        Points of the pieces of each vehicle's way [m].
+    clearance : float
+        Standard deviations that ways keep from obstacles where there are such ways [-].
+    far : float
+        How far they may lead from the given ones [m].
+
+    Returns
+    -------
+    dict of int to list of (p, d) array
+        Points of the new pieces [m]; those for which there is none stay as they are.
+    """
+    tree = cKDTree(grid.points)
+    graphs: dict[tuple[float, float], csr_array] = {}
+    found: dict[int, list[Matrix]] = {}
+    for i, pieces in parts.items():
+        spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
+        rooms = float(hazards.radii[i]) + clearance * spread * np.array(_ROOMS)
+        found[i] = []
+        for piece in pieces:
+            beside = np.unique(np.concatenate(tree.query_ball_point(piece, far))).astype(np.int64)
+            ends = [
+                int(np.linalg.norm(grid.points[beside] - p, axis=1).argmin())
+                for p in piece[[0, -1]]
+            ]
+            for room in rooms:
+                key = (round(float(room), 9), round(spread, 9))
+                if key not in graphs:
+                    graphs[key] = _graph(grid, *key)
+                path = _path(graphs[key][beside][:, beside], *ends)
+                if path:
+                    found[i].append(np.vstack([piece[:1], grid.points[beside[path]], piece[-1:]]))
+                    break
+            else:
+                found[i].append(piece)
+    return found
+
+
+def _path(graph: csr_array, first: int, last: int) -> list[int]:
+    """Return the points on the shortest way through a graph; none where there is no way."""
+    lengths, before = dijkstra(
+        graph, directed=False, indices=np.array([last]), return_predecessors=True
+    )
+    if not np.isfinite(lengths[0, first]):
+        return []
+    path = [first]
+    while path[-1] != last:
+        path.append(int(before[0, path[-1]]))
+    return path
 
 
 def _graph(grid: Grid, radius: float, spread: float) -> csr_array:
@@ -90,12 +163,5 @@ def _way(grid: Grid, graph: csr_array, start: Vector, goal: Vector) -> Matrix | 
     first, last = (grid.nearest(place, is_open) for place in (start, goal))
     if first < 0:
         return None
-    lengths, before = dijkstra(
-        graph, directed=False, indices=np.array([last]), return_predecessors=True
-    )
-    if not np.isfinite(lengths[0, first]):
-        return None
-    path = [first]
-    while path[-1] != last:
-        path.append(int(before[0, path[-1]]))
-    return np.vstack([start, grid.points[path], goal])
+    path = _path(graph, first, last)
+    return np.vstack([start, grid.points[path], goal]) if path else None

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import CONVEX_RISK, clearance_for
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.turned.attempts import SIDES, Begin, attempts
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near
-from radmpc.planners.certified.turned.paths import Paths, timed
+from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
@@ -43,7 +44,7 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     FleetIncumbent
         A certified plan; none where none was found.
     """
-    hazards = task.hazards
+    hazards, task = task.hazards, _told_once(task)
     alone = SuccessiveLp(hazards, task.limits)
     if not alone.begin_alone():
         return FleetIncumbent()
@@ -53,7 +54,10 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     sets = _meeting(hazards, alone.paths, clearance)
     largest = max(len(members) for members in sets)
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
-    if not is_crowded and (not stopped.size or hazards.count > TUNING.few):
+    is_easy = not is_crowded and (not stopped.size or hazards.count > TUNING.few)
+    if is_easy and (largest == 1 or hazards.count > TUNING.few):
+        return FleetIncumbent()
+    if is_easy and _gives_way(task, alone.paths, clearance):
         return FleetIncumbent()
     # Risk counts for more than effort at first: a falling price stays near what is certified.
     price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound
@@ -62,64 +66,67 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         from radmpc.planners.certified.turned.detours import detours  # noqa: PLC0415 - loads graphs
 
         ways = detours(hazards, stopped, clearance)
-    best, least = None, np.inf
-    nearly = TUNING.nearly * float(hazards.radii.mean())
-    limits = task.limits.within(
-        min(TUNING.first_seconds, TUNING.first_time_share * task.limits.seconds_left)
-    )
-    for attempt in _attempts(task, (alone.paths, ways), (sets, price), (rng, limits)):
-        missed = np.inf
-        for kept in (clearance, TUNING.narrower * clearance):
-            is_apart = attempt.successive.keep_apart(kept, TUNING.max_sweeps, limits)
-            missed = float(attempt.successive.missed.sum())
-            if is_apart or missed <= nearly:
-                found = attempt.run(TUNING.first_rounds)
-                if found.controls:
-                    return found
+    time_share = TUNING.easy_share if is_easy else TUNING.first_time_share
+    seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
+    begin = Begin(task, alone.paths, ways, sets, price, clearance)
+    return _tried(begin, rng, task.limits.within(seconds))
+
+
+def _tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
+    """Return the plan of the first attempt that leads to one, or the cheapest of several sides."""
+    hazards = begin.task.hazards
+    best, least, found = None, np.inf, FleetIncumbent()
+    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
+    num_sides = 1 if begin.ways or hazards.count > TUNING.few else SIDES
+    beginnings = attempts(begin, rng, limits)
+    for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):
+        missed, other = _turned(begin, attempt, limits, (penalty, sweeps))
+        found = min(found, other, key=lambda one: one.cost)
         if missed < least:
             best, least = attempt, missed
-        if limits.reached:
+        # Asked before the next attempt, which takes time to prepare.
+        if limits.reached or (found.controls and number >= num_sides):
             break
-    return FleetIncumbent() if best is None else best.run(TUNING.first_rounds)
+    if found.controls or best is None:
+        return found
+    return best.run(TUNING.first_rounds)
 
 
-def _attempts(
-    task: Task,
-    begin: tuple[Paths, Mapping[int, Matrix]],
-    planned: tuple[tuple[tuple[int, ...], ...], float],
-    chance: tuple[np.random.Generator, Limits],
-) -> Iterator[Turning]:
-    """Begin with paths alone; where there are ways, with these all at once, in order, at random."""
-    hazards = task.hazards
-    (alone, ways), (sets, price), (rng, limits) = begin, planned, chance
-
-    def referring(places: Mapping[int, Matrix]) -> Turning:
-        turning = Turning(task, FleetIncumbent(), sets, price)
-        turning.successive.begin(alone.controls)
-        for i, path in places.items():
-            turning.successive.refer(i, path)
-        return turning
-
-    yield referring({i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()})
-    if not ways:
-        return
-    if hazards.count > 1:
-        from radmpc.planners.certified.turned.prioritized import prioritized  # noqa: PLC0415 - few need it
-
-        in_order = prioritized(hazards, lambda: limits.reached)
-        if in_order:
-            yield referring(in_order)
-    for _ in range(TUNING.attempts):
-        yield referring({i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()})
+def _turned(
+    begin: Begin, attempt: Turning, limits: Limits, pace: tuple[float, int]
+) -> tuple[float, FleetIncumbent]:
+    """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
+    radii, successive = begin.task.hazards.radii, attempt.successive
+    penalty, sweeps = pace
+    for kept in (begin.clearance, TUNING.narrower * begin.clearance):
+        is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
+        missed = float(successive.missed.sum())
+        if is_apart or missed <= TUNING.nearly * float(radii.mean()):
+            found = attempt.run(TUNING.first_rounds)
+            if found.controls:
+                return missed, found
+        if missed > TUNING.hopeless * float(radii.sum()):
+            break
+    return missed, FleetIncumbent()
 
 
-def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
-    """Return where a vehicle is at each step on a way that begins and ends at drawn times."""
-    length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
-    least = min(length / (float(hazards.moves[i]) * hazards.horizon), TUNING.fastest)
-    taken = least + (1.0 - least) * rng.random()
-    first = (1.0 - taken) * rng.random()
-    return timed(way, hazards.horizon, first, first + taken)
+def _told_once(task: Task) -> Task:
+    """Return the same task that tells a cost only if it is the least so far."""
+    costs = [np.inf]
+
+    def found(cost: float) -> None:
+        if cost < costs[-1]:
+            costs.append(cost)
+            task.found(cost)
+
+    return replace(task, found=found)
+
+
+def _gives_way(task: Task, alone: Paths, clearance: float) -> bool:
+    """Whether vehicles keep apart at once, planned one after the other from their paths alone."""
+    probe = SuccessiveLp(task.hazards, task.limits)
+    probe.begin(alone.controls)
+    return probe.keep_apart(TUNING.narrower * clearance, TUNING.quick_sweeps)
 
 
 def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
 
 __all__ = ["FREE", "Grid"]
@@ -43,8 +43,17 @@ class Grid:
     distances: Vector
 
     @classmethod
-    def of(cls, hazards: Hazards) -> Grid:
-        """Lay out a grid over everything that stands, from starts to goals."""
+    def of(cls, hazards: Hazards, count: int | None = None) -> Grid:
+        """Lay out a grid over everything that stands, from starts to goals.
+
+        Parameters
+        ----------
+        hazards : Hazards
+            The fleet.
+        count : int or None
+            Points along the longest axis, distances past corners exact in the plane; None for the
+            usual number, and distances of faces alone.
+        """
         shapes, d = hazards.shapes, hazards.dimension
         standing = np.flatnonzero((shapes.vertices == shapes.vertices[:, :1]).all(axis=(1, 2, 3)))
         corners = [shapes.vertices[standing, 0].reshape(-1, d)]
@@ -57,7 +66,7 @@ class Grid:
         if hazards.workspace is not None:
             lower = np.maximum(lower, hazards.workspace[0])
             upper = np.minimum(upper, hazards.workspace[1])
-        spacing = float((upper - lower).max()) / _POINTS[d]
+        spacing = float((upper - lower).max()) / (count or _POINTS[d])
         axes = [np.arange(lower[a], upper[a] + 1e-9, spacing) for a in range(d)]
         mesh = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
         distances = np.full(mesh.shape[:-1], np.inf)
@@ -73,6 +82,8 @@ class Grid:
             faces = faces[faces.any(axis=1)]
             offsets = (faces @ shapes.vertices[piece, 0].T).max(axis=1)
             outside = (mesh[part] @ faces.T - offsets).max(axis=-1)
+            if count is not None:
+                outside = np.maximum(outside, _from_corners(mesh[part], shapes.vertices[piece, 0]))
             distances[part] = np.minimum(distances[part], outside)
         shape = distances.shape
         return cls(mesh.reshape(-1, d), shape, spacing, distances.ravel())
@@ -91,3 +102,17 @@ class Grid:
         if numbers.size == 0:
             return -1
         return int(numbers[np.linalg.norm(self.points[numbers] - place, axis=1).argmin()])
+
+
+def _from_corners(points: Tensor, corners: Matrix) -> Tensor:
+    """Return the largest distance of points from a shape along directions from its corners [m]."""
+    best = np.full(points.shape[:-1], -np.inf)
+    for corner in corners:
+        away = points - corner
+        length = np.linalg.norm(away, axis=-1)
+        reach = (away @ corners.T).max(axis=-1)
+        along = np.einsum("...d,...d->...", away, points) - reach
+        best = np.maximum(
+            best, np.where(length > 0.0, along / np.where(length > 0.0, length, 1.0), 0.0)
+        )
+    return best

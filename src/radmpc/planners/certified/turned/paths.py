@@ -10,7 +10,7 @@ from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.nearby import near_pairs
 from radmpc.program.hazards import Hazards
 
-__all__ = ["Paths", "SavedPaths", "timed"]
+__all__ = ["Paths", "SavedPaths", "evenly", "timed"]
 
 
 SavedPaths = tuple[Sequence[Matrix], Tensor, Tensor]
@@ -121,3 +121,18 @@ def timed(way: Matrix, horizon: int, begin: float, end: float) -> Matrix:
     shares = np.clip((np.linspace(0.0, 1.0, horizon + 1) - begin) / (end - begin), 0.0, 1.0)
     along = shares * lengths[-1]
     return np.stack([np.interp(along, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)
+
+
+def evenly(ticks: Matrix, horizon: int) -> Matrix:
+    """Return where one is at each step if ticks are spread evenly, straight between, (T+1, d) [m].
+
+    Parameters
+    ----------
+    ticks : (K+1, d) array
+        Positions, tick by tick [m].
+    horizon : int
+        Steps T.
+    """
+    at = np.linspace(0.0, len(ticks) - 1.0, horizon + 1)
+    every = np.arange(len(ticks))
+    return np.stack([np.interp(at, every, ticks[:, a]) for a in range(ticks.shape[1])], axis=1)

@@ -15,7 +15,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.grid import Grid
 from radmpc.program.hazards import Hazards
 
-__all__ = ["prioritized"]
+__all__ = ["prioritized", "prioritized_ticks"]
 
 _PACE = 0.8
 """Share of what a vehicle covers in a step at most that it may on the grid [-]: it has to speed up
@@ -52,10 +52,31 @@ def prioritized(hazards: Hazards, is_stopped: Callable[[], bool]) -> Mapping[int
     mapping of int to (T+1, d) array
         Positions [m]; empty where no order of those tried leads to any.
     """
+    placed, ticks = prioritized_ticks(hazards, is_stopped)
+    return {i: path[::ticks] for i, path in placed.items()}
+
+
+def prioritized_ticks(
+    hazards: Hazards, is_stopped: Callable[[], bool]
+) -> tuple[Mapping[int, Matrix], int]:
+    """Return the same at every tick, in the order in which vehicles were placed, and ticks a step.
+
+    Parameters
+    ----------
+    hazards, is_stopped
+        As in `prioritized`.
+
+    Returns
+    -------
+    mapping of int to (K+1, d) array
+        Positions [m]; empty where no order of those tried leads to any.
+    int
+        Ticks per step, K/T.
+    """
     grid = Grid.of(hazards)
     ticks = max(1, int(_PACE * float(hazards.moves.min()) / grid.spacing))
     if hazards.count * ticks * hazards.horizon * len(grid.points) > _MOST:
-        return {}
+        return {}, ticks
     starts = np.array([model.drift_position[0] for model in hazards.models])
     goals = np.array([0.5 * (m.vehicle.goal.lower + m.vehicle.goal.upper) for m in hazards.models])
     order = np.argsort(-np.linalg.norm(goals - starts, axis=1), kind="stable").tolist()
@@ -63,7 +84,7 @@ def prioritized(hazards: Hazards, is_stopped: Callable[[], bool]) -> Mapping[int
         placed: Places = {}
         for i in order:
             if is_stopped():
-                return {}
+                return {}, ticks
             found = _place(hazards, grid, (starts[i], goals[i]), i, placed, ticks)
             if found is None:
                 order.remove(i)
@@ -71,8 +92,8 @@ def prioritized(hazards: Hazards, is_stopped: Callable[[], bool]) -> Mapping[int
                 break
             placed[i] = found
         else:
-            return {i: path[::ticks] for i, path in placed.items()}
-    return {}
+            return placed, ticks
+    return {}, ticks
 
 
 def _place(
@@ -144,12 +165,18 @@ def _moves(
 
 def _blocked(hazards: Hazards, grid: Grid, i: int, placed: Places, count: int) -> Tensor:
     """Return where a vehicle would be too near to one placed before, after each tick, (K, ...)."""
-    blocked = np.zeros((count, len(grid.points)), dtype=bool)
+    blocked = np.zeros((count, *grid.shape), dtype=bool)
     for j, path in placed.items():
         variance = hazards.variances[i].max() + hazards.variances[j].max()
         apart = hazards.radii[i] + hazards.radii[j]
         apart += _APART * float(np.sqrt(variance / hazards.dimension))
-        for tick in range(count):
-            offset = grid.points - path[tick + 1]
-            blocked[tick] |= np.einsum("pd,pd->p", offset, offset) < apart**2
-    return blocked.reshape(count, *grid.shape)
+        # Vehicles are on points of the grid: what is too near is the same around each.
+        reach = apart / grid.spacing
+        around = np.array(list(np.ndindex(*(2 * int(reach) + 1,) * len(grid.shape)))) - int(reach)
+        around = around[np.einsum("rd,rd->r", around, around) < reach**2]
+        cells = np.rint((path[1:] - grid.points[0]) / grid.spacing).astype(np.int64)
+        reached = cells[:, None] + around
+        inside = ((reached >= 0) & (reached < np.array(grid.shape))).all(axis=2)
+        tick, which = np.nonzero(inside)
+        blocked[(tick, *reached[tick, which].T)] = True
+    return blocked

@@ -52,14 +52,14 @@ class SuccessiveLp:
     paths : Paths
         Everyone's latest paths.
     missed : (N,) array
-        How far half-spaces were missed when each vehicle was planned last [m].
+        How far half-spaces were missed when each vehicle was planned last; inf before [m].
     """
 
     def __init__(self, hazards: Hazards, limits: Limits) -> None:
         self.hazards = hazards
         self.limits = limits
         self.paths = Paths(hazards)
-        self.missed = np.zeros(hazards.count)
+        self.missed = np.full(hazards.count, np.inf)
         self._ahead = Paths(hazards)
         self._programs: dict[Group, GroupLp] = {}
         self._meter = _cheapest_meter(hazards)
@@ -98,7 +98,13 @@ class SuccessiveLp:
         self.paths.restore(state)
         self._ahead.restore(state)
 
-    def keep_apart(self, clearance: float, max_sweeps: int, limits: Limits | None = None) -> bool:
+    def keep_apart(
+        self,
+        clearance: float,
+        max_sweeps: int,
+        limits: Limits | None = None,
+        first_penalty: float = TUNING.first_penalty,
+    ) -> bool:
         """Plan one vehicle after the other until all keep a clearance, or nothing helps.
 
         Parameters
@@ -109,6 +115,8 @@ class SuccessiveLp:
             Sweeps over the fleet at most [-].
         limits : Limits or None
             When to stop earlier than at the end of all.
+        first_penalty : float
+            Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
 
         Returns
         -------
@@ -116,7 +124,7 @@ class SuccessiveLp:
             Whether all do.
         """
         least, num_stuck, cost = np.inf, 0, np.inf
-        penalty = TUNING.first_penalty * self._meter
+        penalty = first_penalty * self._meter
         order = range(self.hazards.count)
         for _ in range(max_sweeps):
             for number, i in enumerate(order):

@@ -41,6 +41,11 @@ class Tuning:
         Penalty for a meter missed, in multiples of what the cheapest meter of detour costs: in the
         first sweep, its factor from sweep to sweep, and at most [-]. Small at first, so that
         several vehicles share a detour instead of the first one making all of it.
+    paced_penalty : float
+        The first of these where vehicles are placed at a pace that keeps them clear of each other
+        [-]: with a small one they leave it, and miss more in the end.
+    misses : float
+        What a vehicle misses in all for another pace to be sought for it [mean radii].
     steady : float
         Relative change of the cost below which sweeps without a miss end [-].
     stuck : int
@@ -53,13 +58,25 @@ class Tuning:
         Factor on how far one looks around for it [-].
     max_sweeps : int
         Sweeps over the fleet for a first plan, at most [-]; `empty_40agents_3` takes nine.
+    quick_sweeps : int
+        The same where there are other ways to begin with [-].
     attempts : int
         Times of ways around obstacles that a first plan is tried with, at most [-]: each takes 0.1
         to 0.5 s for three to eight vehicles.
+    bows : tuple of float
+        How far everyone keeps to the right of its straight way in other beginnings than that one
+        [largest radii]: `circle(16)` begins at 89.7 by the first, at 96.6 without.
+    most_bow : float
+        How far ways lead past the straight one at most, when sides are drawn [largest radii].
     narrower : float
         Share of the clearance that is kept where ways are too narrow for all of it [-].
     nearly : float
         What paths may miss in all to be turned at a price of risk all the same [mean radii].
+    hopeless : float
+        What paths may miss in all for another try with less room [sums of radii].
+    easy_share : float
+        The share of the time that is left for a first plan of a few vehicles that nothing stops and
+        that do not keep apart at once [-]: searching their sets may be as quick.
     first_seconds, first_time_share : float
         Time after which no other attempt is begun [s], at most this share of what is left [-].
     fastest : float
@@ -125,6 +142,9 @@ class Tuning:
         Vehicles of a fleet beyond which it is not planned as one without regard for risk [-].
     noiseless_seconds, noiseless_share : float
         Time for a plan without regard for risk [s], at most this share of what is left [-].
+    most_time_from_noiseless : float
+        Share of the time left after a search without a plan for turning such plans [-]: the rest is
+        for the safest one.
     noiseless_nodes : int
         Nodes per vehicle for such a plan [-]; any will do.
     """
@@ -141,16 +161,23 @@ class Tuning:
     first_penalty: float = 10.0
     penalty_growth: float = 1.3
     last_penalty: float = 1e4
+    paced_penalty: float = 300.0
+    misses: float = 0.02
     steady: float = 2e-3
     stuck: int = 8
     looks: int = 3
     further: float = 3.0
     max_sweeps: int = 40
+    quick_sweeps: int = 12
     attempts: int = 8
+    bows: tuple[float, ...] = (1.0, 5.0)
+    most_bow: float = 4.0
     narrower: float = 0.7
     nearly: float = 0.2
-    first_seconds: float = 10.0
-    first_time_share: float = 0.2
+    hopeless: float = 1.0
+    first_seconds: float = 30.0
+    first_time_share: float = 0.4
+    easy_share: float = 0.1
     fastest: float = 0.95
     first_rounds: int = 8
     first_dear: float = 3.0
@@ -183,6 +210,7 @@ class Tuning:
     most_vehicles: int = 8
     noiseless_seconds: float = 2.0
     noiseless_share: float = 0.3
+    most_time_from_noiseless: float = 0.5
     noiseless_nodes: int = 150
 
 

@@ -1,0 +1,197 @@
+"""What attempts at a first plan begin with: straight paths, sides, paces, drawn times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.turned.paths import Paths, evenly, timed
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.turning import Task, Turning
+from radmpc.program.hazards import Hazards
+from radmpc.solvers.solution import Limits
+
+if TYPE_CHECKING:
+    from radmpc.planners.certified.turned.narrow.pacing import Pacing
+
+__all__ = ["SIDES", "Begin", "attempts"]
+
+SIDES = 2
+"""Beginnings that are turned where nothing stands in the way [-]."""
+
+_TINY = 1e-9
+"""Stands for a length of 0 where one divides by it [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Begin:
+    """What attempts begin with.
+
+    Attributes
+    ----------
+    task : Task
+        What is asked.
+    alone : Paths
+        What vehicles do by themselves.
+    ways : mapping of int to (p, d) array
+        The shortest ways around obstacles of those that these stop [m].
+    sets : tuple of tuple of int
+        Who get in each other's way.
+    price : float
+        Shadow price of the risk, per unit of probability.
+    clearance : float
+        Standard deviations to keep [-].
+    """
+
+    task: Task
+    alone: Paths
+    ways: Mapping[int, Matrix]
+    sets: tuple[tuple[int, ...], ...]
+    price: float
+    clearance: float
+
+    def referring(self, places: Mapping[int, Matrix]) -> Turning:
+        """Return half-spaces turned to given positions, for all others to their paths alone."""
+        turning = Turning(self.task, FleetIncumbent(), self.sets, self.price)
+        turning.successive.begin(self.alone.controls)
+        for i, path in places.items():
+            turning.successive.refer(i, path)
+        return turning
+
+
+def attempts(
+    begin: Begin, rng: np.random.Generator, limits: Limits
+) -> Iterator[tuple[Turning, float, int]]:
+    """Begin with paths alone; where there are ways, with these at even speed, paced, at random.
+
+    Parameters
+    ----------
+    begin : Begin
+        What they begin with.
+    rng : Generator
+        Draws times, sides and joint ways.
+    limits : Limits
+        When to stop.
+
+    Yields
+    ------
+    tuple of Turning, float and int
+        Half-spaces turned to paths, the penalty of a meter missed in the first sweep, high for
+        places that keep off each other already [-], and how many sweeps to try.
+    """
+    ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
+    meeting = [i for members in begin.sets if len(members) > 1 for i in members]
+    usually = {i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()}
+    if ways:
+        yield begin.referring(usually), usual, TUNING.quick_sweeps
+    else:
+        for turning in _sides(begin, limits):
+            yield turning, usual, TUNING.max_sweeps
+    for turning, penalty in _kept_apart(begin, rng, limits):
+        yield turning, penalty, TUNING.max_sweeps
+    if ways:
+        yield begin.referring(usually), usual, TUNING.max_sweeps
+    for _ in range(TUNING.attempts):
+        drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
+        for i in meeting:
+            if i not in ways:
+                path = _bowed(hazards, i, TUNING.most_bow * rng.uniform(-1.0, 1.0))
+                drawn[i] = _timed_anyhow(hazards, i, path, rng)
+        yield begin.referring(drawn), usual, TUNING.max_sweeps
+
+
+def _sides(begin: Begin, limits: Limits) -> list[Turning]:
+    """Begin with paths alone, or all bowed to the right, by what it costs to keep apart."""
+    straight = begin.referring({})
+    if begin.task.hazards.count > TUNING.few:
+        return [straight]
+    tried = [straight]
+    meeting = [i for members in begin.sets if len(members) > 1 for i in members]
+    for bow in TUNING.bows:
+        tried.append(begin.referring({i: _bowed(begin.task.hazards, i, bow) for i in meeting}))
+    nearly = TUNING.nearly * float(begin.task.hazards.radii.mean())
+
+    def rank(turning: Turning) -> tuple[bool, float]:
+        successive = turning.successive
+        successive.keep_apart(begin.clearance, TUNING.max_sweeps, limits)
+        return float(successive.missed.sum()) > nearly, successive.paths.cost()
+
+    return sorted(tried, key=rank)[:SIDES]
+
+
+def _kept_apart(
+    begin: Begin, rng: np.random.Generator, limits: Limits
+) -> Iterator[tuple[Turning, float]]:
+    """Place vehicles clear of each other: on their ways, all together tick by tick, or in order."""
+    from radmpc.planners.certified.turned.narrow.clear import Clear  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.knots import joint_ways  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.pacing import Pacing  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.ways import pulled_ways, shortest_ways  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
+
+    hazards, clearance = begin.task.hazards, begin.clearance
+    clear, pacing = Clear.of(hazards), None
+
+    def is_stopped() -> bool:
+        return limits.reached
+
+    if clear is not None:
+        pacing = Pacing(hazards, clear, clearance)
+        pacing.offer(shortest_ways(hazards, clear, clearance))
+        yield from _paced(begin, pacing, pacing.run(range(hazards.count), is_stopped), limits)
+    if hazards.count == 1 or limits.reached:
+        return
+    placed, ticks = prioritized_ticks(hazards, is_stopped)
+    if placed and clear is not None and pacing is not None:
+        pacing.offer(pulled_ways(hazards, clear, placed, clearance))
+        yield from _paced(begin, pacing, pacing.run(tuple(placed), is_stopped), limits)
+    if clear is not None and pacing is not None and not limits.reached:
+        joint = joint_ways(hazards, clear, rng.spawn(1)[0], is_stopped)
+        if joint:
+            pacing.offer(pulled_ways(hazards, clear, joint, clearance))
+            places = {i: evenly(way, hazards.horizon) for i, way in joint.items()}
+            yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
+    if placed:
+        in_order = {i: path[::ticks] for i, path in placed.items()}
+        yield begin.referring(in_order), TUNING.first_penalty
+
+
+def _paced(
+    begin: Begin, pacing: Pacing, places: Mapping[int, Matrix], limits: Limits
+) -> Iterator[tuple[Turning, float]]:
+    """Begin with places at a pace, if any; then with a finer one for those who missed it."""
+    if not places:
+        return
+    turning = begin.referring(places)
+    yield turning, TUNING.paced_penalty
+    few = TUNING.misses * float(begin.task.hazards.radii.mean())
+    missing = np.flatnonzero(turning.successive.missed > few).tolist()
+    if missing and not limits.reached:
+        finer = pacing.refine(missing, lambda: limits.reached)
+        yield begin.referring(finer), TUNING.paced_penalty
+
+
+def _bowed(hazards: Hazards, i: int, bow: float) -> Matrix:
+    """Return places at even speed on a bow to the right of the straight way, in largest radii."""
+    model = hazards.models[i]
+    start = model.drift_position[0]
+    goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
+    share = np.linspace(0.0, 1.0, hazards.horizon + 1)[:, None]
+    right = np.zeros(start.size)
+    right[:2] = (goal - start)[1], (start - goal)[0]
+    right *= bow * float(hazards.radii.max()) / max(float(np.linalg.norm(right)), _TINY)
+    return np.asarray(start + share * (goal - start) + np.sin(np.pi * share) * right)
+
+
+def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
+    """Return where a vehicle is at each step on a way that begins and ends at drawn times."""
+    length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+    least = min(length / (float(hazards.moves[i]) * hazards.horizon), TUNING.fastest)
+    taken = least + (1.0 - least) * rng.random()
+    first = (1.0 - taken) * rng.random()
+    return timed(way, hazards.horizon, first, first + taken)

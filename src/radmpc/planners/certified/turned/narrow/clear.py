@@ -1,0 +1,115 @@
+"""How far any place is from standing obstacles, and ways that keep room and have few corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.planners.certified.turned.grid import Grid
+from radmpc.program.hazards import Hazards
+
+__all__ = ["Clear"]
+
+_POINTS = 160
+"""Points of the grid along its longest axis [-]."""
+
+_COARSE = 1.5
+"""Spacing of the grid up to which it tells corners apart [radii of the smallest]."""
+
+_AHEAD = 24
+"""Points of a way that a straight piece may replace at most [-]."""
+
+_SAMPLED = 0.5
+"""Distance of the places that a straight piece is sampled at [spacings]."""
+
+_LITTLE = 1e-3
+"""Loss of room for which a straight piece still replaces points of a way [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clear:
+    """The distance to the nearest obstacle in the plane, interpolated between points of a grid.
+
+    Attributes
+    ----------
+    grid : Grid
+        The points.
+    origin : (2,) array
+        The first of them [m].
+    field : (r, c) array
+        Their distances, those far away cut off [m].
+    """
+
+    grid: Grid
+    origin: Vector
+    field: Matrix
+
+    @classmethod
+    def of(cls, hazards: Hazards) -> Clear | None:
+        """Return the distances, borders of the workspace among them; None where they tell nothing.
+
+        Parameters
+        ----------
+        hazards : Hazards
+            The fleet; double integrators in the plane, or nothing is returned.
+        """
+        are_double = all(m.vehicle.system.is_double_integrator for m in hazards.models)
+        if hazards.dimension != 2 or not are_double:
+            return None
+        grid = Grid.of(hazards, _POINTS)
+        if grid.spacing > _COARSE * float(hazards.radii.min()):
+            return None
+        far = float(10.0 * hazards.radii.max() + grid.spacing)
+        field = np.minimum(grid.distances, far)
+        if hazards.workspace is not None:
+            lower, upper = hazards.workspace
+            inside = np.minimum(grid.points - lower, upper - grid.points).min(axis=1)
+            # Centers stay inside: the hull may reach out.
+            field = np.minimum(field, inside + float(hazards.radii.min()))
+        return cls(grid, grid.points[0], field.reshape(grid.shape))
+
+    def at(self, places: Tensor) -> Tensor:
+        """Return the distance at places, (...) [m], from their coordinates, (..., 2) [m]."""
+        rows, columns = self.field.shape
+        x = np.clip((places[..., 0] - self.origin[0]) / self.grid.spacing, 0.0, rows - 1.0)
+        y = np.clip((places[..., 1] - self.origin[1]) / self.grid.spacing, 0.0, columns - 1.0)
+        row = np.minimum(x.astype(np.int64), max(rows - 2, 0))
+        column = np.minimum(y.astype(np.int64), max(columns - 2, 0))
+        x, y = x - row, y - column
+        flat, corner = self.field.ravel(), row * columns + column
+        down, right = (columns if rows > 1 else 0), (1 if columns > 1 else 0)
+        near = (1.0 - y) * flat[corner] + y * flat[corner + right]
+        far = (1.0 - y) * flat[corner + down] + y * flat[corner + down + right]
+        return np.asarray((1.0 - x) * near + x * far)
+
+    def along(self, begin: Tensor, end: Tensor) -> Tensor:
+        """Return the least distance along straight pieces, (...) [m], from their ends, (..., 2)."""
+        longest = float(np.abs(end - begin).max(initial=0.0))
+        count = max(2, int(longest / (_SAMPLED * self.grid.spacing)) + 2)
+        shares = np.linspace(0.0, 1.0, count)[:, None]
+        between = begin[..., None, :] + shares * (end - begin)[..., None, :]
+        return np.asarray(self.at(between).min(axis=-1))
+
+    def pulled(self, way: Matrix, room: float) -> Matrix:
+        """Return the corners of a way, pulled straight where it keeps room, or loses none.
+
+        Parameters
+        ----------
+        way : (p, 2) array
+            Points of the way, close to each other [m].
+        room : float
+            Distance from obstacles that is worth a longer way [m].
+        """
+        here = self.at(way)
+        kept, i = [0], 0
+        while i < len(way) - 1:
+            following = np.arange(i + 1, min(len(way), i + 1 + _AHEAD))
+            before = np.minimum.accumulate(here[i : following[-1] + 1])[1:]
+            straight = self.along(np.broadcast_to(way[i], (len(following), 2)), way[following])
+            is_clear = straight >= np.minimum(room, before) - _LITTLE
+            is_clear[0] = True
+            i = int(following[np.flatnonzero(is_clear)[-1]])
+            kept.append(i)
+        return np.asarray(way[kept])

@@ -1,0 +1,161 @@
+"""At which pace vehicles go along given ways, each clear of those placed before it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.track import Closeness, Track, track
+from radmpc.program.hazards import Hazards
+
+__all__ = ["Pacing"]
+
+_TRIES = 16
+"""Orders that are tried at most [-]."""
+
+_FINENESSES = (0.75, 1.25, 1.5)
+"""Places on ways for those who find no controls for their pace, in multiples of the usual number
+[-]: where corners fall between places, others may be on them."""
+
+_MENDS = 2
+"""Times that every vehicle is placed again around all others [-]."""
+
+
+class Pacing:
+    """A fleet that is placed on ways, one vehicle after the other.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet: double integrators in the plane.
+    clear : Clear
+        How far places are from obstacles.
+    clearance : float
+        Standard deviations to keep from everything [-].
+    """
+
+    def __init__(self, hazards: Hazards, clear: Clear, clearance: float) -> None:
+        self._hazards, self._clearance = hazards, clearance
+        self._kept = clear, clearance
+        self._ways: dict[int, list[Matrix]] = {}
+        self._tracks: dict[int, list[tuple[Track, float]]] = {}
+        self._placed: dict[int, Matrix] = {}
+        self._known: dict[tuple[int, int], tuple[Matrix, Closeness]] = {}
+
+    def offer(self, ways: Mapping[int, Sequence[Matrix]], fineness: float = 1.0) -> None:
+        """Let vehicles take ways, too, as far as there is any pace for them.
+
+        Parameters
+        ----------
+        ways : mapping of int to sequence of (p, 2) array
+            Corners of ways from each vehicle's start to its goal [m].
+        fineness : float
+            Places on the ways, in multiples of the usual number [-].
+        """
+        for i, choices in ways.items():
+            self._ways.setdefault(i, [])
+            self._ways[i] += [way for way in choices if fineness == 1.0]
+            for way in choices:
+                laid_out = track(self._hazards, i, way, self._kept, fineness)
+                alone = None if laid_out is None else laid_out.paced(self._hazards.horizon, ())
+                if laid_out is not None and alone is not None:
+                    self._tracks.setdefault(i, []).append((laid_out, alone[1]))
+                    self._tracks[i].sort(key=lambda one: one[1])
+
+    def refine(self, vehicles: Sequence[int], is_stopped: Callable[[], bool]) -> dict[int, Matrix]:
+        """Return the latest places, some vehicles at the best pace of a finer choice.
+
+        Parameters
+        ----------
+        vehicles : sequence of int
+            Who find no controls for the pace they have.
+        is_stopped : callable
+            Returns True once it is time to stop.
+        """
+        for fineness in _FINENESSES:
+            self.offer({i: self._ways[i] for i in vehicles if i in self._ways}, fineness)
+        return self.mend(self._placed, is_stopped, vehicles)
+
+    def run(self, order: Sequence[int], is_stopped: Callable[[], bool]) -> dict[int, Matrix]:
+        """Return where vehicles are at each step, each on the best of its ways.
+
+        Parameters
+        ----------
+        order : sequence of int
+            Who is placed first; who finds no pace is put first, and all begin again.
+        is_stopped : callable
+            Returns True once it is time to stop.
+
+        Returns
+        -------
+        mapping of int to (T+1, 2) array
+            Positions [m]; empty where no order of those tried leads to any.
+        """
+        tried: set[tuple[int, ...]] = set()
+        following = tuple(order)
+        while len(tried) < _TRIES and following not in tried and len(self._tracks) == len(order):
+            tried.add(following)
+            self._placed = {}
+            for i in following:
+                if is_stopped():
+                    return {}
+                if not self._place(i):
+                    following = (i, *(j for j in following if j != i))
+                    break
+            else:
+                return dict(self._placed)
+        return {}
+
+    def mend(
+        self,
+        places: Mapping[int, Matrix],
+        is_stopped: Callable[[], bool],
+        vehicles: Sequence[int] | None = None,
+    ) -> dict[int, Matrix]:
+        """Return places at a pace that vehicles can keep, as far as all others' leave one.
+
+        Parameters
+        ----------
+        places : mapping of int to (T+1, 2) array
+            Where everyone is at each step [m], clear of each other, at whatever speed.
+        is_stopped : callable
+            Returns True once it is time to stop.
+        vehicles : sequence of int or None
+            Who may be placed again; None for all.
+        """
+        self._placed = dict(places)
+        for _ in range(_MENDS):
+            for i in sorted(self._tracks) if vehicles is None else vehicles:
+                if is_stopped():
+                    return dict(self._placed)
+                before = self._placed.pop(i)
+                if not (i in self._tracks and self._place(i)):
+                    self._placed[i] = before
+        return dict(self._placed)
+
+    def _place(self, vehicle: int) -> bool:
+        """Place a vehicle at the best pace on any of its ways; tell whether there is one."""
+        best: tuple[Matrix, float] | None = None
+        for each, alone in self._tracks[vehicle]:
+            if best is not None and alone >= best[1]:
+                # Others only make it dearer; the ways come in the order of what they cost alone.
+                break
+            others = [self._closeness(each, j) for j in self._placed]
+            found = each.paced(self._hazards.horizon, others)
+            if found is not None and (best is None or found[1] < best[1]):
+                best = found
+        if best is not None:
+            self._placed[vehicle] = best[0]
+        return best is not None
+
+    def _closeness(self, each: Track, other: int) -> Closeness:
+        """Return what being near a placed vehicle costs; kept while that one stays on its path."""
+        path, key = self._placed[other], (id(each), other)
+        known = self._known.get(key)
+        if known is None or not np.array_equal(known[0], path):
+            known = path, each.closeness(self._hazards, other, path, self._clearance)
+            self._known[key] = known
+        return known[1]

@@ -1,0 +1,233 @@
+"""A way laid out for one vehicle: places on it, speeds along it, and the best pace.
+
+Path-velocity decomposition (Kant and Zucker 1986): the way is given, and dynamic programming over
+(place on the way, speed, step) finds the pace. From step to step a vehicle goes straight on
+average, so corners fall on steps, or are cut where there is room for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.planners.certified.turned.directions import closest_approach
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.hazards import Hazards
+
+__all__ = ["Closeness", "Track", "track"]
+
+_PER_RADIUS = 2.0
+"""Places on the way per radius of the vehicle [-]."""
+
+_LEVELS = (4, 16)
+"""Fewest and most levels of speed along an axis [-]."""
+
+_MISSED = 500.0
+"""Cost of a meter of room that is missed, or by which no speed leads from place to place, in
+multiples of what reaching full speed costs [1/m]."""
+
+_MOST = 2e7
+"""Places times levels of speed, squared, times steps of a way beyond which no pace is sought [-]:
+2e7 take 0.2 s."""
+
+_TINY = 1e-9
+"""Stands for a length or speed of 0 where one divides by it [m, m/s]."""
+
+Closeness = tuple[Indices, Indices, Tensor]
+"""Steps and places, (c,) each, where another vehicle is near, and what moves from there cost,
+(c, m), by their length in places; inf where the two would touch."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Places on a way, the speeds along it, and what each move from step to step costs.
+
+    Attributes
+    ----------
+    vehicle : int
+        Whose way it is.
+    places : (n, 2) array
+        Places at even distances [m].
+    ends : (v, v, n) int array
+        Where a move from a place ends, by the levels of speed at its begin and its end.
+    costs : (v, v, n) array
+        What it costs; inf where it leads past the end, or where nothing can do it.
+    first : int
+        The level of speed at the start.
+    price : float
+        Cost of a meter of room that is missed.
+    """
+
+    vehicle: int
+    places: Matrix
+    ends: Indices
+    costs: Tensor
+    first: int
+    price: float
+
+    @property
+    def num_moves(self) -> int:
+        """Lengths that moves may have, in places, rest among them."""
+        return 2 * len(self.costs) - 1
+
+    def closeness(self, hazards: Hazards, other: int, path: Matrix, clearance: float) -> Closeness:
+        """Return what it costs to be near another vehicle.
+
+        Parameters
+        ----------
+        hazards : Hazards
+            The fleet.
+        other : int
+            Who that is.
+        path : (T+1, 2) array
+            Where it is at each step [m].
+        clearance : float
+            Standard deviations to keep [-]; one is kept at any cost.
+        """
+        i, places, most = self.vehicle, self.places, self.num_moves
+        variance = hazards.variances[i].max() + hazards.variances[other].max()
+        spread = float(np.sqrt(variance / hazards.dimension))
+        touching = float(hazards.radii[i] + hazards.radii[other])
+        apart = touching + clearance * spread
+        longest = most * float(np.linalg.norm(places[1] - places[0]))
+        far = np.linalg.norm(places[:, None] - path[:-1], axis=2)
+        moved = np.linalg.norm(np.diff(path, axis=0), axis=1)
+        near, step = np.nonzero(far < apart + longest + moved)
+        ends = np.minimum(near[:, None] + np.arange(most), len(places) - 1)
+        begin = np.broadcast_to((places[near] - path[step])[:, None], (*ends.shape, 2))
+        end = places[ends] - path[step + 1][:, None]
+        relative = np.stack([begin, end], axis=2).reshape(-1, 2, 2)
+        closest = closest_approach(relative)[:, 0] if hazards.intervals else relative[:, 1]
+        distance = np.linalg.norm(closest, axis=1)
+        lack: Vector = self.price * np.maximum(apart - distance, 0.0)
+        lack[distance < touching + spread] = np.inf
+        return step, near, lack.reshape(ends.shape)
+
+    def paced(self, horizon: int, others: Iterable[Closeness]) -> tuple[Matrix, float] | None:
+        """Return where the vehicle is at each step at the best pace, (T+1, 2) [m], and its cost.
+
+        Parameters
+        ----------
+        horizon : int
+            Steps T.
+        others : iterable of Closeness
+            What being near each of those costs that are out of the way already.
+
+        Returns
+        -------
+        tuple of array and float, or None
+            None where there is no pace that keeps off them.
+        """
+        num_levels, _, count = self.costs.shape
+        near = np.zeros((horizon, count, self.num_moves), dtype=np.float32)
+        for step, place, lack in others:
+            near[step, place] += lack
+        value = np.full((num_levels, count), np.inf, dtype=np.float32)
+        value[0, -1] = 0.0
+        level = np.arange(num_levels)
+        ends = level[None, :, None] * count + self.ends
+        moves = np.arange(count) * self.num_moves + level[:, None, None] + level[None, :, None]
+        choices = []
+        for k in range(horizon - 1, -1, -1):
+            worth = self.costs + value.ravel().take(ends)
+            if near[k].any():
+                worth += near[k].ravel().take(moves)
+            choice = worth.argmin(axis=1)
+            choices.append(choice)
+            value = np.take_along_axis(worth, choice[:, None], axis=1)[:, 0]
+        cost = float(value[self.first, 0])
+        if not np.isfinite(cost):
+            return None
+        at, speed, path = 0, self.first, [0]
+        for choice in reversed(choices):
+            following = int(choice[speed, at])
+            at, speed = int(self.ends[speed, following, at]), following
+            path.append(at)
+        return np.asarray(self.places[path]), cost
+
+
+def track(
+    hazards: Hazards, i: int, way: Matrix, kept: tuple[Clear, float], fineness: float = 1.0
+) -> Track | None:
+    """Lay out a way.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet, in the plane.
+    i : int
+        Whose way it is: that of a double integrator.
+    way : (p, 2) array
+        Its corners, no two in a row at the same place [m].
+    kept : tuple of Clear and float
+        How far places are from obstacles, and standard deviations to keep from them [-].
+    fineness : float
+        Places on the way, in multiples of the usual number [-].
+
+    Returns
+    -------
+    Track or None
+        None where the way is too long for that.
+    """
+    dt, fastest, push = _limits(hazards.models[i])
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    reach = 0.5 * dt * fastest
+    finest = reach * _PER_RADIUS / hazards.radii[i]
+    finest = int(np.ceil(np.clip(finest, *_LEVELS) * fineness))
+    # Speeds at the steps sum to half the way: from rest to rest, only even numbers of places do.
+    count = 2 * max(1, round(float(lengths[-1]) * finest / reach / 2.0)) + 1
+    along = np.linspace(0.0, lengths[-1], count)
+    unit = max(2.0 * float(along[1]) / dt, _TINY)
+    level = np.arange(int(np.sqrt(2.0) * fastest / unit + _TINY) + 1)
+    if count * level.size**2 * hazards.horizon > _MOST:
+        return None
+    places = np.stack([np.interp(along, lengths, way[:, a]) for a in (0, 1)], axis=1)
+    pieces = np.clip(np.searchsorted(lengths, along + _TINY, side="right") - 1, 0, len(way) - 2)
+    ahead = np.diff(way, axis=0) / np.diff(lengths)[:, None]
+    speeds = unit * level[:, None, None] * ahead[pieces]
+    ends = level[:, None, None] + level[None, :, None] + np.arange(count)
+    is_never = ends >= count
+    ends = np.minimum(ends, count - 1)
+    there = speeds[level[None, :, None], ends]
+    change = np.abs(there - speeds[:, None])
+    missed = places[ends] - places - 0.5 * dt * (there + speeds[:, None])
+    lack = _lack(hazards, i, places, 2 * level.size - 1, kept)
+    price = _MISSED * fastest
+    costs = change.sum(axis=3) + price * np.linalg.norm(missed, axis=3)
+    costs += price * np.moveaxis(lack[:, level[:, None] + level], 0, 2)
+    # Speeds are on levels: half of one more or less is left to what follows.
+    is_fast = np.abs(speeds).max(axis=2) > fastest + 0.1 * unit
+    is_never |= is_fast[:, None] | is_fast[level[None, :, None], ends]
+    is_never |= (change > push + 0.5 * unit).any(axis=3)
+    costs[is_never] = np.inf
+    start = hazards.models[i].drift_velocity
+    first = 0.0 if start is None else float(ahead[0] @ start[0]) / unit
+    return Track(
+        i, places, ends, costs.astype(np.float32), int(np.clip(round(first), 0, level[-1])), price
+    )
+
+
+def _limits(model: CondensedModel) -> tuple[float, float, Vector]:
+    """Return the step [s], the largest speed along an axis, and its largest change [m/s]."""
+    vehicle = model.vehicle
+    rates, system = vehicle.system.rates, vehicle.system
+    dt = 1.0 if rates is None else float(rates[1])
+    fastest = float(np.abs(np.diff(model.reach_upper, axis=0)).max(initial=0.0)) / dt
+    if vehicle.speed_limit is not None:
+        fastest = min(fastest, float(np.min(vehicle.speed_limit)))
+    most = np.maximum(model.control_bounds.min(axis=0), 0.0)
+    return dt, max(fastest, _TINY), np.abs(system.B[list(system.velocity or ())]) @ most
+
+
+def _lack(hazards: Hazards, i: int, places: Matrix, most: int, kept: tuple[Clear, float]) -> Matrix:
+    """Return the room that moves from place to place miss, (n, m) [m], by their length."""
+    clear, clearance = kept
+    spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
+    needed = float(hazards.radii[i]) + clearance * spread
+    ends = np.minimum(np.arange(len(places))[:, None] + np.arange(most), len(places) - 1)
+    begin = np.broadcast_to(places[:, None], (*ends.shape, 2))
+    return np.maximum(needed - clear.along(begin, places[ends]), 0.0)

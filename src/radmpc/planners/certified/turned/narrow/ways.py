@@ -1,0 +1,92 @@
+"""Ways for vehicles to be paced on: the shortest, and those that paths on coarser grids take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.turned.detours import detours, ways_beside
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.program.hazards import Hazards
+
+__all__ = ["pulled_ways", "shortest_ways"]
+
+_FREE = 6.0
+"""Standard deviations from an obstacle that are worth a corner [-]."""
+
+_BESIDE = 2.8
+"""How far ways are sought beside those on a coarser grid [radii of the largest]."""
+
+_LITTLE = 1e-6
+"""Distance below which points of a way are the same [m]."""
+
+
+def shortest_ways(
+    hazards: Hazards, clear: Clear, clearance: float
+) -> Mapping[int, Sequence[Matrix]]:
+    """Return the corners of each vehicle's shortest way around obstacles.
+
+    Parameters
+    ----------
+    hazards, clear, clearance
+        As in `Pacing`.
+    """
+    found = detours(hazards, range(hazards.count), clearance, clear.grid)
+    return {i: [_distinct(clear.pulled(way, _room(hazards, i)))] for i, way in found.items()}
+
+
+def pulled_ways(
+    hazards: Hazards, clear: Clear, paths: Mapping[int, Matrix], clearance: float
+) -> Mapping[int, Sequence[Matrix]]:
+    """Return the corners of the ways that paths take between places of rest, and of ways beside.
+
+    Parameters
+    ----------
+    hazards, clear, clearance
+        As in `Pacing`.
+    paths : mapping of int to (K+1, 2) array
+        Positions, tick by tick [m].
+    """
+    parts = {i: _parts(path) for i, path in paths.items()}
+    far = _BESIDE * float(hazards.radii.max())
+    beside = ways_beside(hazards, clear.grid, parts, clearance, far)
+    found = {}
+    for i in paths:
+        goal = hazards.models[i].vehicle.goal
+        ends = hazards.models[i].drift_position[:1], 0.5 * (goal.lower + goal.upper)
+        found[i] = [
+            _distinct(
+                np.vstack([ends[0], *(clear.pulled(p, _room(hazards, i)) for p in way), ends[1]])
+            )
+            for way in (parts[i], beside[i])
+        ]
+    return found
+
+
+def _parts(path: Matrix) -> list[Matrix]:
+    """Return the pieces of a path between places of rest.
+
+    Whoever waits does so for a reason: pulled straight across, a way would lead through others.
+    """
+    is_rest = np.append(False, ~np.diff(path, axis=0).any(axis=1))
+    moving = path[~is_rest]
+    waits = np.cumsum(~is_rest)[is_rest] - 1
+    marks = np.unique(np.concatenate([[0], waits, [len(moving) - 1]]))
+    return [moving[a : b + 1] for a, b in pairwise(marks.tolist())]
+
+
+def _room(hazards: Hazards, i: int) -> float:
+    """Return the distance from obstacles that is worth a corner [m]."""
+    spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
+    return float(hazards.radii[i]) + _FREE * spread
+
+
+def _distinct(way: Matrix) -> Matrix:
+    """Return a way without points that repeat the one before."""
+    moved = np.linalg.norm(np.diff(way, axis=0), axis=1) > _LITTLE
+    if not moved.any():
+        return np.asarray(np.vstack([way[0], way[0] + _LITTLE]))
+    return np.asarray(way[np.append(True, moved)])

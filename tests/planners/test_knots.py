@@ -1,0 +1,169 @@
+"""Vehicles in narrow ways: at which pace they go, and who lets whom pass."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radmpc import certify, import_scenario
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.joint_search import joint_search
+from radmpc.planners.certified.turned.narrow.knots import joint_ways
+from radmpc.planners.certified.turned.narrow.pacing import Pacing
+from radmpc.planners.certified.turned.narrow.track import track
+from radmpc.planners.certified.turned.narrow.ways import shortest_ways
+from radmpc.planners.certified.turned.prioritized import prioritized
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
+from running import first_plan
+
+INSTANCES = Path(__file__).parents[2] / "instances"
+CROWD = INSTANCES / "libMultiRobotPlanning" / "map_32by32_obst204_agents20_ex3.yaml"
+
+
+def never() -> bool:
+    return False
+
+
+def hazards_of(scenario: Scenario) -> Hazards:
+    return Hazards.of(scenario, condensed_models(scenario))
+
+
+def cells(path: Path, size: tuple[int, int], free: set[tuple[int, int]], robots: list) -> Scenario:
+    """Import a grid world of unit cells; robots are pairs of start and goal."""
+    blocked = [[x, y] for x in range(size[0]) for y in range(size[1]) if (x, y) not in free]
+    lines = ["agents:"]
+    for number, (start, goal) in enumerate(robots):
+        lines += [f"- name: r{number}", f"  start: {list(start)}", f"  goal: {list(goal)}"]
+    lines += ["map:", f"  dimensions: {list(size)}", f"  obstacles: {blocked}"]
+    file = path / "cells.yaml"
+    file.write_text("\n".join(lines))
+    return import_scenario(file).scenario
+
+
+def corridor_with_a_bay(path: Path) -> Scenario:
+    """Two robots that swap the ends of a corridor one cell wide, a bay in its middle."""
+    free = {(x, 0) for x in range(9)} | {(4, 1)}
+    return cells(path, (9, 2), free, [((0, 0), (8, 0)), ((8, 0), (0, 0))])
+
+
+def test_distances_past_a_corner_are_those_of_the_corner(tmp_path: Path) -> None:
+    scenario = cells(tmp_path, (3, 3), {(0, 0), (0, 1), (0, 2), (1, 2), (2, 2)}, [((0, 0), (2, 2))])
+    clear = Clear.of(hazards_of(scenario))
+    assert clear is not None
+    corner = np.array([1.0, 2.0])
+    for angle in (0.6, 0.8, 1.0):
+        place = corner + 0.4 * np.array([-np.cos(angle), np.sin(angle)])
+        assert clear.at(place) == pytest.approx(0.4, abs=1e-3)
+    assert clear.along(np.array([0.5, 1.9]), np.array([1.1, 2.5])) == pytest.approx(
+        0.4 / np.sqrt(2.0), abs=0.01
+    )
+
+
+def test_a_pace_keeps_room_at_corners_and_speeds_that_lead_from_place_to_place(
+    tmp_path: Path,
+) -> None:
+    free = {(0, y) for y in range(5)} | {(x, 4) for x in range(5)}
+    scenario = cells(tmp_path, (5, 5), free, [((0, 0), (4, 4))])
+    hazards = hazards_of(scenario)
+    clear = Clear.of(hazards)
+    assert clear is not None
+    way = shortest_ways(hazards, clear, 2.0)[0][0]
+    laid_out = track(hazards, 0, way, (clear, 2.0))
+    assert laid_out is not None
+    found = laid_out.paced(hazards.horizon, ())
+    assert found is not None
+    places = found[0]
+    assert places[0] == pytest.approx(way[0])
+    assert places[-1] == pytest.approx(way[-1])
+    spread = np.sqrt(hazards.variances[0].max() / 2.0)
+    needed = hazards.radii[0] + 2.0 * spread
+    assert clear.along(places[:-1], places[1:]).min() >= needed - 0.02
+    # A double integrator covers half the sum of both speeds in a step.
+    dt, limit = scenario.dt, scenario.vehicles[0].speed_limit
+    speeds = [np.zeros(2)]
+    for moved in np.diff(places, axis=0):
+        speeds.append(2.0 * moved / dt - speeds[-1])
+    # Errors of half a level add up along the way.
+    assert np.abs(speeds).max() <= 1.3 * np.max(limit)
+
+
+def test_vehicles_paced_on_ways_that_cross_are_never_near_between_steps(tmp_path: Path) -> None:
+    free = {(x, 3) for x in range(7)} | {(3, y) for y in range(7)}
+    robots = [((0, 3), (6, 3)), ((3, 0), (3, 6)), ((6, 3), (0, 3))]
+    hazards = hazards_of(cells(tmp_path, (7, 7), free, robots[:2]))
+    clear = Clear.of(hazards)
+    assert clear is not None
+    pacing = Pacing(hazards, clear, 2.0)
+    pacing.offer(shortest_ways(hazards, clear, 2.0))
+    places = pacing.run((0, 1), never)
+    assert sorted(places) == [0, 1]
+    tau = np.linspace(0.0, 1.0, 21)[:, None, None]
+    relative = places[0] - places[1]
+    between = relative[:-1] + tau * np.diff(relative, axis=0)
+    assert np.linalg.norm(between, axis=2).min() > hazards.radii.sum()
+
+
+def test_two_that_meet_head_on_in_a_corridor_have_no_pace(tmp_path: Path) -> None:
+    hazards = hazards_of(corridor_with_a_bay(tmp_path))
+    clear = Clear.of(hazards)
+    assert clear is not None
+    pacing = Pacing(hazards, clear, 2.0)
+    pacing.offer(shortest_ways(hazards, clear, 2.0))
+    assert pacing.run((0, 1), never) == {}
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_joint_ways_lead_everyone_to_the_goal_without_conflict(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    size, count = 4, 11
+    number = np.arange(size * size).reshape(size, size)
+    neighbors: list[list[int]] = [[] for _ in range(size * size)]
+    for one, two in ((number[1:], number[:-1]), (number[:, 1:], number[:, :-1])):
+        for i, j in zip(one.ravel().tolist(), two.ravel().tolist(), strict=True):
+            neighbors[i].append(j)
+            neighbors[j].append(i)
+    starts, goals = (tuple(rng.permutation(size * size)[:count].tolist()) for _ in range(2))
+    found = joint_search(neighbors, starts, goals, 20_000, rng, never)
+    assert found[0] == starts
+    assert found[-1] == goals
+    for before, after in pairwise(found):
+        assert len(set(after)) == count
+        for i in range(count):
+            assert after[i] == before[i] or after[i] in neighbors[before[i]]
+            for j in range(i):
+                assert not (after[i] == before[j] and after[j] == before[i])
+
+
+def test_a_joint_search_says_when_there_is_no_way() -> None:
+    # A corridor of four nodes: nobody can let the other pass.
+    neighbors = [[1], [0, 2], [1, 3], [2]]
+    rng = np.random.default_rng(0)
+    assert joint_search(neighbors, (0, 3), (3, 0), 10_000, rng, never) == []
+    # And no way at all between two parts.
+    assert joint_search([[1], [0], [3], [2]], (0,), (3,), 10, rng, never) == []
+
+
+def test_a_bay_lets_two_swap_where_no_order_of_priority_does(tmp_path: Path) -> None:
+    scenario = corridor_with_a_bay(tmp_path)
+    hazards = hazards_of(scenario)
+    assert prioritized(hazards, never) == {}
+    clear = Clear.of(hazards)
+    assert clear is not None
+    ways = joint_ways(hazards, clear, np.random.default_rng(0), never)
+    # One of them turns into the bay, which begins at y = 1.
+    assert max(way[:, 1].max() for way in ways.values()) > 1.2
+    result = first_plan(scenario, time_limit=60.0)
+    assert result.plan is not None
+    assert certify(result.plan).holds
+
+
+@pytest.mark.slow
+def test_twenty_robots_whose_steps_are_longer_than_the_cells_get_a_certified_plan() -> None:
+    result = first_plan(import_scenario(CROWD).scenario, time_limit=120.0)
+    assert result.plan is not None
+    assert certify(result.plan).holds
