@@ -117,6 +117,7 @@ _ALL = (
         "certified",
         "Faces and risks optimized together, to a proven gap; never above the risk bound.",
         lambda: Planner(planners.Optimal(), planners.Branch(), planners.Certified()),
+        lambda seconds: Planner(planners.Optimal(), planners.Branch(), planners.Certified(seconds)),
     ),
 )
 

@@ -56,10 +56,8 @@ class ProgramBuilder:
         Those of all blocks.
     initial : list of (RiskItem, float)
         Risk at k = 0 that is not negligible.
-    presolved_risk, initial_risk : float
-        Risk of presolved windows, and at k = 0.
-    num_presolved : int
-        Number of presolved windows.
+    presolved_risk, initial_risk, num_presolved : float, float and int
+        Risk of presolved windows, risk at k = 0, and how many windows are presolved.
     parts : tuple of Part
         Each vehicle's place among the outputs.
     """
@@ -194,7 +192,7 @@ class ProgramBuilder:
         vehicle : str
             To whom.
         *others : str or None
-            With each of these things.
+            With each of these.
         """
         self.presolved_risk += block.presolved_risk
         self.num_presolved += block.num_presolved

@@ -223,7 +223,7 @@ def price_text(plan: Plan) -> str:
 def _no_price(plan: Plan) -> str:
     """Return why a plan comes without a shadow price."""
     certified, bound = plan.risk.certified, plan.risk.bound
-    if plan.planner.rpartition(", ")[2] != _PRICED:
+    if plan.planner.rpartition(", ")[2].partition("(")[0] != _PRICED:
         return f"only the planner '{_PRICED}' looks for it"
     if certified is not None and certified <= 0.0:
         return "the plan runs no risk"

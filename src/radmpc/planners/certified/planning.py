@@ -8,12 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from radmpc.arguments import is_number, told
+from radmpc.errors import ScenarioError
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
-from radmpc.planners.certified.proof.prove import bound_on_any
+from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
@@ -22,7 +24,7 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import Task, turn_half_spaces
+from radmpc.planners.certified.turned.turning import Task, turn_half_spaces, turn_to
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
@@ -36,15 +38,30 @@ __all__ = ["Certified"]
 
 @dataclass(frozen=True, slots=True)
 class Certified(Decomposition):
-    """Sets merged where they collide, all at one price of risk, every plan certified."""
+    """Sets merged where they collide, all at one price of risk, every plan certified.
+
+    Attributes
+    ----------
+    proof_seconds : float or None
+        How long the bound on any certified plan may be searched for [s]; None for half as long as
+        the plan took, a tenth of a second at least.
+    """
+
+    proof_seconds: float | None = None
 
     families: ClassVar[frozenset[Family]] = frozenset({"priced"})
     solvers: ClassVar[tuple[type[Solver], ...]] = (Branch,)
     needs_proof: ClassVar[bool] = True
     default_seconds: ClassVar[float | None] = 60.0
 
+    def __post_init__(self) -> None:
+        """Refuse what is no time."""
+        seconds = self.proof_seconds
+        if seconds is not None and not (is_number(seconds) and 0.0 <= seconds < float("inf")):
+            raise ScenarioError(f"proof_seconds must be a number >= 0, got {told(seconds)}")
+
     def __str__(self) -> str:
-        return "certified"
+        return "certified" if self.proof_seconds is None else f"certified({self.proof_seconds:g})"
 
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Plan a fleet to a proven gap; every plan is certified.
@@ -86,10 +103,15 @@ class Certified(Decomposition):
                 other = replace(other, sets=sets, union_bound=searched.union_bound)
                 state = replace(state, incumbent=other)
         run.progress("proving", 0, 1)
-        seconds = max(PROOF_TUNING.least_seconds, time.perf_counter() - begun)
-        proving = fleet.with_limits(run.limits.within(seconds))
-        on_any = bound_on_any(proving, state.incumbent, shadow_price(fleet, state))
-        return _draft(fleet, state, result, begun, on_any)
+        allowed = self.proof_seconds
+        if allowed is None:
+            elapsed = time.perf_counter() - begun
+            allowed = max(PROOF_TUNING.least_seconds, PROOF_TUNING.time_share * elapsed)
+        proving = fleet.with_limits(run.limits.within(allowed))
+        proof = bound_on_any(proving, state.incumbent, shadow_price(fleet, state))
+        fleet = fleet.with_limits(run.limits.within(seconds))
+        state = _turned_to_relaxed(fleet, state, proof, run)
+        return _draft(fleet, state, result, begun, proof.bound)
 
 
 def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
@@ -102,6 +124,16 @@ def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
 
         state = turn_from_noiseless(fleet, state, run.judge)
     return state
+
+
+def _turned_to_relaxed(fleet: Fleet, state: SearchState, proof: Proof, run: Run) -> SearchState:
+    """Turn half-spaces to the best plan of the relaxation, too, where it promises anything."""
+    incumbent = state.incumbent
+    is_close = relative_gap(incumbent.cost, proof.bound) <= PROOF_TUNING.gap
+    if is_close or not proof.controls or fleet.limits.reached:
+        return state
+    price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit
+    return turn_to(fleet, state, run.judge, proof.controls, price)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,8 +201,9 @@ def _draft(
     """Return the incumbent and what is proven of it."""
     incumbent, answer = state.incumbent, result.answer
     closed = fleet.gap * (1.0 + 1e-6)
-    bound = reported_bound(fleet, state, closed)
-    is_closed = relative_gap(incumbent.cost, max(bound, on_any)) <= closed
+    # What bounds any certified plan bounds those by faces.
+    bound = max(reported_bound(fleet, state, closed), on_any)
+    is_closed = relative_gap(incumbent.cost, bound) <= closed
     return Draft(
         Status.OPTIMAL if is_closed else Status.FEASIBLE,
         incumbent.controls,

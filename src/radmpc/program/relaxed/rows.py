@@ -19,6 +19,10 @@ DROPPED = 1e-4
 """Share of Δ up to which an instant's risk is left out [-], wherever the body may be: a relaxation
 may leave out what it likes, and this costs nothing that could be seen."""
 
+_LEAST_DEVIATION = 1e-8
+"""Standard deviation below which a row asks for its half-space without any margin [m]: solvers refuse
+slopes of 1e15 and more, and less is asked so."""
+
 _REACH = 1e-6
 """By how much reach may miss a cone that is offered all the same [m]: reach is exact up to
 rounding."""
@@ -48,7 +52,8 @@ def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared:
     low, high = instants.lower[:, None], instants.upper[:, None]
     least = np.where(cones.normals > 0.0, cones.normals * low, cones.normals * high).sum(axis=2)
     most = np.where(cones.normals > 0.0, cones.normals * high, cones.normals * low).sum(axis=2)
-    deviations = np.where(is_there, np.maximum(cones.deviations, 0.0), 1.0)
+    deviations = np.where(cones.deviations >= _LEAST_DEVIATION, cones.deviations, 0.0)
+    deviations = np.where(is_there, deviations, 1.0)
     enough = float(clearance_for(DROPPED * risk_bound))
     worst = clearance(np.where(is_there, least - cones.offsets, -np.inf), deviations)
     is_asked = (worst.max(axis=1) < enough) & ~cones.is_void

@@ -105,12 +105,20 @@ class BranchingChoice:
         return tuple(dict.fromkeys(inner for p in proper for inner in self._step_to(p, outer)))
 
     def replaced(self, chosen: tuple[int, ...], alternative: int) -> tuple[int, ...]:
-        """Return a node's alternatives with one more, in place of the one that it refines."""
+        """Return a node's alternatives with one more, in place of the one that it refines.
+
+        Parameters
+        ----------
+        chosen : tuple of int
+            The node's alternatives.
+        alternative : int
+            The one more.
+        """
         outer = int(self._parents[alternative])
         return (*(c for c in chosen if c != outer), alternative)
 
     def _step_to(self, alternative: int, outer: int) -> tuple[int, ...]:
-        """Return the next step from an alternative towards one that it refines; none if not."""
+        """Return the next step from an alternative to one that it refines; none if not."""
         while self._parents[alternative] != outer:
             alternative = int(self._parents[alternative])
             if alternative < 0:

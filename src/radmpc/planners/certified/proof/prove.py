@@ -15,16 +15,37 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.program.build import controls_of
 from radmpc.program.relaxed.tails import DiscTails
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import relative_gap
 
-__all__ = ["bound_on_any"]
+__all__ = ["Proof", "bound_on_any"]
 
 _LOG = logging.getLogger(__name__)
 
+_SAME = 1e-6
+"""Difference of controls up to which two plans are one [in the units of controls]."""
 
-def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -> float:
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """What the relaxation says.
+
+    Attributes
+    ----------
+    bound : float
+        No plan that the referee would certify costs less; at most the cost of the plan at hand.
+    controls : tuple of (T, m) array
+        The best plan of the relaxation, in the scenario's order: it risks too much, by a little,
+        but its sides may be better ones. Empty where it is the plan at hand.
+    """
+
+    bound: float
+    controls: tuple[Matrix, ...] = ()
+
+
+def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -> Proof:
     """Return a lower bound on the cost of any plan that the referee would certify.
 
     Parameters
@@ -38,20 +59,20 @@ def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -
 
     Returns
     -------
-    float
-        What the vehicles cost alone in empty space, at least; at most the plan's cost.
+    Proof
+        Its bound is what the vehicles cost alone in empty space, at least.
     """
     base = float(sum(fleet.base))
     cost = incumbent.cost
     if fleet.scenario.dimension != 2 or relative_gap(cost, base) <= TUNING.gap:
-        return min(base, cost)
-    proof = _Proof(fleet, incumbent, price or 0.0, best=base)
-    proof.run()
-    return min(proof.best, cost)
+        return Proof(min(base, cost))
+    search = _Search(fleet, incumbent, price or 0.0, best=base)
+    search.run()
+    return Proof(min(search.best, cost), search.relaxed_controls())
 
 
 @dataclass(slots=True, eq=False)
-class _Proof:
+class _Search:
     """The search for the bound: sets are searched in turn, those that promise most first."""
 
     fleet: Fleet
@@ -92,6 +113,19 @@ class _Proof:
                     break
             if self.is_over:
                 return
+
+    def relaxed_controls(self) -> tuple[Matrix, ...]:
+        """Return the best plan of the relaxation; nothing where it is the plan at hand."""
+        controls = list(self.incumbent.controls)
+        is_other = False
+        for members, known in self.sets.items():
+            if members not in self.parts or known.best is None:
+                continue
+            models = [self.fleet.programs.models[i] for i in members]
+            for i, found in zip(members, controls_of(models, known.best.z), strict=True):
+                is_other |= bool(np.abs(found - controls[i]).max() > _SAME)
+                controls[i] = found
+        return tuple(controls) if is_other else ()
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""

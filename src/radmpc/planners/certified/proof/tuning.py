@@ -36,8 +36,9 @@ class Tuning:
     prices : int
         Prices tried at most [-].
     least_seconds : float
-        Time that a proof may take in any case, however soon the plan was there [s]; otherwise no
-        more than the plan took.
+        Time that a proof may take in any case, however soon the plan was there [s].
+    time_share : float
+        Share of the time that the plan took that its proof may take [-].
     """
 
     gap: float = 5e-3
@@ -49,7 +50,8 @@ class Tuning:
     worth: float = 0.02
     off: float = 1.5
     prices: int = 2
-    least_seconds: float = 0.5
+    least_seconds: float = 0.1
+    time_share: float = 0.5
 
 
 TUNING = Tuning()

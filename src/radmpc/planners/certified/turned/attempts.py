@@ -100,7 +100,7 @@ def attempts(
         drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
         for i in meeting:
             if i not in ways:
-                path = _bowed(hazards, i, TUNING.most_bow * rng.uniform(-1.0, 1.0))
+                path = _arched(hazards, i, TUNING.most_arc * rng.uniform(-1.0, 1.0))
                 drawn[i] = _timed_anyhow(hazards, i, path, rng)
         yield begin.referring(drawn), usual, TUNING.max_sweeps
 
@@ -112,8 +112,8 @@ def _sides(begin: Begin, limits: Limits) -> list[Turning]:
         return [straight]
     tried = [straight]
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
-    for bow in TUNING.bows:
-        tried.append(begin.referring({i: _bowed(begin.task.hazards, i, bow) for i in meeting}))
+    for offset in TUNING.arches:
+        tried.append(begin.referring({i: _arched(begin.task.hazards, i, offset) for i in meeting}))
     nearly = TUNING.nearly * float(begin.task.hazards.radii.mean())
 
     def rank(turning: Turning) -> tuple[bool, float]:
@@ -176,15 +176,15 @@ def _paced(
         yield begin.referring(finer), TUNING.paced_penalty
 
 
-def _bowed(hazards: Hazards, i: int, bow: float) -> Matrix:
-    """Return places at even speed on a bow to the right of the straight way, in largest radii."""
+def _arched(hazards: Hazards, i: int, offset: float) -> Matrix:
+    """Return places at even speed on an arc to the right of the straight way, in largest radii."""
     model = hazards.models[i]
     start = model.drift_position[0]
     goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
     share = np.linspace(0.0, 1.0, hazards.horizon + 1)[:, None]
     right = np.zeros(start.size)
     right[:2] = (goal - start)[1], (start - goal)[0]
-    right *= bow * float(hazards.radii.max()) / max(float(np.linalg.norm(right)), _TINY)
+    right *= offset * float(hazards.radii.max()) / max(float(np.linalg.norm(right)), _TINY)
     return np.asarray(start + share * (goal - start) + np.sin(np.pi * share) * right)
 
 

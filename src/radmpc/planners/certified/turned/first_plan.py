@@ -105,7 +105,7 @@ def _turned(
             found = attempt.run(TUNING.first_rounds)
             if found.controls:
                 return missed, found
-        if missed > TUNING.hopeless * float(radii.sum()):
+        if missed > TUNING.most_missed * float(radii.sum()):
             break
     return missed, FleetIncumbent()
 

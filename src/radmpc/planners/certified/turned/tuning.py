@@ -63,16 +63,16 @@ class Tuning:
     attempts : int
         Times of ways around obstacles that a first plan is tried with, at most [-]: each takes 0.1
         to 0.5 s for three to eight vehicles.
-    bows : tuple of float
+    arches : tuple of float
         How far everyone keeps to the right of its straight way in other beginnings than that one
         [largest radii]: `circle(16)` begins at 89.7 by the first, at 96.6 without.
-    most_bow : float
+    most_arc : float
         How far ways lead past the straight one at most, when sides are drawn [largest radii].
     narrower : float
         Share of the clearance that is kept where ways are too narrow for all of it [-].
     nearly : float
         What paths may miss in all to be turned at a price of risk all the same [mean radii].
-    hopeless : float
+    most_missed : float
         What paths may miss in all for another try with less room [sums of radii].
     easy_share : float
         The share of the time that is left for a first plan of a few vehicles that nothing stops and
@@ -170,11 +170,11 @@ class Tuning:
     max_sweeps: int = 40
     quick_sweeps: int = 12
     attempts: int = 8
-    bows: tuple[float, ...] = (1.0, 5.0)
-    most_bow: float = 4.0
+    arches: tuple[float, ...] = (1.0, 5.0)
+    most_arc: float = 4.0
     narrower: float = 0.7
     nearly: float = 0.2
-    hopeless: float = 1.0
+    most_missed: float = 1.0
     first_seconds: float = 30.0
     first_time_share: float = 0.4
     easy_share: float = 0.1

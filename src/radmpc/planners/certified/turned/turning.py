@@ -21,7 +21,7 @@ from radmpc.planners.verdict import Judge
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces"]
+__all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -54,6 +54,38 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
     turning = Turning(_task(fleet, judge), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
+    return replace(state, incumbent=turning.run(TUNING.rounds))
+
+
+def turn_to(
+    fleet: Fleet,
+    state: SearchState,
+    judge: Judge,
+    controls: tuple[Matrix, ...],
+    price: float,
+) -> SearchState:
+    """Turn half-spaces to another plan than the incumbent, certified or nearly.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet.
+    state : SearchState
+        With a certified plan.
+    judge : callable
+        The referee.
+    controls : tuple of (T, m) array
+        Of the other plan, in the scenario's order.
+    price : float
+        Shadow price of the risk to begin with, per unit of probability.
+
+    Returns
+    -------
+    SearchState
+        With a cheaper plan where there is one.
+    """
+    turning = Turning(_task(fleet, judge), state.incumbent, state.incumbent.sets, price)
+    turning.successive.begin(controls)
     return replace(state, incumbent=turning.run(TUNING.rounds))
 
 

@@ -85,7 +85,13 @@ class Clear:
         return np.asarray((1.0 - x) * near + x * far)
 
     def along(self, begin: Tensor, end: Tensor) -> Tensor:
-        """Return the least distance along straight pieces, (...) [m], from their ends, (..., 2)."""
+        """Return the least distance along straight pieces, (...) [m].
+
+        Parameters
+        ----------
+        begin, end : (..., 2) array
+            Their ends [m].
+        """
         longest = float(np.abs(end - begin).max(initial=0.0))
         count = max(2, int(longest / (_SAMPLED * self.grid.spacing)) + 2)
         shares = np.linspace(0.0, 1.0, count)[:, None]
