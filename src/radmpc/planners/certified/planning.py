@@ -43,8 +43,8 @@ class Certified(Decomposition):
     Attributes
     ----------
     proof_seconds : float or None
-        How long the bound on any certified plan may be searched for [s]; None for half as long as
-        the plan took, a tenth of a second at least.
+        How long the bound on any certified plan may be searched for [s]; None for as long as
+        the plan took, a fifth of a second at least.
     """
 
     proof_seconds: float | None = None

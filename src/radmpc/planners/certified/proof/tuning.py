@@ -50,8 +50,8 @@ class Tuning:
     worth: float = 0.02
     off: float = 1.5
     prices: int = 2
-    least_seconds: float = 0.1
-    time_share: float = 0.5
+    least_seconds: float = 0.2
+    time_share: float = 1.0
 
 
 TUNING = Tuning()
