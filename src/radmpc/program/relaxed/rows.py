@@ -20,8 +20,8 @@ DROPPED = 1e-4
 may leave out what it likes, and this costs nothing that could be seen."""
 
 _LEAST_DEVIATION = 1e-8
-"""Standard deviation below which a row asks for its half-space without any margin [m]: solvers refuse
-slopes of 1e15 and more, and less is asked so."""
+"""Standard deviation below which a row asks for its half-space without any margin [m]: solvers
+refuse slopes of 1e15 and more, and less is asked so."""
 
 _REACH = 1e-6
 """By how much reach may miss a cone that is offered all the same [m]: reach is exact up to
