@@ -10,6 +10,7 @@ from scipy.spatial.distance import pdist
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import circle, clutter, fleet, paper
 from radmpc.experiments.scatter import Room
+from radmpc.experiments.swarms import swarm
 
 
 def _places(scenario):
@@ -76,3 +77,18 @@ def test_a_room_that_is_too_small_is_refused():
     room = Room(np.zeros(2), np.ones(2), apart=3.0)
     with pytest.raises(ScenarioError, match="no room for 2 points 3 m apart"):
         room.scatter(np.random.default_rng(0), 2)
+
+
+def test_the_swarm_family_is_as_dense_as_twenty_drones_in_a_small_room():
+    scenario = swarm(40, 3)
+    starts, goals = _places(scenario)
+    assert scenario.dimension == 3
+    size = scenario.workspace.upper - scenario.workspace.lower
+    assert np.prod(size) / 40 == pytest.approx(18.0 / 20.0)
+    for points in (starts, goals):
+        assert pdist(points).min() >= 0.5
+        assert np.all((points >= 0.5) & (points <= size - 0.5))
+    longest = np.abs(goals - starts).max()
+    assert scenario.horizon * scenario.dt >= longest + 1.0
+    assert swarm(40, 3).vehicles[7].start.tolist() == scenario.vehicles[7].start.tolist()
+    assert swarm(40, 4).vehicles[7].start.tolist() != scenario.vehicles[7].start.tolist()

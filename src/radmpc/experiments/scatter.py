@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import shapely
@@ -30,15 +31,15 @@ class Room:
 
     Attributes
     ----------
-    lower, upper : (2,) array
+    lower, upper : (d,) array
         Corners [m].
     outlines : tuple of Polygon
-        Shapes to stay clear of.
+        Shapes to stay clear of; in the plane only.
     clearance : float
         By how much [m].
     apart : float
         Least distance between points [m].
-    around : tuple of (N, 2) array and float, or None
+    around : tuple of (N, d) array and float, or None
         Draw point i within this distance per axis of the i-th of these points.
     """
 
@@ -68,7 +69,7 @@ class Room:
 
         Returns
         -------
-        (count, 2) array
+        (count, d) array
             The points [m].
 
         Raises
@@ -77,8 +78,8 @@ class Room:
             If some point finds no place.
         """
         tree = shapely.STRtree(self.outlines)
-        points = np.empty((count, 2))
-        taken: dict[tuple[int, int], list[int]] = defaultdict(list)
+        points = np.empty((count, self.lower.size))
+        taken: dict[tuple[int, ...], list[int]] = defaultdict(list)
         for i in range(count):
             for _ in range(_DRAWS_EACH):
                 point = self._draw(rng, i)
@@ -98,24 +99,24 @@ class Room:
             low, high = np.maximum(low, center - reach), np.minimum(high, center + reach)
         return rng.uniform(low, high)
 
-    def _cell(self, point: Vector) -> tuple[int, int]:
+    def _cell(self, point: Vector) -> tuple[int, ...]:
         """Return the cell of a grid as wide as points are apart."""
         width = max(self.apart, 1e-9)
-        return int(point[0] // width), int(point[1] // width)
+        return tuple(int(place // width) for place in point)
 
     def _is_free(
         self,
         point: Vector,
         points: Matrix,
-        taken: dict[tuple[int, int], list[int]],
+        taken: dict[tuple[int, ...], list[int]],
         tree: shapely.STRtree,
     ) -> bool:
         """Whether a point keeps its distance from points and shapes."""
-        x, y = self._cell(point)
-        near = [
-            i for dx in (-1, 0, 1) for dy in (-1, 0, 1) for i in taken.get((x + dx, y + dy), ())
-        ]
+        cells = product(*((c - 1, c, c + 1) for c in self._cell(point)))
+        near = [i for cell in cells for i in taken.get(cell, ())]
         if near and np.linalg.norm(points[near] - point, axis=1).min() < self.apart:
             return False
+        if not self.outlines:
+            return True
         spot = shapely.Point(point)
         return bool(tree.query(spot, "dwithin", distance=self.clearance).size == 0)
