@@ -163,6 +163,7 @@ def test_a_bay_lets_two_swap_where_no_order_of_priority_does(tmp_path: Path) -> 
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_twenty_robots_whose_steps_are_longer_than_the_cells_get_a_certified_plan() -> None:
     result = first_plan(import_scenario(CROWD).scenario, time_limit=120.0)
     assert result.plan is not None
