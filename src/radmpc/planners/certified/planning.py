@@ -110,7 +110,7 @@ class Certified(Decomposition):
         proving = fleet.with_limits(run.limits.within(allowed))
         proof = bound_on_any(proving, state.incumbent, shadow_price(fleet, state))
         fleet = fleet.with_limits(run.limits.within(seconds))
-        state = _turned_to_relaxed(fleet, state, proof, run)
+        state = _turned_to_others(fleet, state, proof, run)
         return _draft(fleet, state, result, begun, proof.bound)
 
 
@@ -126,14 +126,18 @@ def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
     return state
 
 
-def _turned_to_relaxed(fleet: Fleet, state: SearchState, proof: Proof, run: Run) -> SearchState:
-    """Turn half-spaces to the best plan of the relaxation, too, where it promises anything."""
-    incumbent = state.incumbent
-    is_close = relative_gap(incumbent.cost, proof.bound) <= PROOF_TUNING.gap
-    if is_close or not proof.controls or fleet.limits.reached:
-        return state
-    price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit
-    return turn_to(fleet, state, run.judge, proof.controls, price)
+def _turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, run: Run) -> SearchState:
+    """Turn half-spaces to plans of the relaxation and without noise, where these promise anything."""
+    gap = relative_gap(state.incumbent.cost, proof.bound)
+    if gap > PROOF_TUNING.gap and proof.controls and not fleet.limits.reached:
+        price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit
+        state = turn_to(fleet, state, run.judge, proof.controls, price)
+        gap = relative_gap(state.incumbent.cost, proof.bound)
+    if gap > PROOF_TUNING.doubtful:
+        from radmpc.planners.certified.turned.noiseless import turn_from_noiseless  # noqa: PLC0415 - few need it
+
+        state = turn_from_noiseless(fleet, state, run.judge)
+    return state
 
 
 @dataclass(frozen=True, slots=True, eq=False)

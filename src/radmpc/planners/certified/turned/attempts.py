@@ -105,15 +105,17 @@ def attempts(
         yield begin.referring(drawn), usual, TUNING.max_sweeps
 
 
-def _sides(begin: Begin, limits: Limits) -> list[Turning]:
-    """Begin with paths alone, or all bowed to the right, by what it costs to keep apart."""
+def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
+    """Begin with paths alone, then with all keeping right if that is cheaper to keep apart."""
     straight = begin.referring({})
+    yield straight
     if begin.task.hazards.count > TUNING.few:
-        return [straight]
-    tried = [straight]
+        return
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
-    for offset in TUNING.arches:
-        tried.append(begin.referring({i: _arched(begin.task.hazards, i, offset) for i in meeting}))
+    tried = [
+        begin.referring({i: _arched(begin.task.hazards, i, offset) for i in meeting})
+        for offset in TUNING.arches
+    ]
     nearly = TUNING.nearly * float(begin.task.hazards.radii.mean())
 
     def rank(turning: Turning) -> tuple[bool, float]:
@@ -121,7 +123,7 @@ def _sides(begin: Begin, limits: Limits) -> list[Turning]:
         successive.keep_apart(begin.clearance, TUNING.max_sweeps, limits)
         return float(successive.missed.sum()) > nearly, successive.paths.cost()
 
-    return sorted(tried, key=rank)[:SIDES]
+    yield min(tried, key=rank)
 
 
 def _kept_apart(
