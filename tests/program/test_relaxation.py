@@ -12,6 +12,7 @@ from scipy.stats import ncx2, norm
 
 from radmpc import certify
 from radmpc.experiments.families import circle, paper
+from radmpc.geometry import box, hull
 from radmpc.model.dynamics import double_integrator, lqr_gain, rollout
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
@@ -22,8 +23,10 @@ from radmpc.program.build import condensed_models
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.relaxed.build import build_relaxation
 from radmpc.program.relaxed.cones import Cones, Outline, cones_around
+from radmpc.program.relaxed.cones_in_space import cones_in_space
 from radmpc.program.relaxed.instants import Instants
-from radmpc.program.relaxed.tails import DiscTails, disc_probability
+from radmpc.program.relaxed.patches import around_point, around_polytope
+from radmpc.program.relaxed.tails import DiscTails, HalfSpaceTails, disc_probability, tails_of
 from radmpc.solvers.priced.rating import Rater
 
 Array = npt.NDArray[np.float64]
@@ -225,7 +228,8 @@ def test_no_plan_is_certified_at_less_than_its_relaxation_risks(
 ) -> None:
     scenario = two_vehicles(avoidance, has_feedback=has_feedback)
     models = condensed_models(scenario)
-    program = build_relaxation(scenario, models, DiscTails.of(scenario.risk_bound), 8)
+    tails = tails_of(scenario.risk_bound, are_integrated=avoidance == "steps")
+    program = build_relaxation(scenario, models, tails, 8)
     rater = Rater(program, scenario.risk_bound)
     rng = np.random.default_rng(0)
     compared = 0
@@ -277,3 +281,49 @@ def test_the_bound_on_any_certified_plan_is_no_more_than_the_cost_along_interval
     assert alone.cost is not None
     assert result.certified_lower_bound is not None
     assert 3.0 * alone.cost * 1.001 < result.certified_lower_bound <= result.cost
+
+
+def best_in_space(mean: Array, covariance: Array, corners: Array, radius: float) -> float:
+    """Clearance of the best half-space, by a fine sample of directions and a local search."""
+    rng = np.random.default_rng(0)
+    tried = rng.normal(size=(4000, 3))
+    best = -np.inf
+    for spread in (1.0, 0.2, 0.05, 0.01):
+        tried /= np.linalg.norm(tried, axis=1)[:, None]
+        slack = tried @ mean - (tried @ corners.T).max(axis=1) - radius
+        found = slack / np.sqrt(np.einsum("ka,ab,kb->k", tried, covariance, tried))
+        best = max(best, float(found.max()))
+        tried = tried[found.argmax()] + spread * 0.3 * rng.normal(size=(2000, 3))
+    return best
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("shape", ["pair", "box", "body"])
+def test_in_space_no_mean_is_clearer_than_its_best_cone_says(shape: str, seed: int) -> None:
+    rng = np.random.default_rng([seed, len(shape)])
+    root = 0.2 * np.eye(3) + 0.05 * rng.normal(size=(3, 3))
+    covariance, radius = root @ root.T, 0.6
+    if shape == "pair":
+        corners, patches = np.zeros((1, 3)), around_point(2)
+    else:
+        made = box([-1.0, -2.0, 0.0], [1.5, 0.5, 1.0])
+        if shape == "body":
+            made = hull(rng.normal(size=(9, 3)))
+        corners, whole = made.vertices, around_polytope(made)
+        assert whole is not None
+        patches = whole
+    cones = cones_in_space(patches, radius, covariance[None], HalfSpaceTails.of(0.1))
+    assert not cones.is_void[0]
+    for _ in range(25):
+        away = rng.normal(size=3)
+        mean = corners.mean(axis=0) + away * rng.uniform(1.0, 4.0) / np.linalg.norm(away)
+        truth = best_in_space(mean, covariance, corners, radius)
+        if truth < 0.0:
+            continue
+        clearances = clearances_of(cones, mean)
+        enough = clearances >= truth - 1e-6
+        assert any(all(enough[chain]) for chain in chains(cones))
+
+
+def test_what_is_flat_in_space_is_left_out() -> None:
+    assert around_polytope(box([0.0, 0.0, 0.0], [1.0, 1.0, 0.0])) is None

@@ -127,7 +127,7 @@ def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
 
 
 def _turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, run: Run) -> SearchState:
-    """Turn half-spaces to plans of the relaxation and without noise, where these promise anything."""
+    """Turn half-spaces to plans of the relaxation and without noise, where these may be better."""
     gap = relative_gap(state.incumbent.cost, proof.bound)
     if gap > PROOF_TUNING.gap and proof.controls and not fleet.limits.reached:
         price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit

@@ -18,9 +18,11 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.cones import Cones, Outline, cones_around
+from radmpc.program.relaxed.cones_in_space import cones_in_space
 from radmpc.program.relaxed.instants import Instants
+from radmpc.program.relaxed.patches import Patches, around_point, around_polytope
 from radmpc.program.relaxed.rows import DROPPED, cone_rows
-from radmpc.program.relaxed.tails import DiscTails
+from radmpc.program.relaxed.tails import Tails
 
 __all__ = ["build_relaxation"]
 
@@ -28,22 +30,25 @@ _BETWEEN = (0.5, 1.0)
 """Instants of an interval that are looked at, as shares of it [-]: those between would be others'
 neighbors. Four per interval raise the bound by less than the search for it loses."""
 
+_LEVELS = 2
+"""How often the octants around a pair in space are parted into four patches [-]: 128 in the end."""
+
 
 def build_relaxation(
-    scenario: Scenario, models: Sequence[CondensedModel], tails: DiscTails, num_directions: int
+    scenario: Scenario, models: Sequence[CondensedModel], tails: Tails, num_directions: int
 ) -> DisjunctiveProgram:
     """Build the relaxation of some vehicles, obstacles and pairs among them included.
 
     Parameters
     ----------
     scenario : Scenario
-        Obstacles, workspace, what counts as a collision, and Δ; in the plane.
+        Obstacles, workspace, what counts as a collision, and Δ.
     models : sequence of CondensedModel
         The vehicles.
-    tails : DiscTails
-        Probabilities of discs, for the same Δ.
+    tails : Tails
+        What charges are at least, for the same Δ.
     num_directions : int
-        Directions around every hazard beside the faces of obstacles; 3 at least.
+        Directions around every hazard in the plane beside the faces of obstacles; 3 at least.
 
     Returns
     -------
@@ -59,7 +64,7 @@ class _Relaxation:
 
     scenario: Scenario
     models: tuple[CondensedModel, ...]
-    tails: DiscTails
+    tails: Tails
     num_directions: int
     builder: ProgramBuilder = field(init=False)
     instants: tuple[Instants, ...] = field(init=False)
@@ -87,20 +92,33 @@ class _Relaxation:
             name = model.vehicle.name
             for keepout, vertices, faces in outlines:
                 outline = Outline(vertices, faces, model.vehicle.radius)
-                self._keep_out(instants, outline, "obstacle", name, keepout.name)
+                if self.scenario.dimension == 2:
+                    self._keep_out(instants, outline, None, ("obstacle", name, keepout.name))
+                    continue
+                # In space, what moves or is flat is left out.
+                is_standing = len(keepout.shapes) == 1
+                patches = around_polytope(keepout.shapes[0]) if is_standing else None
+                if patches is not None:
+                    self._keep_out(instants, outline, patches, ("obstacle", name, keepout.name))
             for cones in self._walls(instants):
                 self._add(instants, cones, "workspace", name, None)
         for i, j in combinations(range(len(self.models)), 2):
             one, two = self.models[i].vehicle, self.models[j].vehicle
             instants = self.instants[i].relative_to(self.instants[j])
-            point = Outline(np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), one.radius + two.radius)
-            self._keep_out(instants, point, "pair", one.name, two.name)
+            d = self.scenario.dimension
+            point = Outline(np.zeros((1, 1, d)), np.zeros((1, 0, d)), one.radius + two.radius)
+            patches = around_point(_LEVELS) if d == 3 else None
+            self._keep_out(instants, point, patches, ("pair", one.name, two.name))
         return self.builder.finish(self.scenario.risk_bound)
 
     def _keep_out(
-        self, instants: Instants, outline: Outline, cause: Cause, vehicle: str, other: str | None
+        self,
+        instants: Instants,
+        outline: Outline,
+        patches: Patches | None,
+        label: tuple[Cause, str, str],
     ) -> None:
-        """Add the rows of a hazard, at the instants at which it is within reach."""
+        """Add the rows of a hazard at the instants at which it is in reach; patches in space."""
         enough = float(clearance_for(DROPPED * self.scenario.risk_bound))
         variances = np.trace(instants.covariances, axis1=1, axis2=2)
         room = outline.radius + enough * np.sqrt(np.maximum(variances, 0.0))
@@ -109,12 +127,16 @@ class _Relaxation:
         if not chosen.size:
             return
         instants, outline = instants.take(chosen), outline.take(chosen)
+        if patches is not None:
+            cones = cones_in_space(patches, outline.radius, instants.covariances, self.tails)
+            self._add(instants, cones, *label)
+            return
         count = self.num_directions
         angles = (2.0 * np.arange(count) + 1.0) * np.pi / count
         directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         every = np.broadcast_to(directions, (instants.count, *directions.shape))
         cones = cones_around(outline, instants.covariances, self.tails, every)
-        self._add(instants, cones, cause, vehicle, other)
+        self._add(instants, cones, *label)
 
     def _add(
         self, instants: Instants, cones: Cones, cause: Cause, vehicle: str, other: str | None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.program.relaxed.tails import DiscTails
+from radmpc.program.relaxed.tails import Tails
 
 __all__ = ["Cones", "Outline", "cones_around"]
 
@@ -98,9 +98,7 @@ class _LevelCurve:
     sizes: Vector
 
 
-def cones_around(
-    outline: Outline, covariances: Tensor, tails: DiscTails, directions: Tensor
-) -> Cones:
+def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions: Tensor) -> Cones:
     """Return the cones between neighboring directions around a hazard, and wider ones.
 
     Let n(θ) be a direction, p its support point on the outline and ``d = Σ n / |n|_Σ``. The points
@@ -116,8 +114,8 @@ def cones_around(
         The hazard.
     covariances : (I, 2, 2) array
         Of the position relative to it [m²].
-    tails : DiscTails
-        Probabilities of discs.
+    tails : Tails
+        What charges are at least.
     directions : (I, k, 2) array
         Unit vectors in the metric in which the noise is the same all around; k >= 3, no two
         neighbors a half turn apart.
@@ -152,7 +150,7 @@ def cones_around(
 
 
 def _level_curve(
-    outline: Outline, covariances: Tensor, tails: DiscTails, directions: Tensor
+    outline: Outline, covariances: Tensor, tails: Tails, directions: Tensor
 ) -> tuple[_LevelCurve, np.ndarray]:
     """Return the level curve at the least distance, and where none is known."""
     roots = _roots(covariances)
@@ -214,7 +212,7 @@ def _roots(covariances: Tensor) -> Tensor:
     return np.asarray(np.einsum("iak,ik,ibk->iab", vectors, values, vectors))
 
 
-def _least(radius: float, covariances: Tensor, tails: DiscTails) -> tuple[Vector, Vector, Vector]:
+def _least(radius: float, covariances: Tensor, tails: Tails) -> tuple[Vector, Vector, Vector]:
     """Return the least distance and the shift at every instant, and whether none is known."""
     values = np.sqrt(np.maximum(np.linalg.eigvalsh(covariances), 0.0))
     small, large = values[:, 0], values[:, -1]

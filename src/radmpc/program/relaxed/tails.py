@@ -8,8 +8,9 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from radmpc.arrays import Indices, Vector
+from radmpc.gaussian import clearance_for
 
-__all__ = ["DiscTails", "disc_probability"]
+__all__ = ["DiscTails", "HalfSpaceTails", "Tails", "disc_probability", "tails_of"]
 
 _RADII = np.geomspace(0.1, 1e3, 80)
 """Radii of discs that are told apart [standard deviations]: a radius in between counts as the next
@@ -59,6 +60,34 @@ def disc_probability(radii: Vector, distances: Vector) -> Vector:
     within = density * (ndtr(-near) - ndtr(-far)) * depth
     found: Vector = widest[..., 0] * (within @ _WEIGHTS)
     return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HalfSpaceTails:
+    """What certified plans keep where the referee charges half-spaces: in space, along intervals.
+
+    Attributes
+    ----------
+    least : float
+        Least distance at a risk bound Δ [standard deviations].
+    """
+
+    least: float
+
+    @classmethod
+    def of(cls, risk_bound: float) -> HalfSpaceTails:
+        """Return the tails for a risk bound Δ.
+
+        Parameters
+        ----------
+        risk_bound : float
+            Δ [-].
+        """
+        return cls(float(clearance_for(risk_bound)) - _SAFETY)
+
+    def at(self, radii: Vector) -> tuple[Vector, Vector]:
+        """Return the least distances and the shifts, as `DiscTails.at`: the same for all."""
+        return np.full(radii.shape, self.least), np.zeros(radii.shape)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,3 +150,21 @@ class DiscTails:
             np.where(is_known, self.least[places], np.nan),
             np.where(is_known, self.shifts[places], np.nan),
         )
+
+
+Tails = DiscTails | HalfSpaceTails
+"""What a charge is at least, by the distance from a hazard."""
+
+
+def tails_of(risk_bound: float, *, are_integrated: bool) -> Tails:
+    """Return the tails for a risk bound Δ.
+
+    Parameters
+    ----------
+    risk_bound : float
+        Δ [-].
+    are_integrated : bool
+        Whether the referee integrates over hazards, at steps in the plane, instead of bounding them
+        by half-spaces.
+    """
+    return DiscTails.of(risk_bound) if are_integrated else HalfSpaceTails.of(risk_bound)

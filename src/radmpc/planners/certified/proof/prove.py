@@ -16,7 +16,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.program.build import controls_of
-from radmpc.program.relaxed.tails import DiscTails
+from radmpc.program.relaxed.tails import Tails, tails_of
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import relative_gap
 
@@ -64,7 +64,7 @@ def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -
     """
     base = float(sum(fleet.base))
     cost = incumbent.cost
-    if fleet.scenario.dimension != 2 or relative_gap(cost, base) <= TUNING.gap:
+    if relative_gap(cost, base) <= TUNING.gap:
         return Proof(min(base, cost))
     search = _Search(fleet, incumbent, price or 0.0, best=base)
     search.run()
@@ -79,14 +79,22 @@ class _Search:
     incumbent: FleetIncumbent
     price: float
     best: float
-    tails: DiscTails = field(init=False)
+    tails: Tails = field(init=False)
     parts: tuple[Members, ...] = field(init=False)
     sets: dict[Members, RelaxedSet] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Tabulate the tails, and put sets whose plans cost most beyond the least first."""
-        self.tails = DiscTails.of(self.fleet.scenario.risk_bound)
-        parts = [tuple(sorted(members)) for members in self.incumbent.sets]
+        """Tabulate the tails, and put sets whose plans cost most beyond the least first.
+
+        Large sets are parted: any parting of the fleet gives a bound.
+        """
+        scenario = self.fleet.scenario
+        are_integrated = scenario.avoidance == "steps" and scenario.dimension == 2
+        self.tails = tails_of(scenario.risk_bound, are_integrated=are_integrated)
+        parts: list[Members] = []
+        for members in self.incumbent.sets:
+            is_small = len(members) <= TUNING.most_together
+            parts += [tuple(sorted(members))] if is_small else [(i,) for i in members]
         self.parts = tuple(sorted(parts, key=self._paid_for_hazards, reverse=True))
 
     @property
@@ -156,6 +164,8 @@ class _Search:
     ) -> bool:
         """Search a set on, its vehicles alone before; tell whether there was anything to do."""
         known = self.sets.get(members)
+        if self.fleet.limits.reached:
+            return False
         if known is None and self._paid_for_hazards(members) <= worth:
             return False
         if known is None:
@@ -168,7 +178,7 @@ class _Search:
             for blocks in combinations(range(len(members)), size):
                 part = tuple(members[block] for block in blocks)
                 self._advance(part, num_directions, gap, nodes, worth)
-                if part in self.sets:
+                if part in self.sets and self.sets[part].price == self.price:
                     bounds.append(SetBound(frozenset(blocks), self.sets[part].bound))
         share = nodes * len(members)
         hint = _point([self.incumbent.controls[i] for i in members])

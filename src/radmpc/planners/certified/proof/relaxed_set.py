@@ -9,7 +9,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
-from radmpc.program.relaxed.tails import DiscTails
+from radmpc.program.relaxed.tails import Tails
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
@@ -55,9 +55,7 @@ class RelaxedSet:
     nodes: int = 0
 
     @classmethod
-    def of(
-        cls, fleet: Fleet, members: Members, tails: DiscTails, num_directions: int
-    ) -> RelaxedSet:
+    def of(cls, fleet: Fleet, members: Members, tails: Tails, num_directions: int) -> RelaxedSet:
         """Build a set's relaxation.
 
         Parameters
@@ -66,7 +64,7 @@ class RelaxedSet:
             The fleet.
         members : tuple of int
             The vehicles, ascending.
-        tails : DiscTails
+        tails : Tails
             For the fleet's Δ.
         num_directions : int
             Directions around every hazard.

@@ -17,12 +17,15 @@ class Tuning:
         Gap to any certified plan at which the proof is good enough [-], or the gap asked for where
         that is larger: half of what is asked costs four times the nodes.
     doubtful : float
-        Gap from which half-spaces of small fleets are also turned to plans without noise [-]: one of
-        three drones (`benchmarks/hunt.py`, seed 21, scene 853) becomes 2.6 % cheaper.
+        Gap from which half-spaces of small fleets are also turned to plans without noise [-]: one
+        of three drones (`benchmarks/hunt.py`, seed 21, scene 853) becomes 2.8 % cheaper.
     directions : tuple of int
         Directions around every hazard, coarse to fine [-]. With 8, 16 and 24 the gap that is left
         is 0.50, 0.35 and 0.27 % on `paper(8)`, 0.52, 0.13 and 0.10 % on `circle(4)`, in 940, 1,400
         and 1,700, and 430, 890 and 1,180 nodes.
+    most_together : int
+        Vehicles of a set that are searched together; those of larger ones are searched alone [-]:
+        pairs alone of twenty robots among two hundred boxes took 2 GB and half a minute.
     nodes : int
         Nodes per vehicle of a set in the first round, and in all later ones together times
         ``rounds`` [-].
@@ -47,6 +50,7 @@ class Tuning:
     gap: float = 5e-3
     doubtful: float = 0.02
     directions: tuple[int, ...] = (16,)
+    most_together: int = 8
     nodes: int = 150
     rounds: int = 4
     set_gap: float = 4e-3
