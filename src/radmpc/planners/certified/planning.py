@@ -31,7 +31,7 @@ from radmpc.planners.policies.policy import Family
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.branch.branch import Branch
-from radmpc.solvers.solution import Solver, relative_gap
+from radmpc.solvers.solution import Limits, Solver, relative_gap
 
 __all__ = ["Certified"]
 
@@ -90,28 +90,46 @@ class Certified(Decomposition):
         cost = min(first.cost, state.incumbent.cost)
         run.found(cost, _finite(min(reported_bound(fleet, state, planner.gap), cost)))
         run.progress("improving", 0, 1)
-        # Counts end it; the clock, only where a machine is slow: not longer than the search took.
-        seconds = max(TUNING.least_seconds, time.perf_counter() - begun)
-        fleet = fleet.with_limits(run.limits.within(seconds))
-        if state.has_plan:
-            state = _turned(fleet, state, run)
-        if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost:
-            other = turn_half_spaces(fleet, replace(state, incumbent=first), run.judge).incumbent
-            if other.cost < state.incumbent.cost:
-                searched = state.incumbent
-                sets = searched.sets or other.sets
-                other = replace(other, sets=sets, union_bound=searched.union_bound)
-                state = replace(state, incumbent=other)
+        limits = _improving(run.limits, time.perf_counter() - begun)
+        state = _improved(fleet.with_limits(limits), state, first, run)
         run.progress("proving", 0, 1)
-        allowed = self.proof_seconds
-        if allowed is None:
-            elapsed = time.perf_counter() - begun
-            allowed = max(PROOF_TUNING.least_seconds, PROOF_TUNING.time_share * elapsed)
-        proving = fleet.with_limits(run.limits.within(allowed))
+        elapsed = time.perf_counter() - begun
+        proving = fleet.with_limits(run.limits.within(self._seconds_of_proof(elapsed)))
         proof = bound_on_any(proving, state.incumbent, shadow_price(fleet, state))
-        fleet = fleet.with_limits(run.limits.within(seconds))
+        fleet = fleet.with_limits(_improving(run.limits, elapsed))
         state = _turned_to_others(fleet, state, proof, run)
         return _draft(fleet, state, result, begun, proof.bound)
+
+    def _seconds_of_proof(self, elapsed: float) -> float:
+        """Return how long a proof may take, from what the plan took."""
+        if self.proof_seconds is not None:
+            return self.proof_seconds
+        return max(PROOF_TUNING.least_seconds, PROOF_TUNING.time_share * elapsed)
+
+
+def _improving(limits: Limits, elapsed: float) -> Limits:
+    """Return the limits of turning: not longer than the search took, and time left for the proof.
+
+    Counts end it; the clock, only where a machine is slow.
+    """
+    left, seconds = limits.seconds_left, max(TUNING.least_seconds, elapsed)
+    if left < float("inf"):
+        seconds = min(seconds, left - PROOF_TUNING.reserve * (left + elapsed))
+    return limits.within(max(seconds, 0.0))
+
+
+def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run) -> SearchState:
+    """Turn half-spaces to the plan of the search, and to the first one where it is as good."""
+    if state.has_plan:
+        state = _turned(fleet, state, run)
+    if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost:
+        other = turn_half_spaces(fleet, replace(state, incumbent=first), run.judge).incumbent
+        if other.cost < state.incumbent.cost:
+            searched = state.incumbent
+            sets = searched.sets or other.sets
+            other = replace(other, sets=sets, union_bound=searched.union_bound)
+            state = replace(state, incumbent=other)
+    return state
 
 
 def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
@@ -171,6 +189,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     limits = run.limits
     seconds = limits.seconds_left
     kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
+    kept += PROOF_TUNING.reserve * seconds
     begin = limits if seconds == float("inf") else limits.within(seconds - kept)
     hazards = Hazards.of(scenario, condensed_models(scenario))
     bound = scenario.risk_bound

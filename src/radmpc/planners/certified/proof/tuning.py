@@ -16,6 +16,8 @@ class Tuning:
     gap : float
         Gap to any certified plan at which the proof is good enough [-], or the gap asked for where
         that is larger: half of what is asked costs four times the nodes.
+    reserve : float
+        Share of the time limit that the search of a fleet leaves to the proof [-].
     doubtful : float
         Gap from which half-spaces of small fleets are also turned to plans without noise [-]: one
         of three drones (`benchmarks/hunt.py`, seed 21, scene 853) becomes 2.8 % cheaper.
@@ -48,6 +50,7 @@ class Tuning:
     """
 
     gap: float = 5e-3
+    reserve: float = 0.15
     doubtful: float = 0.02
     directions: tuple[int, ...] = (16,)
     most_together: int = 8
