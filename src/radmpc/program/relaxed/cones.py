@@ -251,6 +251,10 @@ def _sorted_normals(outline: Outline, roots: Tensor, directions: Tensor) -> Tens
         normals = np.where(is_near[..., None], closest, normals)
         normals = np.concatenate([normals, faces], axis=1)
     angles = np.arctan2(normals[..., 1], normals[..., 0])
+    if faces.shape[1]:
+        # Wide cones begin between faces: from one face to the next, a chord would cut a box in two.
+        first = np.arctan2(faces[:, 0, 1], faces[:, 0, 0]) + 0.25 * np.pi
+        angles = np.mod(angles - first[:, None], 2.0 * np.pi)
     order = angles.argsort(axis=1)
     return np.take_along_axis(normals, order[..., None], axis=1)
 

@@ -13,9 +13,11 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
+from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.program.build import controls_of
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.relaxed.tails import Tails, tails_of
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import relative_gap
@@ -82,6 +84,7 @@ class _Search:
     tails: Tails = field(init=False)
     parts: tuple[Members, ...] = field(init=False)
     sets: dict[Members, RelaxedSet] = field(default_factory=dict)
+    models: dict[int, CondensedModel] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Tabulate the tails, and put sets whose plans cost most beyond the least first.
@@ -144,6 +147,22 @@ class _Search:
             for i in members
         )
 
+    def _model(self, i: int) -> CondensedModel:
+        """Return a vehicle; among many obstacles with the reach of plans below the incumbent.
+
+        The others cost at least what they do in empty space. What dearer plans may do is of no
+        interest: no bound is above the incumbent's cost.
+        """
+        fleet = self.fleet
+        if len(fleet.scenario.obstacles) < TUNING.many_obstacles:
+            return fleet.programs.models[i]
+        if i not in self.models:
+            most_cost = self.incumbent.cost - (sum(fleet.base) - fleet.base[i])
+            program = fleet.programs.problem((i,)).program
+            model = fleet.programs.models[i]
+            self.models[i] = within_tube(model, program, most_cost, fleet.limits)
+        return self.models[i]
+
     def _search(self, num_directions: int) -> None:
         """Search all sets at the present price, until what is open matters no more."""
         gap, nodes = TUNING.set_gap, TUNING.nodes
@@ -169,7 +188,8 @@ class _Search:
         if known is None and self._paid_for_hazards(members) <= worth:
             return False
         if known is None:
-            known = RelaxedSet.of(self.fleet, members, self.tails, num_directions)
+            models = [self._model(i) for i in members]
+            known = RelaxedSet.of(self.fleet, members, models, self.tails, num_directions)
         is_here = known.price == self.price
         if is_here and (known.is_trivial or known.value - known.bound <= worth):
             return False

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
 from radmpc.program.relaxed.tails import Tails
@@ -55,7 +57,14 @@ class RelaxedSet:
     nodes: int = 0
 
     @classmethod
-    def of(cls, fleet: Fleet, members: Members, tails: Tails, num_directions: int) -> RelaxedSet:
+    def of(
+        cls,
+        fleet: Fleet,
+        members: Members,
+        models: Sequence[CondensedModel],
+        tails: Tails,
+        num_directions: int,
+    ) -> RelaxedSet:
         """Build a set's relaxation.
 
         Parameters
@@ -64,12 +73,13 @@ class RelaxedSet:
             The fleet.
         members : tuple of int
             The vehicles, ascending.
+        models : sequence of CondensedModel
+            Theirs.
         tails : Tails
             For the fleet's Δ.
         num_directions : int
             Directions around every hazard.
         """
-        models = [fleet.programs.models[i] for i in members]
         program = build_relaxation(fleet.programs.alone(members), models, tails, num_directions)
         base = sum(fleet.base[i] for i in members)
         rater = Rater(program, fleet.scenario.risk_bound)

@@ -28,6 +28,9 @@ class Tuning:
     most_together : int
         Vehicles of a set that are searched together; those of larger ones are searched alone [-]:
         pairs alone of twenty robots among two hundred boxes took 2 GB and half a minute.
+    many_obstacles : int
+        Obstacles from which the reach of vehicles is narrowed first to that of plans cheaper than
+        the incumbent [-].
     nodes : int
         Nodes per vehicle of a set in the first round, and in all later ones together times
         ``rounds`` [-].
@@ -54,6 +57,7 @@ class Tuning:
     doubtful: float = 0.02
     directions: tuple[int, ...] = (16,)
     most_together: int = 8
+    many_obstacles: int = 12
     nodes: int = 150
     rounds: int = 4
     set_gap: float = 4e-3
