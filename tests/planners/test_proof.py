@@ -1,0 +1,74 @@
+"""The bound on any certified plan: where vehicles may be, sets apart, and what is told of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from radmpc.errors import ScenarioError
+from radmpc.experiments.families import clutter, paper
+from radmpc.planners import Branch, Certified, Optimal, Planner
+from radmpc.planners.certified.proof.tubes import within_tube
+from radmpc.planning import plan
+from radmpc.program.build import build_program, condensed_models
+from radmpc.solvers.solution import Limits
+
+
+@pytest.mark.parametrize("step", [1, 4, 7, 9])
+def test_a_tube_is_as_wide_as_plans_up_to_a_cost_may_go(step: int) -> None:
+    scenario = paper(1, 0)
+    [model] = condensed_models(scenario)
+    program = build_program(scenario, [model], risk_bound=scenario.risk_bound)
+    most_cost = 5.0
+    tube = within_tube(model, program, most_cost, Limits())
+    hard = program.hard.toarray()
+    rows = np.vstack([hard, -hard, program.cost])
+    bounds = np.concatenate([program.hard_upper, -program.hard_lower, [most_cost]])
+    is_row = np.isfinite(bounds)
+    for axis in range(2):
+        entry = 2 * step + axis
+        along = program.outputs[[entry]].toarray()[0]
+        for sign, reach in ((1.0, tube.reach_lower), (-1.0, tube.reach_upper)):
+            solved = linprog(
+                sign * along,
+                A_ub=rows[is_row],
+                b_ub=bounds[is_row],
+                bounds=list(zip(program.lower, program.upper, strict=True)),
+            )
+            place = sign * solved.fun + program.constant[entry]
+            assert sign * (place - reach[step, axis]) >= -1e-6
+            assert reach[step, axis] == pytest.approx(place, abs=1e-4)
+
+
+def test_a_narrowed_reach_leaves_the_bound_below_what_others_plan() -> None:
+    scenario = replace(clutter(2, 20, 3), avoidance="steps")
+    result = plan(scenario, time_limit=20.0)
+    assert result.cost is not None
+    assert result.certified_lower_bound is not None
+    assert result.certified_lower_bound <= result.cost
+    for planner in ("ira", "radmpc"):
+        other = plan(scenario, planner, time_limit=20.0)
+        if other.is_certified and other.cost is not None:
+            assert result.certified_lower_bound <= other.cost * (1.0 + 1e-9)
+
+
+def test_more_time_for_the_proof_never_lowers_the_bound() -> None:
+    scenario = paper(6, 0)
+    bounds = []
+    for seconds in (0.0, 30.0):
+        planner = Planner(Optimal(), Branch(), Certified(seconds))
+        result = plan(scenario, planner, time_limit=60.0)
+        assert result.cost is not None
+        assert result.certified_lower_bound is not None
+        bounds.append(result.certified_lower_bound)
+        assert result.certified_lower_bound <= result.cost
+    assert bounds[0] < bounds[1]
+
+
+@pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), "2"])
+def test_what_is_no_time_for_a_proof_is_refused(seconds: object) -> None:
+    with pytest.raises(ScenarioError, match="proof_seconds must be a number >= 0"):
+        Certified(seconds)  # type: ignore[arg-type]
