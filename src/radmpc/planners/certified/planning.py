@@ -154,7 +154,10 @@ def _turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, run: Run) 
     if gap > PROOF_TUNING.doubtful:
         from radmpc.planners.certified.turned.noiseless import turn_from_noiseless  # noqa: PLC0415 - few need it
 
+        sets = state.incumbent.sets
         state = turn_from_noiseless(fleet, state, run.judge)
+        # Who had to be planned together is what the search found, not what this began with.
+        state = replace(state, incumbent=replace(state.incumbent, sets=sets))
     return state
 
 
