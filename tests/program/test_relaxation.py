@@ -327,3 +327,17 @@ def test_in_space_no_mean_is_clearer_than_its_best_cone_says(shape: str, seed: i
 
 def test_what_is_flat_in_space_is_left_out() -> None:
     assert around_polytope(box([0.0, 0.0, 0.0], [1.0, 1.0, 0.0])) is None
+
+
+@pytest.mark.parametrize("turn", np.linspace(0.0, np.pi, 9))
+def test_noise_along_one_axis_asks_for_nothing_that_is_not_so(turn: float) -> None:
+    along = np.array([np.cos(turn), np.sin(turn)])
+    covariance = 0.04 * np.outer(along, along)
+    tails = HalfSpaceTails.of(0.05)
+    point = Outline(np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), 0.5)
+    cones = cones_around(point, covariance[None], tails, directions(16))
+    for angle in np.linspace(0.0, 2.0 * np.pi, 40):
+        # So far away that no half-space across the noise is needed, and none along it left.
+        mean = 5.0 * np.array([np.cos(angle), np.sin(angle)])
+        holds = clearances_of(cones, mean) >= 1.0
+        assert cones.is_void[0] or any(all(holds[chain]) for chain in chains(cones))

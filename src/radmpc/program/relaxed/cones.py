@@ -20,6 +20,10 @@ _SAME = 1e-9
 _TWIN = 1e-6
 """Distance of two unit vectors below which they are one direction [-]."""
 
+_LINE = 1e-6
+"""Share of the larger deviation up to which noise counts as along a line [-]: directions cannot be
+parted in its metric, and nothing is asked."""
+
 _QUARTERS, _HALVES = 4, 8
 """Wide cones around a hazard, and those that each wide one is made of first [-]."""
 
@@ -138,11 +142,12 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
             np.full(_QUARTERS, -1),
         ]
     )
-    normals, offsets, deviations, is_cone = _spanned(curve, firsts, lasts)
+    normals, offsets, deviations, is_cone, is_wide = _spanned(curve, firsts, lasts)
     is_flat = (deviations < 1e-6 * curve.sizes[:, None]) & (curve.sizes > 0.0)[:, None]
     is_narrow = np.arange(firsts.size) < count
-    is_void = is_void | np.any(is_cone & is_flat & is_narrow, axis=1)
-    is_there = is_cone & (is_narrow | ~is_flat)
+    # Nothing is known of some directions, as where all the noise is along one line: then of none.
+    is_void = is_void | np.any((is_wide | (is_cone & is_flat)) & is_narrow, axis=1)
+    is_there = is_cone & ~is_wide & (is_narrow | ~is_flat)
     margins = deviations * curve.margins[:, None]
     return Cones(
         normals, np.where(is_there, offsets - margins, np.inf), deviations, parents, is_void
@@ -177,10 +182,10 @@ def _level_curve(
 
 def _spanned(
     curve: _LevelCurve, firsts: Indices, lasts: Indices
-) -> tuple[Tensor, Matrix, Matrix, np.ndarray]:
-    """Return normals, offsets and deviations of arcs of a level curve, and which are there.
+) -> tuple[Tensor, Matrix, Matrix, np.ndarray, np.ndarray]:
+    """Return normals, offsets and deviations of arcs of a level curve.
 
-    Arcs of a half turn and more are not: nothing can be said of them.
+    And which are arcs at all, and which of a half turn or more: nothing can be said of these.
     """
     begin, end = curve.points[:, firsts], curve.points[:, lasts]
     chords = end - begin
@@ -199,9 +204,10 @@ def _spanned(
     angles = np.arctan2(
         one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0], (one * two).sum(axis=2)
     )
-    is_wide = angles < -_TWIN
+    # A half turn exactly comes out as either sign.
+    is_wide = (angles < -_TWIN) | (angles > np.pi - _TWIN)
     is_single = np.all(np.abs(one - two) < 1e-12, axis=2)
-    return turned, offsets, deviations, ((lengths > _SAME) | ~is_single) & ~is_wide
+    return turned, offsets, deviations, (lengths > _SAME) | ~is_single, is_wide
 
 
 def _roots(covariances: Tensor) -> Tensor:
@@ -221,7 +227,8 @@ def _least(radius: float, covariances: Tensor, tails: Tails) -> tuple[Vector, Ve
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         radii = radius * small / large**2
     least, shifts = tails.at(np.where(is_certain, 0.0, radii))
-    is_void = np.isnan(least) & ~is_certain
+    is_line = small <= _LINE * large
+    is_void = (np.isnan(least) | is_line) & ~is_certain
     return (
         np.where(np.isnan(least), 0.0, least),
         np.where(np.isnan(least), 0.0, shifts),
