@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
+import numpy as np
+
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
@@ -16,7 +18,7 @@ from radmpc.program.condensed import CondensedModel, PredictionMatrices, condens
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["build_program", "condensed_models", "controls_of", "prediction_matrices"]
+__all__ = ["build_program", "condensed_models", "controls_of", "point_of", "prediction_matrices"]
 
 
 def prediction_matrices(scenario: Scenario) -> tuple[PredictionMatrices, ...]:
@@ -104,3 +106,20 @@ def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:
         controls.append((plus - minus).reshape(model.control_bounds.shape))
         start += 2 * span
     return controls
+
+
+def point_of(controls: Sequence[Matrix]) -> Vector:
+    """Return the decision variables of vehicles' controls, the least that stand for them.
+
+    Parameters
+    ----------
+    controls : sequence of (T, m) array
+        Nominal controls of each vehicle of a program, in its order.
+
+    Returns
+    -------
+    (n,) array
+        ``u⁺`` and then ``u⁻`` of each vehicle.
+    """
+    halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
+    return np.concatenate([half for pair in halves for half in pair])

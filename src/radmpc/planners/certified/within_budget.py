@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.fleet import Fleet
@@ -18,6 +16,7 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge
+from radmpc.program.build import point_of
 from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
@@ -220,8 +219,7 @@ def _round(
 
 def _incumbent(problem: SetProblem, controls: Sequence[Matrix]) -> Incumbent:
     """Return a set's controls as a plan of its program."""
-    halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
-    z = np.concatenate([half for pair in halves for half in pair])
+    z = point_of(controls)
     rating = problem.rater.rate(z)
     return Incumbent(z, rating.selection, float(problem.program.cost @ z), rating.risk)
 

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.program.build import controls_of
+from radmpc.program.build import controls_of, point_of
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.relaxed.tails import Tails, tails_of
 from radmpc.solvers.priced.lp import SetBound
@@ -201,7 +200,7 @@ class _Search:
                 if part in self.sets and self.sets[part].price == self.price:
                     bounds.append(SetBound(frozenset(blocks), self.sets[part].bound))
         share = nodes * len(members)
-        hint = _point([self.incumbent.controls[i] for i in members])
+        hint = point_of([self.incumbent.controls[i] for i in members])
         self.sets[members] = known.searched(self.fleet, self.price, tuple(bounds), gap, share, hint)
         return True
 
@@ -223,9 +222,3 @@ class _Search:
             return False
         self.price *= min(max(ratio, 0.5), 2.0)
         return True
-
-
-def _point(controls: Sequence[Matrix]) -> Vector:
-    """Return the decision variables of controls: u⁺, then u⁻, vehicle by vehicle."""
-    halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
-    return np.concatenate([half for pair in halves for half in pair])
