@@ -90,32 +90,31 @@ class Certified(Decomposition):
         cost = min(first.cost, state.incumbent.cost)
         run.found(cost, _finite(min(reported_bound(fleet, state, planner.gap), cost)))
         run.progress("improving", 0, 1)
-        limits = _improving(run.limits, time.perf_counter() - begun)
-        state = _improved(fleet.with_limits(limits), state, first, run)
+        improving = fleet.with_limits(_but_for_proof(run.limits, time.perf_counter() - begun))
+        state = _improved(improving, state, first, run)
         run.progress("proving", 0, 1)
-        elapsed = time.perf_counter() - begun
-        proving = fleet.with_limits(run.limits.within(self._seconds_of_proof(elapsed)))
-        proof = bound_on_any(proving, state.incumbent, shadow_price(fleet, state))
-        fleet = fleet.with_limits(_improving(run.limits, elapsed))
-        state = _turned_to_others(fleet, state, proof, run)
+        proof = self._proof(fleet.with_limits(run.limits), state)
+        state = _turned_to_others(fleet.with_limits(run.limits), state, proof, run)
         return _draft(fleet, state, result, begun, proof.bound)
 
-    def _seconds_of_proof(self, elapsed: float) -> float:
-        """Return how long a proof may take, from what the plan took."""
+    def _proof(self, fleet: Fleet, state: SearchState) -> Proof:
+        """Bound the cost of any certified plan; for so many nodes, or so many seconds if asked."""
+        price, most_nodes = shadow_price(fleet, state), float("inf")
         if self.proof_seconds is not None:
-            return self.proof_seconds
-        return max(PROOF_TUNING.least_seconds, PROOF_TUNING.time_share * elapsed)
+            fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
+        else:
+            searched = sum(known.all_nodes for known in state.set_states.values())
+            least = PROOF_TUNING.least_nodes * fleet.scenario.num_vehicles
+            most_nodes = max(least, PROOF_TUNING.node_share * searched)
+        return bound_on_any(fleet, state.incumbent, price, most_nodes)
 
 
-def _improving(limits: Limits, elapsed: float) -> Limits:
-    """Return the limits of turning: not longer than the search took, and time left for the proof.
-
-    Counts end it; the clock, only where a machine is slow.
-    """
-    left, seconds = limits.seconds_left, max(TUNING.least_seconds, elapsed)
-    if left < float("inf"):
-        seconds = min(seconds, left - PROOF_TUNING.reserve * (left + elapsed))
-    return limits.within(max(seconds, 0.0))
+def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
+    """Return limits that leave time for the proof."""
+    left = limits.seconds_left
+    if left == float("inf"):
+        return limits
+    return limits.within(max(left - PROOF_TUNING.reserve * (left + elapsed), 0.0))
 
 
 def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run) -> SearchState:

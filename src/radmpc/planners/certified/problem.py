@@ -120,8 +120,10 @@ class SetState:
         Proven least ``cost + unit_price · risk / unit``; inf where no plan exists at any price.
     frontier : Frontier
         What is left of the search.
-    nodes, lps : int
-        Work done so far at this price.
+    nodes : int
+        Nodes so far at this price.
+    all_nodes : int
+        Nodes so far at all prices.
     is_limited : bool
         Whether a limit ended the search.
     """
@@ -131,7 +133,7 @@ class SetState:
     bound: float
     frontier: Frontier
     nodes: int
-    lps: int
+    all_nodes: int
     is_limited: bool
 
 
@@ -218,14 +220,13 @@ def advance(
     if tree.is_limited and tree.nodes < order.max_nodes:
         tree.run(order.max_nodes - tree.nodes)
     is_same = state is not None and state.unit_price == order.unit_price
-    before = (state.nodes, state.lps) if state is not None and is_same else (0, 0)
     return SetState(
         order.unit_price,
         tree.best,
         _proven(tree, order),
         tree.frontier,
-        before[0] + tree.nodes,
-        before[1] + tree.lps,
+        tree.nodes + (state.nodes if state is not None and is_same else 0),
+        tree.nodes + (state.all_nodes if state is not None else 0),
         tree.is_limited,
     )
 

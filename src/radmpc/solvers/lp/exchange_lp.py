@@ -28,10 +28,14 @@ class ExchangeLp:
     ----------
     num_rows, num_columns : int
         Rows and columns now, those exchanged included.
+    work : float
+        Pivots times rows and columns, summed over all solves [-]: a measure of time that is the
+        same on any machine; a million takes 15 to 130 ms, the less the larger the program.
     """
 
     def __init__(self) -> None:
         self.num_rows = self.num_columns = 0
+        self.work = 0.0
         self._exchanged_rows = self._exchanged_columns = 0
         self._highs = quiet_highs()
         self._highs.setOptionValue("presolve", "off")
@@ -119,6 +123,8 @@ class ExchangeLp:
         most = 1000 + _PIVOTS * (self.num_rows + self.num_columns)
         self._highs.setOptionValue("simplex_iteration_limit", most)
         values = optimum(self._highs)
+        pivots = self._highs.getInfo().simplex_iteration_count
+        self.work += float(pivots) * (self.num_rows + self.num_columns)
         if values is None:
             self._highs.clearSolver()
         return values

@@ -46,7 +46,9 @@ class Proof:
     controls: tuple[Matrix, ...] = ()
 
 
-def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -> Proof:
+def bound_on_any(
+    fleet: Fleet, incumbent: FleetIncumbent, price: float | None, most_nodes: float = float("inf")
+) -> Proof:
     """Return a lower bound on the cost of any plan that the referee would certify.
 
     Parameters
@@ -57,6 +59,8 @@ def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -
         The plan at hand.
     price : float or None
         Its shadow price of Δ, per unit of probability; None where it is not known.
+    most_nodes : float
+        Nodes after which no set is searched on [-].
 
     Returns
     -------
@@ -67,7 +71,7 @@ def bound_on_any(fleet: Fleet, incumbent: FleetIncumbent, price: float | None) -
     cost = incumbent.cost
     if relative_gap(cost, base) <= TUNING.gap:
         return Proof(min(base, cost))
-    search = _Search(fleet, incumbent, price or 0.0, best=base)
+    search = _Search(fleet, incumbent, price or 0.0, base, most_nodes)
     search.run()
     return Proof(min(search.best, cost), search.relaxed_controls())
 
@@ -80,6 +84,8 @@ class _Search:
     incumbent: FleetIncumbent
     price: float
     best: float
+    most_nodes: float
+    nodes: int = 0
     tails: Tails = field(init=False)
     parts: tuple[Members, ...] = field(init=False)
     sets: dict[Members, RelaxedSet] = field(default_factory=dict)
@@ -101,9 +107,14 @@ class _Search:
 
     @property
     def is_over(self) -> bool:
-        """Whether the bound is good enough, or time is up."""
+        """Whether the bound is good enough, or no more work is allowed."""
         gap = max(TUNING.gap, self.fleet.gap)
-        return relative_gap(self.incumbent.cost, self.best) <= gap or self.fleet.limits.reached
+        return relative_gap(self.incumbent.cost, self.best) <= gap or self._has_spent
+
+    @property
+    def _has_spent(self) -> bool:
+        """Whether time is up, or all nodes are spent."""
+        return self.nodes >= self.most_nodes or self.fleet.limits.reached
 
     def run(self) -> None:
         """Raise the bound, by more nodes, by another price, by more directions."""
@@ -117,7 +128,7 @@ class _Search:
                     self.best,
                     num_directions,
                     self.price,
-                    sum(s.nodes for s in self.sets.values()),
+                    self.nodes,
                 )
                 if self.is_over or not self._has_moved_price():
                     break
@@ -182,7 +193,7 @@ class _Search:
     ) -> bool:
         """Search a set on, its vehicles alone before; tell whether there was anything to do."""
         known = self.sets.get(members)
-        if self.fleet.limits.reached:
+        if self._has_spent:
             return False
         if known is None and self._paid_for_hazards(members) <= worth:
             return False
@@ -199,9 +210,11 @@ class _Search:
                 self._advance(part, num_directions, gap, nodes, worth)
                 if part in self.sets and self.sets[part].price == self.price:
                     bounds.append(SetBound(frozenset(blocks), self.sets[part].bound))
-        share = nodes * len(members)
+        share = int(min(nodes * len(members), max(self.most_nodes - self.nodes, 1)))
         hint = point_of([self.incumbent.controls[i] for i in members])
-        self.sets[members] = known.searched(self.fleet, self.price, tuple(bounds), gap, share, hint)
+        found = known.searched(self.fleet, self.price, tuple(bounds), gap, share, hint)
+        self.nodes += found.nodes - known.nodes
+        self.sets[members] = found
         return True
 
     def _note(self) -> None:

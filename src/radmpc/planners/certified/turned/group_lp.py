@@ -108,6 +108,11 @@ class GroupLp:
         self._lp.add_rows(both, np.append(lower, drift), np.append(upper, drift), first)
         return first, first + 2 * span
 
+    @property
+    def work(self) -> float:
+        """What its solves took, see `ExchangeLp`."""
+        return self._lp.work
+
     def alone(self) -> tuple[Matrix, ...] | None:
         """Return the controls of least effort with nothing in the way; None if there are none."""
         self._lp.drop()

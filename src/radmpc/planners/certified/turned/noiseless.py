@@ -44,9 +44,7 @@ def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> Searc
     count = fleet.scenario.num_vehicles
     if count > TUNING.most_vehicles or fleet.limits.reached:
         return state
-    limits = fleet.limits.within(
-        min(TUNING.noiseless_seconds, TUNING.noiseless_share * fleet.limits.seconds_left)
-    )
+    limits = fleet.limits.within(TUNING.noiseless_share * fleet.limits.seconds_left)
     whole = tuple(range(count))
     alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
     starts = [_noiseless(fleet, whole, limits)]

@@ -53,6 +53,8 @@ class SuccessiveLp:
         Everyone's latest paths.
     missed : (N,) array
         How far half-spaces were missed when each vehicle was planned last; inf before [m].
+    work : float
+        What sharing risk took, see `ExchangeLp` [-].
     """
 
     def __init__(self, hazards: Hazards, limits: Limits) -> None:
@@ -60,6 +62,7 @@ class SuccessiveLp:
         self.limits = limits
         self.paths = Paths(hazards)
         self.missed = np.full(hazards.count, np.inf)
+        self.work = 0.0
         self._ahead = Paths(hazards)
         self._programs: dict[Group, GroupLp] = {}
         self._meter = _cheapest_meter(hazards)
@@ -166,6 +169,8 @@ class SuccessiveLp:
         """
         reach = float(self.hazards.moves[list(group)].max())
         before, plan = self.paths.state(), None
+        program = self._program(group)
+        worked = program.work
         for _ in range(TUNING.looks):
             near = Near(TUNING.compared, reach, is_refined=True)
             spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
@@ -175,7 +180,7 @@ class SuccessiveLp:
                 (price, TUNING.last_penalty * self._meter),
                 spacing,
             )
-            plan = self._program(group).solve(spaces, self.paths, margins)
+            plan = program.solve(spaces, self.paths, margins)
             if plan is None:
                 break
             for i, controls in zip(group, plan.controls, strict=True):
@@ -185,6 +190,7 @@ class SuccessiveLp:
             # The paths went where nothing was near them before: look further around the old ones.
             self.paths.restore(before)
             reach *= TUNING.further
+        self.work += program.work - worked
         if plan is None:
             self.paths.restore(before)
             return _risk(half_spaces(self.hazards, self.paths, group, near))

@@ -23,6 +23,8 @@ class Tuning:
         Solves of groups after which no round is begun [-], but for so many rounds of all: large
         fleets gain little by the solve, and a count, unlike a clock, gives the same plan on any
         machine.
+    most_work : float
+        The same for pivots times rows and columns of their programs [-]; 4e8 take some 7 s.
     most_together : int
         Vehicles up to which the whole fleet shares one linear program [-]. One of 20 vehicles in
         space takes 30 ms, by sets of their own the same plans are 0.1 % dearer.
@@ -134,14 +136,12 @@ class Tuning:
     time_share, seconds, most_time_share : float
         Time reserved for turning half-spaces to a plan: a share of the limit [-], or seconds [s] up
         to a larger share of it [-]. Turning takes 0.3 to 4 s on the families of the benchmarks.
-    least_seconds : float
-        Time that turning gets at least, if the limit leaves it [s].
     unspent : float
         Share of Δ below which a certificate leaves so much that other alternatives are tried [-].
     most_vehicles : int
         Vehicles of a fleet beyond which it is not planned as one without regard for risk [-].
-    noiseless_seconds, noiseless_share : float
-        Time for a plan without regard for risk [s], at most this share of what is left [-].
+    noiseless_share : float
+        Share of the time left that a plan without regard for risk may take [-].
     most_time_from_noiseless : float
         Share of the time left after a search without a plan for turning such plans [-]: the rest is
         for the safest one.
@@ -151,6 +151,7 @@ class Tuning:
 
     rounds: int = 30
     most_solves: int = 400
+    most_work: float = 4e8
     least_rounds: int = 2
     most_together: int = 48
     spacing: float = 0.12
@@ -205,10 +206,8 @@ class Tuning:
     time_share: float = 0.1
     seconds: float = 1.0
     most_time_share: float = 0.3
-    least_seconds: float = 6.0
     unspent: float = 0.5
     most_vehicles: int = 8
-    noiseless_seconds: float = 2.0
     noiseless_share: float = 0.3
     most_time_from_noiseless: float = 0.5
     noiseless_nodes: int = 150

@@ -222,7 +222,7 @@ class Turning:
         control = PriceControl(self.price, task.risk_bound, task.gap)
         control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
-            has_spent = number >= TUNING.least_rounds and self.num_solves >= TUNING.most_solves
+            has_spent = number >= TUNING.least_rounds and self._has_spent
             if task.limits.reached or control.num_stalls >= TUNING.max_stalls or has_spent:
                 break
             self.price = control.price
@@ -237,6 +237,12 @@ class Turning:
             if back is not None:
                 self.successive.restore(back)
         return self.incumbent
+
+    @property
+    def _has_spent(self) -> bool:
+        """Whether it took all the work that turning may take."""
+        is_spent = self.successive.work >= TUNING.most_work
+        return is_spent or self.num_solves >= TUNING.most_solves
 
     def _turn(self, spacing: float) -> None:
         """Plan every group once."""
