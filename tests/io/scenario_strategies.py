@@ -81,6 +81,14 @@ def goals(draw: st.DrawFn, d: int, has_speed: bool) -> Goal:
     return Goal(center - half, center + half, draw(speed) if wants_speed else None)
 
 
+def drifts(system: LinearSystem, dt: float) -> st.SearchStrategy[np.ndarray]:
+    """Any, or a current in whole millimeters per second."""
+    current = st.integers(-3000, 3000).map(
+        lambda speed: np.eye(system.num_states)[system.position[0]] * (speed / 1000.0 * dt)
+    )
+    return st.one_of(current, arrays(system.num_states))
+
+
 @st.composite
 def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
     system = draw(systems(dt, d))
@@ -102,6 +110,7 @@ def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
         gain=draw(st.none() | small(0.01, m, n)),
         control_sigmas=draw(st.just(3.0) | st.floats(0.0, 10.0)),
         cost_weight=draw(st.just(1.0) | st.floats(0.0, 10.0)),
+        drift=draw(st.none() | drifts(system, dt)),
     )
 
 

@@ -1,8 +1,9 @@
 """A second simulator: vehicles moved through time in plain loops, sharing no code with the referee.
 
 A mission is drawn whole. Over a step a double integrator flies ``p + v t + a t²/2`` under the
-control it holds, ``clip(ū + K (x − x̄))`` under feedback, and the disturbance of the step comes in
-evenly; all else goes straight from step to step. Every path is looked at 200 times per step.
+control it holds, ``clip(ū + K (x − x̄))`` under feedback, and the disturbance and the drift of the
+step come in evenly; all else goes straight from step to step. Every path is looked at 200 times per
+step.
 """
 
 from __future__ import annotations
@@ -97,6 +98,7 @@ def _paths(
     A, B, axes = vehicle.system.A, vehicle.system.B, list(vehicle.system.position)
     n = len(A)
     mean = vehicle.start.copy()
+    drift = np.zeros(n) if vehicle.drift is None else vehicle.drift
     state = mean + rng.multivariate_normal(
         np.zeros(n), vehicle.initial_covariance, missions, method="svd"
     )
@@ -110,17 +112,17 @@ def _paths(
         noise = rng.multivariate_normal(
             np.zeros(n), vehicle.disturbance_covariance, missions, method="svd"
         )
-        following = state @ A.T + given @ B.T + noise
+        following = state @ A.T + given @ B.T + noise + drift
         if is_pushed_point(A, B, axes, dt):
             velocity = ((state @ A.T - state) / dt)[:, axes]
             acceleration = (given @ B.T)[:, axes] * 2.0 / dt**2
-            # p + v t + a t²/2 + (t/dt) w, written in s = t/dt.
-            way = velocity * dt + 0.5 * acceleration * dt**2 + noise[:, axes]
+            # p + v t + a t²/2 + (t/dt) (c + w), written in s = t/dt.
+            way = velocity * dt + 0.5 * acceleration * dt**2 + (noise + drift)[:, axes]
             yield Path(state[:, axes], way, 0.5 * acceleration * dt**2)
         else:
             begin = state[:, axes]
             yield Path(begin, following[:, axes] - begin, np.zeros_like(begin))
-        mean = A @ mean + B @ planned
+        mean = A @ mean + B @ planned + drift
         state = following
 
 

@@ -61,6 +61,10 @@ class Vehicle(Frozen):
         Standard deviations of the feedback that the control limit holds in reserve, >= 0.
     cost_weight : float
         Factor of this vehicle's effort in the cost, >= 0.
+    drift : (n,) array or None
+        What a current or a steady wind adds to the state at every step [m, m/s]: c of
+        ``x⁺ = A x + B u + c + w``. It enters in proportion to time, as the disturbance does. None
+        is no drift.
     """
 
     name: str
@@ -75,6 +79,7 @@ class Vehicle(Frozen):
     gain: Matrix | None = None
     control_sigmas: float = 3.0
     cost_weight: float = 1.0
+    drift: Vector | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -92,6 +97,7 @@ class Vehicle(Frozen):
             gain: npt.ArrayLike | None = None,
             control_sigmas: float = 3.0,
             cost_weight: float = 1.0,
+            drift: npt.ArrayLike | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -107,6 +113,8 @@ class Vehicle(Frozen):
             put(self, "speed_limit", as_axes(self.speed_limit, d, ("speed_limit",)))
         if self.gain is not None:
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
+        if self.drift is not None:
+            put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
         speed_limit = self.speed_limit
         all_checked(
             lambda: (

@@ -97,7 +97,7 @@ class FleetMotion:
 def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     r"""Return the motion of a fleet under given nominal controls.
 
-    .. math:: \bar x^+ = A \bar x + B \bar u, \qquad
+    .. math:: \bar x^+ = A \bar x + B \bar u + c, \qquad
               \Sigma^+ = (A + BK) \Sigma (A + BK)^\top + W
 
     Parameters
@@ -158,7 +158,8 @@ def _mean_states(vehicle: Vehicle, controls: Matrix) -> Matrix:
     states = [vehicle.start]
     with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
         for push in controls @ vehicle.system.B.T:
-            states.append(A @ states[-1] + push)
+            moved = A @ states[-1] + push
+            states.append(moved if vehicle.drift is None else moved + vehicle.drift)
     return np.array(states)
 
 

@@ -11,6 +11,7 @@ from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
 
 __all__ = [
     "SCENARIO_FORMAT",
+    "DriftSpec",
     "DynamicsSpec",
     "FeedbackSpec",
     "FileModel",
@@ -95,6 +96,13 @@ class FeedbackSpec(FileModel):
     lqr: LqrSpec | None = None
 
 
+class DriftSpec(FileModel):
+    """``{velocity}`` or ``{state}``."""
+
+    velocity: Vector | None = None
+    state: Vector | None = None
+
+
 class VehicleSpec(FileModel):
     """A vehicle's fields, or the defaults of all: any of them may be missing."""
 
@@ -110,6 +118,7 @@ class VehicleSpec(FileModel):
     feedback: FeedbackSpec | None = None
     control_sigmas: Number = 3.0
     cost_weight: Number = 1.0
+    drift: DriftSpec | None = None
 
 
 class ScenarioSpec(FileModel):

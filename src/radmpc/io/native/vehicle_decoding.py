@@ -6,6 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError, all_checked
+from radmpc.io.native.noise import build_drift
 from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 from radmpc.model.numbers import check_vehicle_numbers
@@ -113,6 +114,7 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         gain=shared.gain(spec.feedback, system),
         control_sigmas=spec.control_sigmas,
         cost_weight=spec.cost_weight,
+        drift=build_drift(spec.drift, system, shared.dt),
     )
 
 

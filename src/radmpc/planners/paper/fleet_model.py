@@ -102,7 +102,7 @@ class FleetModel:
         rest = controls[k:].ravel()
         prediction = self.prediction_matrices[i]
         steps = self.scenario.horizon - k
-        states = prediction.powers[: steps + 1] @ mean
+        states = prediction.coasting(mean, self.scenario.vehicles[i].drift, steps)
         return np.asarray(states + prediction.states[: steps + 1, :, : rest.size] @ rest)
 
     def window_risk(

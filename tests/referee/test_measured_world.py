@@ -1,0 +1,77 @@
+"""Drift and noise as they are measured, against the second simulator, which knows each in loops."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fleets import permuted
+from physical import fly
+from scipy.stats import binomtest, fisher_exact
+from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped, wall
+
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Plan
+from radmpc.referee import certify, simulate
+
+MISSIONS = 20_000
+
+
+def against_a_current() -> Plan:
+    """Carried to a wall, and held off it by the nominal control alone."""
+    vehicle = replace(craft("a", DI, [-1.0, 0]), drift=[0.3, 0.05, 0.0, 0.0])
+    push = np.tile([-0.02, 0.0], (5, 1))
+    return pushed((vehicle,), [push], obstacles=(wall(0.3),))
+
+
+def pair_in_a_wind() -> Plan:
+    """Both are blown the same way, one of them with its states in another order."""
+    system = permuted(1.0, 2, np.random.default_rng(3))
+    gust = np.zeros(4)
+    gust[list(system.position)] = [0.2, 0.1]
+    a = replace(craft("a", DI, [0, 0], gain=pd(0.3, 0.9)), drift=[0.2, 0.1, 0.02, 0.0])
+    b = replace(craft("b", system, [1.0, 0.1]), drift=gust)
+    post = Obstacle.box("post", [2.1, 0.0], [2.3, 0.2])
+    return still(a, b, obstacles=(post,), horizon=4)
+
+
+def clipped_in_a_current() -> Plan:
+    vehicle = craft("a", DI, [0, 0], gain=pd(1.0, 1.5), limit=0.15)
+    return still(replace(vehicle, drift=[0.0, 0.1, 0.0, 0.0]), obstacles=(wall(0.3),))
+
+
+def drifting_past_a_ferry() -> Plan:
+    deck = np.array([[-1.0, -0.4], [1.0, -0.4], [1.0, 0.4], [-1.0, 0.4]])
+    places = [np.add(deck, [2.6 - 0.5 * k, 1.04 - 0.04 * k]) for k in range(6)]
+    vehicle = replace(craft("a", DI, [0, 0], gain=pd(1.0, 1.5)), drift=[0.1, 0.02, 0.01, 0.0])
+    return still(vehicle, obstacles=(Obstacle.moving("ferry", places),), horizon=5)
+
+
+SCENES = [against_a_current, pair_in_a_wind, clipped_in_a_current, drifting_past_a_ferry]
+FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
+def test_simulation_counts_what_the_second_simulator_counts(scene):
+    plan = scene()
+    expected = fly(plan, MISSIONS, seed=1)
+    found = simulate(plan, MISSIONS, rng=2)
+    assert 0.01 * MISSIONS < expected.collisions < 0.9 * MISSIONS
+    for kind in KINDS:
+        counts = [getattr(expected, kind), getattr(found, kind)]
+        table = [counts, [MISSIONS - count for count in counts]]
+        assert fisher_exact(table).pvalue > FALSE_ALARM, (kind, counts)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
+def test_the_certificate_is_just_above_the_second_simulator(scene):
+    plan = unclipped(scene())
+    flown = fly(plan, MISSIONS, seed=3)
+    interval = binomtest(flown.collisions, MISSIONS).proportion_ci(1 - 2e-4, "exact")
+    certificate = certify(plan)
+    assert flown.saturated == 0
+    assert not certificate.problems
+    assert interval.low <= certificate.certified <= 2.5 * interval.high
