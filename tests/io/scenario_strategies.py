@@ -89,6 +89,12 @@ def drifts(system: LinearSystem, dt: float) -> st.SearchStrategy[np.ndarray]:
     return st.one_of(current, arrays(system.num_states))
 
 
+def correlations(dt: float) -> st.SearchStrategy[float]:
+    """None, any, or that of a time constant in whole tenths of a second."""
+    constant = st.integers(1, 1000).map(lambda tenths: float(np.exp(-dt / (tenths / 10.0))))
+    return st.one_of(st.just(0.0), constant, st.floats(0.0, 0.999999))
+
+
 @st.composite
 def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
     system = draw(systems(dt, d))
@@ -111,6 +117,7 @@ def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
         control_sigmas=draw(st.just(3.0) | st.floats(0.0, 10.0)),
         cost_weight=draw(st.just(1.0) | st.floats(0.0, 10.0)),
         drift=draw(st.none() | drifts(system, dt)),
+        disturbance_correlation=draw(correlations(dt)),
     )
 
 

@@ -8,10 +8,8 @@ from scipy.optimize import linprog
 
 import radmpc
 from radmpc.model.dynamics import double_integrator, rollout
-from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners import PRESETS
 from radmpc.program.build import build_program, condensed_models, controls_of
 
 NOISE = [1e-3, 1e-3, 1e-4, 1e-4]
@@ -102,20 +100,3 @@ def test_a_current_pays_the_way_and_a_plan_against_it_pays_more():
         for drift in ([0.4, 0.0, 0.0, 0.0], None, [-0.4, 0.0, 0.0, 0.0])
     ]
     assert costs[0] < costs[1] < costs[2]
-
-
-@pytest.mark.parametrize("name", sorted(PRESETS))
-@pytest.mark.parametrize("avoidance", ["intervals", "steps"])
-def test_every_planner_plans_in_a_current(name, avoidance):
-    gain = np.array([[-0.3, 0, -0.9, 0], [0, -0.3, 0, -0.9]])
-    fleet = scenario(
-        vehicle(drift=CURRENT, gain=gain),
-        vehicle("b", (8.0, 0.5), (0.0, 0.5), drift=WIND),
-        obstacles=(Obstacle.box("pier", [3.0, -4.0], [4.0, -1.0]),),
-        avoidance=avoidance,
-    )
-    result = radmpc.plan(fleet, name, rng=0)
-    certificate = radmpc.certify(result.require())
-    assert not certificate.problems
-    if name not in {"milp", "dlp"}:
-        assert certificate.holds

@@ -102,6 +102,8 @@ def _paths(
     state = mean + rng.multivariate_normal(
         np.zeros(n), vehicle.initial_covariance, missions, method="svd"
     )
+    rho = vehicle.disturbance_correlation
+    noise = _disturbances(vehicle, missions, rng)
     for planned in controls:
         asked = np.tile(planned, (missions, 1))
         if vehicle.gain is not None:
@@ -109,9 +111,6 @@ def _paths(
         limit = vehicle.control_limit
         saturated |= np.any(np.abs(asked) > limit + 2e-6, axis=1)
         given = asked if vehicle.gain is None else np.clip(asked, -limit, limit)
-        noise = rng.multivariate_normal(
-            np.zeros(n), vehicle.disturbance_covariance, missions, method="svd"
-        )
         following = state @ A.T + given @ B.T + noise + drift
         if is_pushed_point(A, B, axes, dt):
             velocity = ((state @ A.T - state) / dt)[:, axes]
@@ -124,6 +123,13 @@ def _paths(
             yield Path(begin, following[:, axes] - begin, np.zeros_like(begin))
         mean = A @ mean + B @ planned + drift
         state = following
+        noise = rho * noise + np.sqrt(1.0 - rho**2) * _disturbances(vehicle, missions, rng)
+
+
+def _disturbances(vehicle: Vehicle, missions: int, rng: np.random.Generator) -> np.ndarray:
+    """Draw one disturbance per mission."""
+    covariance = vehicle.disturbance_covariance
+    return rng.multivariate_normal(np.zeros(len(covariance)), covariance, missions, method="svd")
 
 
 def is_pushed_point(A: np.ndarray, B: np.ndarray, axes: list[int], dt: float) -> bool:

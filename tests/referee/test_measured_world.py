@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fleets import permuted
+from fleets import permuted, stepper
 from physical import fly
 from scipy.stats import binomtest, fisher_exact
 from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped, wall
 
+from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.referee import certify, simulate
@@ -48,7 +49,48 @@ def drifting_past_a_ferry() -> Plan:
     return still(vehicle, obstacles=(Obstacle.moving("ferry", places),), horizon=5)
 
 
-SCENES = [against_a_current, pair_in_a_wind, clipped_in_a_current, drifting_past_a_ferry]
+def in_long_gusts() -> Plan:
+    vehicle = craft("a", DI, [0, 0], gain=pd(0.3, 0.9), noise=0.05)
+    return still(replace(vehicle, disturbance_correlation=0.8), obstacles=(wall(0.15),), horizon=6)
+
+
+def pair_in_gusts_of_their_own() -> Plan:
+    system = permuted(1.0, 2, np.random.default_rng(3))
+    a = replace(craft("a", DI, [0, 0], gain=pd(1.0, 1.5)), disturbance_correlation=0.9)
+    b = replace(craft("b", system, [1.4, 0.3], noise=0.05), disturbance_correlation=0.5)
+    c = craft("c", DI, [0.1, -1.0], noise=0.05)
+    return still(a, b, c, horizon=4)
+
+
+def stepper_in_gusts() -> Plan:
+    system = stepper(1.0, 2, np.random.default_rng(1))
+    vehicle = craft("a", system, [0, 0], gain=-0.5 * np.linalg.inv(system.B))
+    return still(replace(vehicle, disturbance_correlation=0.7), obstacles=(wall(0.35),))
+
+
+def clipped_in_gusts() -> Plan:
+    vehicle = craft("a", DI, [0, 0], gain=pd(1.0, 1.5), limit=0.15, noise=0.07)
+    return still(replace(vehicle, disturbance_correlation=0.6), obstacles=(wall(0.3),))
+
+
+def in_space_in_gusts() -> Plan:
+    box = Obstacle.box("box", [0.4, 0.35, -5.0], [3.0, 3.0, 5.0])
+    system = double_integrator(1.0, 3)
+    a = craft("a", system, [0, 0, 0], gain=pd(1.0, 1.5, 3))
+    b = craft("b", system, [-0.5, -0.45, -0.4], gain=pd(0.3, 0.9, 3))
+    a, b = (replace(v, disturbance_correlation=0.7) for v in (a, b))
+    return still(a, b, obstacles=(box,), horizon=4)
+
+
+DRIFTING = [against_a_current, pair_in_a_wind, clipped_in_a_current, drifting_past_a_ferry]
+GUSTY = [
+    in_long_gusts,
+    pair_in_gusts_of_their_own,
+    stepper_in_gusts,
+    clipped_in_gusts,
+    in_space_in_gusts,
+]
+SCENES = [*DRIFTING, *GUSTY]
 FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
 
 

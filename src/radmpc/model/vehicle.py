@@ -23,7 +23,8 @@ from radmpc.arrays import (
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
-from radmpc.model.numbers import check_positive, check_vehicle_numbers
+from radmpc.model.noise.spread import Spread, spread_of
+from radmpc.model.numbers import check_correlation, check_positive, check_vehicle_numbers
 
 __all__ = ["Goal", "Vehicle"]
 
@@ -65,6 +66,9 @@ class Vehicle(Frozen):
         What a current or a steady wind adds to the state at every step [m, m/s]: c of
         ``x⁺ = A x + B u + c + w``. It enters in proportion to time, as the disturbance does. None
         is no drift.
+    disturbance_correlation : float
+        Correlation ρ of the disturbances of consecutive steps, from 0 (new at every step) to below
+        1: they are a stationary first-order autoregression. A time constant τ makes ``exp(−dt/τ)``.
     """
 
     name: str
@@ -80,6 +84,7 @@ class Vehicle(Frozen):
     control_sigmas: float = 3.0
     cost_weight: float = 1.0
     drift: Vector | None = None
+    disturbance_correlation: float = 0.0
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -98,6 +103,7 @@ class Vehicle(Frozen):
             control_sigmas: float = 3.0,
             cost_weight: float = 1.0,
             drift: npt.ArrayLike | None = None,
+            disturbance_correlation: float = 0.0,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -122,6 +128,7 @@ class Vehicle(Frozen):
             ),
             lambda: check_positive(self.control_limit, "control_limit", "per axis"),
             lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
+            lambda: check_correlation(self.disturbance_correlation),
         )
         if self.goal.lower.size != d:
             raise ScenarioError(
@@ -142,13 +149,36 @@ class Vehicle(Frozen):
             part = getattr(self, name)
             if not isinstance(part, kind):
                 raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
-        for name in ("radius", "control_sigmas", "cost_weight"):
+        numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
+        for name in numbers:
             object.__setattr__(self, name, field_number(getattr(self, name), (name,)))
 
     @property
     def start_position(self) -> Vector:
         """Mean position at k = 0 [m]."""
         return self.start[list(self.system.position)]
+
+    @property
+    def has_memory(self) -> bool:
+        """Whether more than the state's own deviation decides about what becomes of it."""
+        return self.disturbance_correlation > 0.0
+
+    def spread(self, horizon: int) -> Spread:
+        """Return covariances of the deviation, with all that a vehicle with a memory remembers.
+
+        Parameters
+        ----------
+        horizon : int
+            Number of steps T.
+        """
+        return spread_of(
+            self.system,
+            self.initial_covariance,
+            self.disturbance_covariance,
+            self.disturbance_correlation,
+            self.gain,
+            horizon,
+        )
 
     def covariances(self, horizon: int) -> Tensor:
         """Return the state covariances that follow from start, noise and feedback.
@@ -169,6 +199,8 @@ class Vehicle(Frozen):
             If the horizon is no integer or below 0.
         """
         check_integer(horizon, "horizon", 0)
+        if self.has_memory:
+            return self.spread(horizon).states
         return covariances(
             self.system,
             self.initial_covariance,

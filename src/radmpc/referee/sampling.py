@@ -34,7 +34,7 @@ class _Block:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampler:
-    """Draws the deviations ``x − x̄`` of those vehicles that matter.
+    """Draws the states of the loops of those vehicles that matter: first of each ``x − x̄``.
 
     Attributes
     ----------

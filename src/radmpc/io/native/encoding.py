@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.io.native.noise import encode_drift
+from radmpc.io.native.noise import encode_correlation, encode_drift
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.model.dynamics import LinearSystem, double_integrator
@@ -112,7 +112,12 @@ def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
     if vehicle.speed_limit is not None:
         content["speed_limit"] = _short(vehicle.speed_limit)
     content["initial_covariance"] = _covariance(vehicle.initial_covariance)
-    content["disturbance_covariance"] = _covariance(vehicle.disturbance_covariance)
+    disturbance = _covariance(vehicle.disturbance_covariance)
+    if vehicle.disturbance_correlation == 0.0:
+        content["disturbance_covariance"] = disturbance
+    else:
+        correlation = encode_correlation(vehicle.disturbance_correlation, dt)
+        content["disturbance"] = {"covariance": disturbance, **correlation}
     content["dynamics"] = _dynamics(vehicle.system)
     if vehicle.gain is not None:
         content["feedback"] = {"gain": vehicle.gain.tolist()}

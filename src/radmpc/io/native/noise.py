@@ -1,15 +1,76 @@
-"""Drift as files state it, to and from a vehicle's."""
+"""Drift and disturbance as files state them, to and from a vehicle's."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from radmpc.arrays import Vector, as_vector
+from radmpc.arrays import Matrix, Vector, as_covariance, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.io.native.schema import DriftSpec
+from radmpc.io.native.schema import DriftSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem
 
-__all__ = ["build_drift", "encode_drift"]
+__all__ = ["build_disturbance", "build_drift", "encode_correlation", "encode_drift"]
+
+
+def build_disturbance(spec: VehicleSpec, num_states: int, dt: float) -> tuple[Matrix, float]:
+    """Return the covariance of the disturbance, and its correlation from step to step.
+
+    Parameters
+    ----------
+    spec : VehicleSpec
+        What the file gives, defaults included.
+    num_states : int
+        Length n of the state.
+    dt : float
+        Step [s].
+
+    Returns
+    -------
+    (n, n) array
+        Covariance W.
+    float
+        Correlation ρ [-]; 0 where each step's disturbance is new.
+
+    Raises
+    ------
+    ScenarioError
+        If two descriptions are given, or one is not allowed.
+    """
+    given = spec.disturbance
+    if given is None:
+        path: tuple[str, ...] = ("disturbance_covariance",)
+        return as_covariance(spec.disturbance_covariance, num_states, path), 0.0
+    if "disturbance_covariance" in spec.model_fields_set:
+        text = "needs only one of: disturbance, disturbance_covariance; got both"
+        raise ScenarioError(text, ("disturbance",))
+    covariance = as_covariance(given.covariance, num_states, ("disturbance", "covariance"))
+    if given.time_constant is None:
+        return covariance, 0.0 if given.correlation is None else given.correlation
+    if given.correlation is not None:
+        text = "needs only one of: time_constant, correlation; got both"
+        raise ScenarioError(text, ("disturbance",))
+    if given.time_constant <= 0.0:
+        text = f"must be > 0 s, got {given.time_constant}"
+        raise ScenarioError(text, ("disturbance", "time_constant"))
+    return covariance, math.exp(-dt / given.time_constant)
+
+
+def encode_correlation(correlation: float, dt: float) -> dict[str, object]:
+    """Return a correlation as a time constant where that loses nothing, else as it is.
+
+    Parameters
+    ----------
+    correlation : float
+        ρ from step to step, above 0 [-].
+    dt : float
+        Step [s].
+    """
+    constant = round(-dt / math.log(correlation), 9)
+    if 0.0 < constant <= 1e9 and math.exp(-dt / constant) == correlation:
+        return {"time_constant": constant}
+    return {"correlation": correlation}
 
 
 def build_drift(spec: DriftSpec | None, system: LinearSystem, dt: float) -> Vector | None:

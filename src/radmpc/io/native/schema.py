@@ -11,6 +11,7 @@ from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
 
 __all__ = [
     "SCENARIO_FORMAT",
+    "DisturbanceSpec",
     "DriftSpec",
     "DynamicsSpec",
     "FeedbackSpec",
@@ -103,6 +104,14 @@ class DriftSpec(FileModel):
     state: Vector | None = None
 
 
+class DisturbanceSpec(FileModel):
+    """``{covariance}``, and ``time_constant`` or ``correlation``."""
+
+    covariance: Square
+    time_constant: Number | None = None
+    correlation: Number | None = None
+
+
 class VehicleSpec(FileModel):
     """A vehicle's fields, or the defaults of all: any of them may be missing."""
 
@@ -114,6 +123,7 @@ class VehicleSpec(FileModel):
     speed_limit: ScalarOrVector | None = None
     initial_covariance: Square = 0.0
     disturbance_covariance: Square = 0.0
+    disturbance: DisturbanceSpec | None = None
     dynamics: DynamicsSpec = DynamicsSpec.model_construct(model="double_integrator")
     feedback: FeedbackSpec | None = None
     control_sigmas: Number = 3.0

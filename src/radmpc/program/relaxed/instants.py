@@ -123,6 +123,8 @@ def _covariances(model: CondensedModel, windows: Indices, shares: Vector) -> Ten
             bend = picked @ system.B @ vehicle.gain
     s = shares[:, None, None]
     moved = (1.0 - s) * picked - s * (1.0 - s) * bend + s * (picked @ loop)
+    if vehicle.has_memory:
+        return vehicle.spread(model.horizon).of_sums(windows, moved, s * picked)
     states = vehicle.covariances(model.horizon)[windows]
     fresh = picked @ vehicle.disturbance_covariance @ picked.T
     return np.asarray(moved @ states @ moved.transpose(0, 2, 1) + s**2 * fresh)
