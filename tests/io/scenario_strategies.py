@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from radmpc.model.dynamics import LinearSystem, double_integrator
+from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario, Workspace
@@ -96,6 +97,17 @@ def correlations(dt: float) -> st.SearchStrategy[float]:
 
 
 @st.composite
+def measurements(draw: st.DrawFn, num_states: int) -> Measurement:
+    """Some states, or sums of them."""
+    count = draw(st.integers(1, num_states))
+    chosen = draw(st.permutations(range(num_states)))[:count]
+    noise = draw(covariances(count))
+    if draw(st.booleans()):
+        return Measurement.of(chosen, num_states, noise)
+    return Measurement(draw(arrays(count, num_states)), noise)
+
+
+@st.composite
 def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
     system = draw(systems(dt, d))
     n, m = system.num_states, system.num_controls
@@ -118,6 +130,7 @@ def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
         cost_weight=draw(st.just(1.0) | st.floats(0.0, 10.0)),
         drift=draw(st.none() | drifts(system, dt)),
         disturbance_correlation=draw(correlations(dt)),
+        measurement=draw(st.none() | measurements(n)),
     )
 
 

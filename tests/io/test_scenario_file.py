@@ -349,6 +349,19 @@ def test_a_time_constant_is_a_correlation_from_step_to_step() -> None:
     assert written == {"covariance": [0.1] * 4, "time_constant": 2.0}
 
 
+def test_a_sensor_of_states_is_written_as_their_indices_and_any_other_as_its_matrix() -> None:
+    for given in (
+        {"of": [1, 0], "covariance": [0.1, 0.2]},
+        {"matrix": [[1.0, 0.0, 0.5, 0.0]], "covariance": [0.3]},
+    ):
+        scenario = decode_scenario(_two(measurement=given))
+        assert encode_scenario(scenario)["defaults"]["measurement"] == given  # type: ignore[index]
+    sensor = decode_scenario(_two(measurement={"of": [1], "covariance": 4})).vehicles[1].measurement
+    assert sensor is not None
+    assert sensor.matrix.tolist() == [[0.0, 1.0, 0.0, 0.0]]
+    assert sensor.covariance.tolist() == [[4.0]]
+
+
 @pytest.mark.parametrize(
     ("default", "own"),
     [

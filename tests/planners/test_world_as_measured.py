@@ -11,6 +11,7 @@ from scipy.stats import binomtest
 
 import radmpc
 from radmpc.model.dynamics import double_integrator, lqr_gain
+from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
@@ -31,7 +32,19 @@ def gusty(vehicle: Vehicle, number: int) -> Vehicle:
     return replace(vehicle, disturbance_correlation=(0.7, 0.3)[number])
 
 
-WORLDS: dict[str, Callable[[Vehicle, int], Vehicle]] = {"drift": drifting, "gusts": gusty}
+def measuring(vehicle: Vehicle, number: int) -> Vehicle:
+    """Let one see positions alone, and the other all but a velocity, in gusts."""
+    n = vehicle.system.num_states
+    states = (range(n // 2), range(n - 1))[number]
+    sensor = Measurement.of(list(states), n, 2e-3)
+    return replace(vehicle, measurement=sensor, disturbance_correlation=(0.0, 0.5)[number])
+
+
+WORLDS: dict[str, Callable[[Vehicle, int], Vehicle]] = {
+    "drift": drifting,
+    "gusts": gusty,
+    "measured": measuring,
+}
 
 
 def craft(name: str, start: list[float], goal: list[float], **more: object) -> Vehicle:

@@ -11,9 +11,11 @@ from physical import fly
 from scipy.stats import binomtest, fisher_exact
 from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped, wall
 
-from radmpc.model.dynamics import double_integrator
+from radmpc.model.dynamics import double_integrator, lqr_gain
+from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
+from radmpc.model.vehicle import Vehicle
 from radmpc.referee import certify, simulate
 
 MISSIONS = 20_000
@@ -82,6 +84,58 @@ def in_space_in_gusts() -> Plan:
     return still(a, b, obstacles=(box,), horizon=4)
 
 
+def sees(vehicle: Vehicle, sigma: float, states: tuple[int, ...] = (0, 1)) -> Vehicle:
+    """A vehicle that measures some of its states with a standard deviation."""
+    sensor = Measurement.of(states, vehicle.system.num_states, sigma**2)
+    return replace(vehicle, measurement=sensor)
+
+
+def poor_receiver() -> Plan:
+    return still(sees(craft("a", DI, [0, 0], gain=pd(0.3, 0.9)), 0.3), obstacles=(wall(0.7),))
+
+
+def quick_on_poor_estimates() -> Plan:
+    return still(sees(craft("a", DI, [0, 0], gain=pd(1.0, 1.5)), 0.2), obstacles=(wall(0.4),))
+
+
+def exact_positions() -> Plan:
+    return still(sees(craft("a", DI, [0, 0], gain=pd(1.0, 1.5)), 0.0), obstacles=(wall(0.25),))
+
+
+def mixed_sensor() -> Plan:
+    system = permuted(1.0, 2, np.random.default_rng(3))
+    rows = np.random.default_rng(7).normal(size=(3, 4))
+    gain = lqr_gain(system, np.eye(4), np.eye(2))
+    vehicle = replace(
+        craft("a", system, [0, 0], gain=gain),
+        measurement=Measurement(rows, [0.02, 0.04, 0.1]),
+        disturbance_correlation=0.7,
+        drift=[0.02, 0.0, 0.01, 0.02],
+    )
+    push = np.random.default_rng(0).normal(0.0, 0.05, (6, 2))
+    return pushed((vehicle,), [push], obstacles=(wall(0.55),))
+
+
+def clipped_on_estimates() -> Plan:
+    vehicle = sees(craft("a", DI, [0, 0], gain=pd(1.0, 1.5), limit=0.15), 0.1)
+    return still(vehicle, obstacles=(wall(0.35),))
+
+
+def pair_of_which_one_measures() -> Plan:
+    a = sees(craft("a", DI, [0, 0], gain=pd(1.0, 1.5)), 0.15)
+    b = craft("b", stepper(1.0, 2, np.random.default_rng(2)), [0.95, 0.1])
+    c = sees(craft("c", DI, [-0.2, 1.1], noise=0.05), 0.3)
+    return still(a, b, c, horizon=3)
+
+
+def measuring_in_space() -> Plan:
+    box = Obstacle.box("box", [0.45, 0.4, -5.0], [3.0, 3.0, 5.0])
+    system = double_integrator(1.0, 3)
+    a = sees(craft("a", system, [0, 0, 0], gain=pd(1.0, 1.5, 3)), 0.1, (0, 1, 2))
+    b = sees(craft("b", system, [-0.6, -0.5, -0.4], gain=pd(0.3, 0.9, 3)), 0.2, (0, 1, 2, 5))
+    return still(a, b, obstacles=(box,), horizon=4)
+
+
 DRIFTING = [against_a_current, pair_in_a_wind, clipped_in_a_current, drifting_past_a_ferry]
 GUSTY = [
     in_long_gusts,
@@ -90,7 +144,16 @@ GUSTY = [
     clipped_in_gusts,
     in_space_in_gusts,
 ]
-SCENES = [*DRIFTING, *GUSTY]
+MEASURING = [
+    poor_receiver,
+    quick_on_poor_estimates,
+    exact_positions,
+    mixed_sensor,
+    clipped_on_estimates,
+    pair_of_which_one_measures,
+    measuring_in_space,
+]
+SCENES = [*DRIFTING, *GUSTY, *MEASURING]
 FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
 
 

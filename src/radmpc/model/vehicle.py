@@ -23,7 +23,8 @@ from radmpc.arrays import (
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
-from radmpc.model.noise.spread import Spread, spread_of
+from radmpc.model.noise.measurement import Measurement
+from radmpc.model.noise.spread import Noise, Spread, spread_of
 from radmpc.model.numbers import check_correlation, check_positive, check_vehicle_numbers
 
 __all__ = ["Goal", "Vehicle"]
@@ -57,7 +58,7 @@ class Vehicle(Frozen):
     speed_limit : (d,) array or None
         Largest mean speed per axis [m/s], > 0; None is no limit.
     gain : (m, n) array or None
-        Feedback K of ``u = ū + K (x − x̄)``; None is open loop.
+        Feedback K of ``u = ū + K (x − x̄)``, see `measurement`; None is open loop.
     control_sigmas : float
         Standard deviations of the feedback that the control limit holds in reserve, >= 0.
     cost_weight : float
@@ -69,6 +70,9 @@ class Vehicle(Frozen):
     disturbance_correlation : float
         Correlation ρ of the disturbances of consecutive steps, from 0 (new at every step) to below
         1: they are a stationary first-order autoregression. A time constant τ makes ``exp(−dt/τ)``.
+    measurement : Measurement or None
+        What the vehicle measures of its state: feedback is then ``u = ū + K (x̂ − x̄)`` with the
+        estimate x̂ of a Kalman filter. None is that the state is known exactly.
     """
 
     name: str
@@ -85,6 +89,7 @@ class Vehicle(Frozen):
     cost_weight: float = 1.0
     drift: Vector | None = None
     disturbance_correlation: float = 0.0
+    measurement: Measurement | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -104,6 +109,7 @@ class Vehicle(Frozen):
             cost_weight: float = 1.0,
             drift: npt.ArrayLike | None = None,
             disturbance_correlation: float = 0.0,
+            measurement: Measurement | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -130,6 +136,11 @@ class Vehicle(Frozen):
             lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
             lambda: check_correlation(self.disturbance_correlation),
         )
+        if self.measurement is not None and self.measurement.matrix.shape[1] != n:
+            raise ScenarioError(
+                f"must have {n} columns like the state, got {self.measurement.matrix.shape[1]}",
+                ("measurement", "matrix"),
+            )
         if self.goal.lower.size != d:
             raise ScenarioError(
                 f"must have {d} coordinates like the position, got {self.goal.lower.size}",
@@ -145,9 +156,11 @@ class Vehicle(Frozen):
     def _check_kinds(self) -> None:
         """Refuse parts of another kind, and make numbers Python's."""
         field_text(self.name, ("name",))
-        for name, kind in (("system", LinearSystem), ("goal", Goal)):
+        kinds = (("system", LinearSystem), ("goal", Goal), ("measurement", Measurement))
+        for name, kind in kinds:
             part = getattr(self, name)
-            if not isinstance(part, kind):
+            is_absent = part is None and name == "measurement"
+            if not (is_absent or isinstance(part, kind)):
                 raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
         numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
         for name in numbers:
@@ -161,24 +174,23 @@ class Vehicle(Frozen):
     @property
     def has_memory(self) -> bool:
         """Whether more than the state's own deviation decides about what becomes of it."""
-        return self.disturbance_correlation > 0.0
+        return self.disturbance_correlation > 0.0 or self.measurement is not None
 
     def spread(self, horizon: int) -> Spread:
-        """Return covariances of the deviation, with all that a vehicle with a memory remembers.
+        """Return covariances of the deviation, of the disturbance, and of what is known of both.
 
         Parameters
         ----------
         horizon : int
             Number of steps T.
         """
-        return spread_of(
-            self.system,
+        noise = Noise(
             self.initial_covariance,
             self.disturbance_covariance,
             self.disturbance_correlation,
-            self.gain,
-            horizon,
+            self.measurement,
         )
+        return spread_of(self.system, noise, self.gain, horizon)
 
     def covariances(self, horizon: int) -> Tensor:
         """Return the state covariances that follow from start, noise and feedback.
@@ -220,12 +232,15 @@ class Vehicle(Frozen):
         Returns
         -------
         (T, m) array
-            The limit less ``control_sigmas`` standard deviations of the feedback ``K (x − x̄)``;
+            The limit less ``control_sigmas`` standard deviations of the feedback: ``K (x − x̄)``,
+            or with a measurement ``K (x̂ − x̄)``, whose covariance follows from the vehicle alone;
             negative where the reserve eats the limit.
         """
         horizon = len(covariances) - 1
         if self.gain is None:
             return np.tile(self.control_limit, (horizon, 1))
+        if self.measurement is not None:
+            covariances = self.spread(horizon).estimates
         variances = np.einsum("an,knm,am->ka", self.gain, covariances[:horizon], self.gain)
         return np.asarray(
             self.control_limit - self.control_sigmas * np.sqrt(np.maximum(variances, 0.0))

@@ -128,6 +128,7 @@ def condense(
     start: Vector,
     covariances: Tensor,
     bounds: Matrix,
+    first_step: int = 0,
 ) -> CondensedModel:
     """Return a vehicle condensed over the steps that are left, from its state at the first of them.
 
@@ -143,6 +144,8 @@ def condense(
         State covariances from the first step on.
     bounds : (T, m) array
         Largest nominal |ū|, see `Vehicle.control_bounds`.
+    first_step : int
+        Step of the vehicle's noise at which the covariances begin.
 
     Returns
     -------
@@ -169,7 +172,7 @@ def condense(
         horizon=horizon,
         control_bounds=bounds,
         position_covariances=covariances[:, axes, :][:, :, axes],
-        bent_covariances=bent_covariances(vehicle, covariances),
+        bent_covariances=bent_covariances(vehicle, covariances, first_step),
         position=position,
         velocity=velocity,
         drift_position=drift,
@@ -179,11 +182,12 @@ def condense(
     )
 
 
-def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
+def bent_covariances(vehicle: Vehicle, covariances: Tensor, first_step: int = 0) -> Tensor | None:
     """Return the covariances of ``(P − B_p K) δ_k``, or None without feedback on a parabola.
 
     Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,
     ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: the first bracket runs from ``P δ_k`` to this.
+    Who measures has ``K δ̂_k`` in place of ``K δ_k``.
 
     Parameters
     ----------
@@ -191,6 +195,8 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
         With its feedback gain K, if any.
     covariances : (T+1, n, n) array
         State covariances.
+    first_step : int
+        Step of the vehicle's noise at which they begin.
 
     Returns
     -------
@@ -201,6 +207,10 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
     if vehicle.gain is None or not system.is_double_integrator:
         return None
     place = list(system.position)
+    if vehicle.measurement is not None:
+        last = first_step + len(covariances) - 1
+        picked, bend = np.eye(system.num_states)[place], system.B[place] @ vehicle.gain
+        return vehicle.spread(last).of_sums(slice(first_step, last), picked, -bend)
     bent = np.eye(system.num_states)[place] - system.B[place] @ vehicle.gain
     return np.asarray(bent @ covariances[:-1] @ bent.T)
 

@@ -10,7 +10,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.referee.loop import loop_of
+from radmpc.referee.loop import Loop, loop_of
 
 __all__ = ["FleetMotion", "Group", "propagate"]
 
@@ -23,10 +23,12 @@ class Group:
     ----------
     members : (g,) int array
         Their numbers in the scenario.
-    transitions : (g, q, q) array
-        Of their closed loops, see `Loop`.
-    initial, disturbance : (g, q, q) array
-        Covariance at k = 0, and added at every step.
+    transitions : (g, S, q, q) array
+        Of their closed loops at every step, see `Loop`; one for all steps where S is 1.
+    initial : (g, q, q) array
+        Covariance at k = 0.
+    disturbances : (g, S, q, q) array
+        Added at every step.
     position : (g, d) int array
         State indices of the position.
     """
@@ -34,7 +36,7 @@ class Group:
     members: Indices
     transitions: Tensor
     initial: Tensor
-    disturbance: Tensor
+    disturbances: Tensor
     position: Indices
 
 
@@ -52,6 +54,10 @@ class FleetMotion:
         Mean states, per vehicle.
     covariances : tuple of (T+1, n, n) array
         State covariances, per vehicle.
+    seen : tuple of (T+1, n, n) array
+        Covariances of the deviations that feedback acts on: the same, or those of estimates.
+    seen_rows : tuple of int
+        Where in the loop's state those deviations begin.
     loops : tuple of (T+1, q, q) array
         Covariances of the closed loops' states, of which the vehicle's is the first part.
     positions : (N, T+1, d) array
@@ -74,6 +80,8 @@ class FleetMotion:
     groups: tuple[Group, ...]
     states: tuple[Matrix, ...]
     covariances: tuple[Tensor, ...]
+    seen: tuple[Tensor, ...]
+    seen_rows: tuple[int, ...]
     loops: tuple[Tensor, ...]
     positions: Tensor
     position_covariances: Tensor
@@ -120,13 +128,17 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     """
     vehicles, horizon, d = scenario.vehicles, scenario.horizon, scenario.dimension
     states = [_mean_states(v, u) for v, u in zip(vehicles, controls, strict=True)]
-    groups = _grouped(vehicles)
+    described = [loop_of(vehicle, horizon) for vehicle in vehicles]
+    groups = _grouped(vehicles, described)
     loops: list[Tensor] = [np.empty(0)] * len(vehicles)
     for group in groups:
         for member, tensor in zip(group.members, _covariances(group, horizon), strict=True):
             loops[member] = tensor
-    sizes = [v.system.num_states for v in vehicles]
-    covariances = [loop[:, :n, :n] for loop, n in zip(loops, sizes, strict=True)]
+    covariances, seen = [], []
+    for vehicle, loop, one in zip(vehicles, loops, described, strict=True):
+        n, row = vehicle.system.num_states, one.seen
+        covariances.append(loop[:, :n, :n])
+        seen.append(loop[:, row : row + n, row : row + n])
     axes = [list(v.system.position) for v in vehicles]
     sagittas = np.zeros((len(vehicles), horizon, d))
     bends: list[Matrix | None] = []
@@ -138,7 +150,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
             # The push that shifts the position by B_p u over a step deviates from its chord by a
             # quarter of that in the middle.
             sagittas[i] = controls[i] @ pushes.T / 4.0
-            bend = None if vehicle.gain is None else _bend(vehicle, loops[i].shape[1])
+            bend = None if vehicle.gain is None else _bend(vehicle, described[i])
         picked = np.eye(loops[i].shape[1])[axes[i]]
         turned = picked if bend is None else picked - bend
         bends.append(bend)
@@ -149,6 +161,8 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         groups=groups,
         states=tuple(states),
         covariances=tuple(covariances),
+        seen=tuple(seen),
+        seen_rows=tuple(one.seen for one in described),
         loops=tuple(loops),
         positions=np.stack([x[:, a] for x, a in zip(states, axes, strict=True)]),
         position_covariances=np.stack(
@@ -172,30 +186,29 @@ def _mean_states(vehicle: Vehicle, controls: Matrix) -> Matrix:
     return np.array(states)
 
 
-def _grouped(vehicles: Sequence[Vehicle]) -> tuple[Group, ...]:
-    """Stack the closed loops whose states are of equal length."""
-    loops = [loop_of(vehicle) for vehicle in vehicles]
-    by_size: dict[int, list[int]] = {}
+def _grouped(vehicles: Sequence[Vehicle], loops: Sequence[Loop]) -> tuple[Group, ...]:
+    """Stack the closed loops whose states are of equal length, those that change on their own."""
+    by_size: dict[tuple[int, ...], list[int]] = {}
     for i, loop in enumerate(loops):
-        by_size.setdefault(len(loop.transition), []).append(i)
+        by_size.setdefault(loop.transitions.shape, []).append(i)
     return tuple(
         Group(
             np.array(members),
-            np.stack([loops[i].transition for i in members]),
+            np.stack([loops[i].transitions for i in members]),
             np.stack([loops[i].initial for i in members]),
-            np.stack([loops[i].disturbance for i in members]),
+            np.stack([loops[i].disturbances for i in members]),
             np.array([vehicles[i].system.position for i in members]),
         )
         for members in by_size.values()
     )
 
 
-def _bend(vehicle: Vehicle, size: int) -> Matrix:
-    """Return ``B_p K`` for the state of a loop of some size, (d, q)."""
-    bend = np.zeros((vehicle.system.dimension, size))
+def _bend(vehicle: Vehicle, loop: Loop) -> Matrix:
+    """Return ``B_p K`` for the state of a loop, (d, q)."""
+    bend = np.zeros((vehicle.system.dimension, len(loop.initial)))
     if vehicle.gain is not None:
         pushes = vehicle.system.B[list(vehicle.system.position)]
-        bend[:, : vehicle.system.num_states] = pushes @ vehicle.gain
+        bend[:, loop.seen : loop.seen + vehicle.system.num_states] = pushes @ vehicle.gain
     return bend
 
 
@@ -203,8 +216,10 @@ def _covariances(group: Group, horizon: int) -> Tensor:
     """Return the covariances of a group's loops, (g, T+1, q, q)."""
     result = np.empty((len(group.members), horizon + 1, *group.initial.shape[1:]))
     result[:, 0] = group.initial
-    turned = group.transitions.transpose(0, 2, 1)
+    last = group.transitions.shape[1] - 1
     with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
         for k in range(horizon):
-            result[:, k + 1] = group.transitions @ result[:, k] @ turned + group.disturbance
+            loop = group.transitions[:, min(k, last)]
+            moved = loop @ result[:, k] @ loop.transpose(0, 2, 1)
+            result[:, k + 1] = moved + group.disturbances[:, min(k, last)]
     return 0.5 * (result + result.transpose(0, 1, 3, 2))

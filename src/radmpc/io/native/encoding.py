@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.io.native.noise import encode_correlation, encode_drift
+from radmpc.io.native.noise import encode_correlation, encode_drift, encode_sensor
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.model.dynamics import LinearSystem, double_integrator
@@ -127,6 +127,9 @@ def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
         content["cost_weight"] = float(vehicle.cost_weight)
     if vehicle.drift is not None:
         content["drift"] = encode_drift(vehicle.drift, vehicle.system, dt)
+    if vehicle.measurement is not None:
+        noise = _covariance(vehicle.measurement.covariance)
+        content["measurement"] = {**encode_sensor(vehicle.measurement), "covariance": noise}
     return content
 
 

@@ -1,4 +1,4 @@
-"""Drift and disturbance as files state them, to and from a vehicle's."""
+"""Drift, disturbance and measurement as files state them, to and from a vehicle's."""
 
 from __future__ import annotations
 
@@ -8,10 +8,18 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_covariance, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.io.native.schema import DriftSpec, VehicleSpec
+from radmpc.io.native.schema import DriftSpec, MeasurementSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem
+from radmpc.model.noise.measurement import Measurement
 
-__all__ = ["build_disturbance", "build_drift", "encode_correlation", "encode_drift"]
+__all__ = [
+    "build_disturbance",
+    "build_drift",
+    "build_measurement",
+    "encode_correlation",
+    "encode_drift",
+    "encode_sensor",
+]
 
 
 def build_disturbance(spec: VehicleSpec, num_states: int, dt: float) -> tuple[Matrix, float]:
@@ -127,3 +135,53 @@ def encode_drift(drift: Vector, system: LinearSystem, dt: float) -> dict[str, ob
     if state.tobytes() == drift.tobytes():
         return {"velocity": velocity.tolist()}
     return {"state": drift.tolist()}
+
+
+def build_measurement(spec: MeasurementSpec | None, num_states: int) -> Measurement | None:
+    """Return what a vehicle measures.
+
+    Parameters
+    ----------
+    spec : MeasurementSpec or None
+        What the file gives; None is that the state is known exactly.
+    num_states : int
+        Length n of the state.
+
+    Returns
+    -------
+    Measurement or None
+        None as above.
+
+    Raises
+    ------
+    ScenarioError
+        If neither or both of states and matrix are given, or one is not allowed.
+    """
+    if spec is None:
+        return None
+    try:
+        if spec.of is not None and spec.matrix is None:
+            return Measurement.of(spec.of, num_states, spec.covariance)
+        if spec.matrix is not None and spec.of is None:
+            return Measurement(spec.matrix, spec.covariance)
+    except ScenarioError as error:
+        raise error.under("measurement") from error
+    got = "both" if spec.of is not None else "none of them"
+    raise ScenarioError(f"needs exactly one of: of, matrix; got {got}", ("measurement",))
+
+
+def encode_sensor(measurement: Measurement) -> dict[str, object]:
+    """Return what is measured: states where it is states, else the matrix.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        Whose matrix is written.
+    """
+    matrix = measurement.matrix
+    states = matrix.argmax(axis=1).tolist()
+    if len(set(states)) == len(states):
+        again = np.eye(matrix.shape[1])[states]
+        if again.tobytes() == matrix.tobytes():
+            return {"of": states}
+    return {"matrix": matrix.tolist()}

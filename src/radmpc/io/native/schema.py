@@ -18,6 +18,7 @@ __all__ = [
     "FileModel",
     "GoalSpec",
     "LqrSpec",
+    "MeasurementSpec",
     "ObstacleSpec",
     "ScenarioSpec",
     "VehicleSpec",
@@ -112,6 +113,14 @@ class DisturbanceSpec(FileModel):
     correlation: Number | None = None
 
 
+class MeasurementSpec(FileModel):
+    """``{of, covariance}`` or ``{matrix, covariance}``."""
+
+    of: list[int] | None = None
+    matrix: Matrix | None = None
+    covariance: Square
+
+
 class VehicleSpec(FileModel):
     """A vehicle's fields, or the defaults of all: any of them may be missing."""
 
@@ -129,6 +138,7 @@ class VehicleSpec(FileModel):
     control_sigmas: Number = 3.0
     cost_weight: Number = 1.0
     drift: DriftSpec | None = None
+    measurement: MeasurementSpec | None = None
 
 
 class ScenarioSpec(FileModel):

@@ -6,7 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError, all_checked
-from radmpc.io.native.noise import build_disturbance, build_drift
+from radmpc.io.native.noise import build_disturbance, build_drift, build_measurement
 from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 from radmpc.model.numbers import check_vehicle_numbers
@@ -115,6 +115,7 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         cost_weight=spec.cost_weight,
         drift=build_drift(spec.drift, system, shared.dt),
         disturbance_correlation=correlation,
+        measurement=build_measurement(spec.measurement, n),
     )
 
 

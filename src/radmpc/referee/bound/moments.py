@@ -135,7 +135,7 @@ def _spreads(
     """
     members = group.members[chosen]
     axes = group.position[chosen]
-    d, n = axes.shape[1], group.transitions.shape[1]
+    d, n = axes.shape[1], group.transitions.shape[-1]
     parts = len(shares) - 1
     picked = np.eye(n)[axes][:, None]
     bend = np.zeros((len(chosen), 1, d, n))
@@ -143,10 +143,13 @@ def _spreads(
         bend_of_one = motion.bends[member]
         bend[g, 0] = 0.0 if bend_of_one is None else bend_of_one
     column = shares[:, None, None]
-    C = (1.0 - column) * picked + column * (picked @ group.transitions[chosen][:, None])
-    C = (C - column * (1.0 - column) * bend)[:, None]
-    noise = np.take_along_axis(group.disturbance[chosen], axes[:, :, None], axis=1)
-    noise = np.take_along_axis(noise, axes[:, None, :], axis=2)[:, None, None]
+    # At every step, or one for all of them: the second axis.
+    C = (1.0 - column) * picked[:, None] + column * (
+        picked[:, None] @ group.transitions[chosen][:, :, None]
+    )
+    C = C - column * (1.0 - column) * bend[:, None]
+    noise = np.take_along_axis(group.disturbances[chosen], axes[:, None, :, None], axis=2)
+    noise = np.take_along_axis(noise, axes[:, None, None, :], axis=3)[:, :, None]
     states = np.stack([motion.loops[v][:-1] for v in members.tolist()])[:, :, None]
     near, far = C[:, :, :-1], C[:, :, 1:]
     bent = near - bend[:, None] / parts**2
