@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from radmpc.io.native.scenario_file import load_scenario, save_scenario
     from radmpc.io.tables import to_pandas, to_xarray
     from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
+    from radmpc.model.noise.measurement import Measurement
     from radmpc.model.obstacle import Obstacle
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
     from radmpc.model.scenario import Scenario, Workspace
@@ -69,6 +70,7 @@ __all__ = [
     "ImportedScenario",
     "LedgerRow",
     "LinearSystem",
+    "Measurement",
     "NoPlanError",
     "Obstacle",
     "Plan",
@@ -132,6 +134,7 @@ _HOMES = {
     "io.native.scenario_file": ("load_scenario", "save_scenario"),
     "io.tables": ("to_pandas", "to_xarray"),
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
+    "model.noise.measurement": ("Measurement",),
     "model.obstacle": ("Obstacle",),
     "model.plan": ("Coupling", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"),
     "model.scenario": ("Scenario", "Workspace"),

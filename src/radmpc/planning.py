@@ -183,7 +183,7 @@ def _trajectories(
         Trajectory(
             name=vehicle.name,
             controls=controls,
-            means=rollout(vehicle.system, vehicle.start, controls),
+            means=rollout(vehicle.system, vehicle.start, controls, vehicle.drift),
             covariances=vehicle.covariances(scenario.horizon),
             gain=vehicle.gain,
         )

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from radmpc.model.dynamics import LinearSystem, double_integrator
+from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario, Workspace
@@ -81,6 +82,31 @@ def goals(draw: st.DrawFn, d: int, has_speed: bool) -> Goal:
     return Goal(center - half, center + half, draw(speed) if wants_speed else None)
 
 
+def drifts(system: LinearSystem, dt: float) -> st.SearchStrategy[np.ndarray]:
+    """Any, or a current in whole millimeters per second."""
+    current = st.integers(-3000, 3000).map(
+        lambda speed: np.eye(system.num_states)[system.position[0]] * (speed / 1000.0 * dt)
+    )
+    return st.one_of(current, arrays(system.num_states))
+
+
+def correlations(dt: float) -> st.SearchStrategy[float]:
+    """None, any, or that of a time constant in whole tenths of a second."""
+    constant = st.integers(1, 1000).map(lambda tenths: float(np.exp(-dt / (tenths / 10.0))))
+    return st.one_of(st.just(0.0), constant, st.floats(0.0, 0.999999))
+
+
+@st.composite
+def measurements(draw: st.DrawFn, num_states: int) -> Measurement:
+    """Some states, or sums of them."""
+    count = draw(st.integers(1, num_states))
+    chosen = draw(st.permutations(range(num_states)))[:count]
+    noise = draw(covariances(count))
+    if draw(st.booleans()):
+        return Measurement.of(chosen, num_states, noise)
+    return Measurement(draw(arrays(count, num_states)), noise)
+
+
 @st.composite
 def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
     system = draw(systems(dt, d))
@@ -102,6 +128,9 @@ def vehicles(draw: st.DrawFn, name: str, dt: float, d: int) -> Vehicle:
         gain=draw(st.none() | small(0.01, m, n)),
         control_sigmas=draw(st.just(3.0) | st.floats(0.0, 10.0)),
         cost_weight=draw(st.just(1.0) | st.floats(0.0, 10.0)),
+        drift=draw(st.none() | drifts(system, dt)),
+        disturbance_correlation=draw(correlations(dt)),
+        measurement=draw(st.none() | measurements(n)),
     )
 
 

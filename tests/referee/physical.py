@@ -1,8 +1,9 @@
 """A second simulator: vehicles moved through time in plain loops, sharing no code with the referee.
 
 A mission is drawn whole. Over a step a double integrator flies ``p + v t + a t²/2`` under the
-control it holds, ``clip(ū + K (x − x̄))`` under feedback, and the disturbance of the step comes in
-evenly; all else goes straight from step to step. Every path is looked at 200 times per step.
+control it holds, ``clip(ū + K (x − x̄))`` under feedback, and the disturbance and the drift of the
+step come in evenly. Who measures flies ``clip(ū + K (x̂ − x̄))``, each mission with its own filter;
+all else goes straight from step to step. Every path is looked at 200 times per step.
 """
 
 from __future__ import annotations
@@ -97,31 +98,75 @@ def _paths(
     A, B, axes = vehicle.system.A, vehicle.system.B, list(vehicle.system.position)
     n = len(A)
     mean = vehicle.start.copy()
+    drift = np.zeros(n) if vehicle.drift is None else vehicle.drift
     state = mean + rng.multivariate_normal(
         np.zeros(n), vehicle.initial_covariance, missions, method="svd"
     )
+    rho = vehicle.disturbance_correlation
+    noise = _disturbances(vehicle, missions, rng)
+    watch = _Filter(vehicle, missions) if vehicle.measurement else None
     for planned in controls:
         asked = np.tile(planned, (missions, 1))
+        known = state if watch is None else watch.look(state, rng)
         if vehicle.gain is not None:
-            asked = asked + (state - mean) @ vehicle.gain.T
+            asked = asked + (known - mean) @ vehicle.gain.T
         limit = vehicle.control_limit
         saturated |= np.any(np.abs(asked) > limit + 2e-6, axis=1)
         given = asked if vehicle.gain is None else np.clip(asked, -limit, limit)
-        noise = rng.multivariate_normal(
-            np.zeros(n), vehicle.disturbance_covariance, missions, method="svd"
-        )
-        following = state @ A.T + given @ B.T + noise
+        following = state @ A.T + given @ B.T + noise + drift
         if is_pushed_point(A, B, axes, dt):
             velocity = ((state @ A.T - state) / dt)[:, axes]
             acceleration = (given @ B.T)[:, axes] * 2.0 / dt**2
-            # p + v t + a t²/2 + (t/dt) w, written in s = t/dt.
-            way = velocity * dt + 0.5 * acceleration * dt**2 + noise[:, axes]
+            # p + v t + a t²/2 + (t/dt) (c + w), written in s = t/dt.
+            way = velocity * dt + 0.5 * acceleration * dt**2 + (noise + drift)[:, axes]
             yield Path(state[:, axes], way, 0.5 * acceleration * dt**2)
         else:
             begin = state[:, axes]
             yield Path(begin, following[:, axes] - begin, np.zeros_like(begin))
-        mean = A @ mean + B @ planned
+        mean = A @ mean + B @ planned + drift
         state = following
+        if watch is not None:
+            watch.move(given @ B.T + drift)
+        noise = rho * noise + np.sqrt(1.0 - rho**2) * _disturbances(vehicle, missions, rng)
+
+
+class _Filter:
+    """What every mission makes of its own measurements: guesses of states and of disturbances."""
+
+    def __init__(self, vehicle: Vehicle, missions: int) -> None:
+        n = len(vehicle.start)
+        self.vehicle, self.n = vehicle, n
+        self.guess = np.hstack([np.tile(vehicle.start, (missions, 1)), np.zeros((missions, n))])
+        self.doubt = np.zeros((2 * n, 2 * n))
+        self.doubt[:n, :n] = vehicle.initial_covariance
+        self.doubt[n:, n:] = vehicle.disturbance_covariance
+
+    def look(self, state: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """Measure, and return the states as they are thought to be."""
+        C, R = self.vehicle.measurement.matrix, self.vehicle.measurement.covariance
+        wide = np.hstack([C, np.zeros_like(C)])
+        noise = rng.multivariate_normal(np.zeros(len(R)), R, len(state), method="svd")
+        surprise = state @ C.T + noise - self.guess @ wide.T
+        gain = self.doubt @ wide.T @ np.linalg.pinv(wide @ self.doubt @ wide.T + R, 1e-10)
+        self.guess = self.guess + surprise @ gain.T
+        self.doubt = self.doubt - gain @ wide @ self.doubt
+        return self.guess[:, : self.n]
+
+    def move(self, pushed: np.ndarray) -> None:
+        """Go on to the next step, as a push that is known moves the state."""
+        n, rho = self.n, self.vehicle.disturbance_correlation
+        step = np.zeros((2 * n, 2 * n))
+        step[:n, :n], step[:n, n:], step[n:, n:] = self.vehicle.system.A, np.eye(n), rho * np.eye(n)
+        self.guess = self.guess @ step.T
+        self.guess[:, :n] += pushed
+        self.doubt = step @ self.doubt @ step.T
+        self.doubt[n:, n:] += (1.0 - rho**2) * self.vehicle.disturbance_covariance
+
+
+def _disturbances(vehicle: Vehicle, missions: int, rng: np.random.Generator) -> np.ndarray:
+    """Draw one disturbance per mission."""
+    covariance = vehicle.disturbance_covariance
+    return rng.multivariate_normal(np.zeros(len(covariance)), covariance, missions, method="svd")
 
 
 def is_pushed_point(A: np.ndarray, B: np.ndarray, axes: list[int], dt: float) -> bool:

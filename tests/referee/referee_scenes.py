@@ -94,7 +94,7 @@ def make_plan(scenario: Scenario, controls: list[np.ndarray]) -> Plan:
         Trajectory(
             v.name,
             u,
-            rollout(v.system, v.start, u),
+            rollout(v.system, v.start, u, v.drift),
             v.covariances(scenario.horizon),
             v.gain,
         )

@@ -19,7 +19,7 @@ __all__ = ["LinearSystem", "covariances", "double_integrator", "growth", "lqr_ga
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearSystem(Frozen):
-    """Discrete linear dynamics ``x⁺ = A x + B u + w`` (paper, Eq. 2).
+    """Discrete linear dynamics ``x⁺ = A x + B u + c + w`` (paper, Eq. 2).
 
     Attributes
     ----------
@@ -229,7 +229,12 @@ def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
     return largest if np.isfinite(largest) else float("inf")
 
 
-def rollout(system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike) -> Matrix:
+def rollout(
+    system: LinearSystem,
+    start: npt.ArrayLike,
+    controls: npt.ArrayLike,
+    drift: npt.ArrayLike | None = None,
+) -> Matrix:
     """Return the mean states under nominal controls.
 
     Parameters
@@ -240,6 +245,8 @@ def rollout(system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike)
         Mean state at k = 0.
     controls : (T, m) array
         Nominal controls.
+    drift : (n,) array or None
+        Drift c, added to the state at every step; None is none.
 
     Returns
     -------
@@ -257,6 +264,8 @@ def rollout(system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike)
     means[0] = as_vector(start, system.num_states, ("start",))
     for k, control in enumerate(steps):
         means[k + 1] = system.A @ means[k] + system.B @ control
+        if drift is not None:
+            means[k + 1] += drift
     return means
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError, all_checked, raise_together
 
-__all__ = ["check_positive", "check_scenario_numbers", "check_vehicle_numbers"]
+__all__ = ["check_correlation", "check_positive", "check_scenario_numbers", "check_vehicle_numbers"]
 
 
 def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
@@ -60,6 +60,24 @@ def check_vehicle_numbers(radius: float, control_sigmas: float, cost_weight: flo
         lambda: _check_not_negative(control_sigmas, "control_sigmas"),
         lambda: _check_not_negative(cost_weight, "cost_weight"),
     )
+
+
+def check_correlation(correlation: float) -> None:
+    """Refuse what no stationary disturbance has as the correlation of consecutive steps.
+
+    Parameters
+    ----------
+    correlation : float
+        ρ.
+
+    Raises
+    ------
+    ScenarioError
+        If it is below 0, or 1 or more.
+    """
+    if not 0.0 <= correlation < 1.0:
+        text = f"must be from 0 to below 1, got {correlation}"
+        raise ScenarioError(text, ("disturbance", "correlation"))
 
 
 def _check_not_negative(value: float, name: str) -> None:

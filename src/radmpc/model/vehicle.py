@@ -23,7 +23,9 @@ from radmpc.arrays import (
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
-from radmpc.model.numbers import check_positive, check_vehicle_numbers
+from radmpc.model.noise.measurement import Measurement
+from radmpc.model.noise.spread import Noise, Spread, spread_of
+from radmpc.model.numbers import check_correlation, check_positive, check_vehicle_numbers
 
 __all__ = ["Goal", "Vehicle"]
 
@@ -56,11 +58,21 @@ class Vehicle(Frozen):
     speed_limit : (d,) array or None
         Largest mean speed per axis [m/s], > 0; None is no limit.
     gain : (m, n) array or None
-        Feedback K of ``u = ū + K (x − x̄)``; None is open loop.
+        Feedback K of ``u = ū + K (x − x̄)``, see `measurement`; None is open loop.
     control_sigmas : float
         Standard deviations of the feedback that the control limit holds in reserve, >= 0.
     cost_weight : float
         Factor of this vehicle's effort in the cost, >= 0.
+    drift : (n,) array or None
+        What a current or a steady wind adds to the state at every step [m, m/s]: c of
+        ``x⁺ = A x + B u + c + w``. It enters in proportion to time, as the disturbance does. None
+        is no drift.
+    disturbance_correlation : float
+        Correlation ρ of the disturbances of consecutive steps, from 0 (new at every step) to below
+        1: they are a stationary first-order autoregression. A time constant τ makes ``exp(−dt/τ)``.
+    measurement : Measurement or None
+        What the vehicle measures of its state: feedback is then ``u = ū + K (x̂ − x̄)`` with the
+        estimate x̂ of a Kalman filter. None is that the state is known exactly.
     """
 
     name: str
@@ -75,6 +87,9 @@ class Vehicle(Frozen):
     gain: Matrix | None = None
     control_sigmas: float = 3.0
     cost_weight: float = 1.0
+    drift: Vector | None = None
+    disturbance_correlation: float = 0.0
+    measurement: Measurement | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -92,6 +107,9 @@ class Vehicle(Frozen):
             gain: npt.ArrayLike | None = None,
             control_sigmas: float = 3.0,
             cost_weight: float = 1.0,
+            drift: npt.ArrayLike | None = None,
+            disturbance_correlation: float = 0.0,
+            measurement: Measurement | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -107,6 +125,8 @@ class Vehicle(Frozen):
             put(self, "speed_limit", as_axes(self.speed_limit, d, ("speed_limit",)))
         if self.gain is not None:
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
+        if self.drift is not None:
+            put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
         speed_limit = self.speed_limit
         all_checked(
             lambda: (
@@ -114,7 +134,13 @@ class Vehicle(Frozen):
             ),
             lambda: check_positive(self.control_limit, "control_limit", "per axis"),
             lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
+            lambda: check_correlation(self.disturbance_correlation),
         )
+        if self.measurement is not None and self.measurement.matrix.shape[1] != n:
+            raise ScenarioError(
+                f"must have {n} columns like the state, got {self.measurement.matrix.shape[1]}",
+                ("measurement", "matrix"),
+            )
         if self.goal.lower.size != d:
             raise ScenarioError(
                 f"must have {d} coordinates like the position, got {self.goal.lower.size}",
@@ -130,17 +156,41 @@ class Vehicle(Frozen):
     def _check_kinds(self) -> None:
         """Refuse parts of another kind, and make numbers Python's."""
         field_text(self.name, ("name",))
-        for name, kind in (("system", LinearSystem), ("goal", Goal)):
+        kinds = (("system", LinearSystem), ("goal", Goal), ("measurement", Measurement))
+        for name, kind in kinds:
             part = getattr(self, name)
-            if not isinstance(part, kind):
+            is_absent = part is None and name == "measurement"
+            if not (is_absent or isinstance(part, kind)):
                 raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
-        for name in ("radius", "control_sigmas", "cost_weight"):
+        numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
+        for name in numbers:
             object.__setattr__(self, name, field_number(getattr(self, name), (name,)))
 
     @property
     def start_position(self) -> Vector:
         """Mean position at k = 0 [m]."""
         return self.start[list(self.system.position)]
+
+    @property
+    def has_memory(self) -> bool:
+        """Whether more than the state's own deviation decides about what becomes of it."""
+        return self.disturbance_correlation > 0.0 or self.measurement is not None
+
+    def spread(self, horizon: int) -> Spread:
+        """Return covariances of the deviation, of the disturbance, and of what is known of both.
+
+        Parameters
+        ----------
+        horizon : int
+            Number of steps T.
+        """
+        noise = Noise(
+            self.initial_covariance,
+            self.disturbance_covariance,
+            self.disturbance_correlation,
+            self.measurement,
+        )
+        return spread_of(self.system, noise, self.gain, horizon)
 
     def covariances(self, horizon: int) -> Tensor:
         """Return the state covariances that follow from start, noise and feedback.
@@ -161,6 +211,8 @@ class Vehicle(Frozen):
             If the horizon is no integer or below 0.
         """
         check_integer(horizon, "horizon", 0)
+        if self.has_memory:
+            return self.spread(horizon).states
         return covariances(
             self.system,
             self.initial_covariance,
@@ -180,12 +232,15 @@ class Vehicle(Frozen):
         Returns
         -------
         (T, m) array
-            The limit less ``control_sigmas`` standard deviations of the feedback ``K (x − x̄)``;
+            The limit less ``control_sigmas`` standard deviations of the feedback: ``K (x − x̄)``,
+            or with a measurement ``K (x̂ − x̄)``, whose covariance follows from the vehicle alone;
             negative where the reserve eats the limit.
         """
         horizon = len(covariances) - 1
         if self.gain is None:
             return np.tile(self.control_limit, (horizon, 1))
+        if self.measurement is not None:
+            covariances = self.spread(horizon).estimates
         variances = np.einsum("an,knm,am->ka", self.gain, covariances[:horizon], self.gain)
         return np.asarray(
             self.control_limit - self.control_sigmas * np.sqrt(np.maximum(variances, 0.0))

@@ -65,6 +65,23 @@ class PredictionMatrices:
         velocity = None if system.velocity is None else states[:, list(system.velocity), :]
         return cls(powers, states, states[:, list(system.position), :], velocity)
 
+    def coasting(self, start: Vector, drift: Vector | None, horizon: int) -> Matrix:
+        """Return the mean states without any control, (T+1, n).
+
+        Parameters
+        ----------
+        start : (n,) array
+            Mean state at the first step.
+        drift : (n,) array or None
+            What every step adds to the state; None is nothing.
+        horizon : int
+            Steps T, no more than these matrices hold.
+        """
+        states: Matrix = self.powers[: horizon + 1] @ start
+        if drift is not None:
+            states[1:] += np.cumsum(self.powers[:horizon] @ drift, axis=0)
+        return states
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CondensedModel:
@@ -87,7 +104,7 @@ class CondensedModel:
     position, velocity : (T+1, d, T*m) array
         Their dependence on the controls; velocity None where the model has none.
     drift_position, drift_velocity : (T+1, d) array
-        Positions and velocities without control.
+        Positions and velocities without control, the vehicle's drift included.
     reach_lower, reach_upper : (T+1, d) array
         Box that holds the mean position under every admissible control [m].
     """
@@ -111,6 +128,7 @@ def condense(
     start: Vector,
     covariances: Tensor,
     bounds: Matrix,
+    first_step: int = 0,
 ) -> CondensedModel:
     """Return a vehicle condensed over the steps that are left, from its state at the first of them.
 
@@ -126,6 +144,8 @@ def condense(
         State covariances from the first step on.
     bounds : (T, m) array
         Largest nominal |ū|, see `Vehicle.control_bounds`.
+    first_step : int
+        Step of the vehicle's noise at which the covariances begin.
 
     Returns
     -------
@@ -136,7 +156,7 @@ def condense(
     system = vehicle.system
     span = horizon * num_controls
     axes = list(system.position)
-    states = prediction.powers[: horizon + 1] @ start
+    states = prediction.coasting(start, vehicle.drift, horizon)
     position = prediction.position[: horizon + 1, :, :span]
     velocity = None if prediction.velocity is None else prediction.velocity[: horizon + 1, :, :span]
     drift = states[:, axes]
@@ -152,7 +172,7 @@ def condense(
         horizon=horizon,
         control_bounds=bounds,
         position_covariances=covariances[:, axes, :][:, :, axes],
-        bent_covariances=bent_covariances(vehicle, covariances),
+        bent_covariances=bent_covariances(vehicle, covariances, first_step),
         position=position,
         velocity=velocity,
         drift_position=drift,
@@ -162,11 +182,12 @@ def condense(
     )
 
 
-def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
+def bent_covariances(vehicle: Vehicle, covariances: Tensor, first_step: int = 0) -> Tensor | None:
     """Return the covariances of ``(P − B_p K) δ_k``, or None without feedback on a parabola.
 
     Under ``u = ū + K δ_k`` held over the step the deviation is, at a share s of it,
     ``(1 − s) (P δ_k − s B_p K δ_k) + s P δ_{k+1}``: the first bracket runs from ``P δ_k`` to this.
+    Who measures has ``K δ̂_k`` in place of ``K δ_k``.
 
     Parameters
     ----------
@@ -174,6 +195,8 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
         With its feedback gain K, if any.
     covariances : (T+1, n, n) array
         State covariances.
+    first_step : int
+        Step of the vehicle's noise at which they begin.
 
     Returns
     -------
@@ -184,6 +207,10 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor) -> Tensor | None:
     if vehicle.gain is None or not system.is_double_integrator:
         return None
     place = list(system.position)
+    if vehicle.measurement is not None:
+        last = first_step + len(covariances) - 1
+        picked, bend = np.eye(system.num_states)[place], system.B[place] @ vehicle.gain
+        return vehicle.spread(last).of_sums(slice(first_step, last), picked, -bend)
     bent = np.eye(system.num_states)[place] - system.B[place] @ vehicle.gain
     return np.asarray(bent @ covariances[:-1] @ bent.T)
 
@@ -240,12 +267,24 @@ def _reach_by_speeds(
     if vehicle.goal.speed is not None and is_named:
         goal_speed = np.minimum(vehicle.goal.speed, limit)
     pushes = bounds @ np.abs(system.B[velocity]).T / dt
-    forward_up = _full_throttle(speed, pushes, limit, dt)
-    forward_down = _full_throttle(-speed, pushes, limit, dt)
-    # Seen backwards in time the vehicle leaves its goal at most at the goal speed.
-    backward = _full_throttle(goal_speed, pushes[::-1], limit, dt)[::-1]
-    lower = np.maximum(place - forward_down, vehicle.goal.lower - backward)
-    upper = np.minimum(place + forward_up, vehicle.goal.upper + backward)
+    if vehicle.drift is None:
+        forward_up = _full_throttle(speed, pushes, limit, dt)
+        forward_down = _full_throttle(-speed, pushes, limit, dt)
+        # Seen backwards in time the vehicle leaves its goal at most at the goal speed.
+        backward_up = backward_down = _full_throttle(goal_speed, pushes[::-1], limit, dt)[::-1]
+    else:
+        # Positions gain the mean of both velocities times dt, and what drift adds beyond its share
+        # in that mean.
+        gust = vehicle.drift[velocity] / dt
+        shift = vehicle.drift[list(system.position)] - 0.5 * dt**2 * gust
+        carried = np.arange(horizon + 1)[:, None] * shift
+        forward_up = _full_throttle(speed, pushes + gust, limit, dt) + carried
+        forward_down = _full_throttle(-speed, pushes - gust, limit, dt) - carried
+        back = pushes[::-1]
+        backward_up = (_full_throttle(goal_speed, back + gust, limit, dt) - carried)[::-1]
+        backward_down = (_full_throttle(goal_speed, back - gust, limit, dt) + carried)[::-1]
+    lower = np.maximum(place - forward_down, vehicle.goal.lower - backward_down)
+    upper = np.minimum(place + forward_up, vehicle.goal.upper + backward_up)
     return lower.reshape(horizon + 1, d), upper.reshape(horizon + 1, d)
 
 

@@ -198,14 +198,14 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     for i, (vehicle, trajectory) in enumerate(
         zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     ):
-        bounds = _control_bounds(vehicle, motion.covariances[i][:-1])
+        bounds = _control_bounds(vehicle, motion.seen[i][:-1])
         problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
     return problems
 
 
 def _control_bounds(vehicle: Vehicle, covariances: npt.NDArray[np.float64]) -> Matrix:
-    """Return the limit less the reserve for the feedback ``K (x − x̄)``, (T, m)."""
+    """Return the limit less the reserve for the feedback on what it sees of ``x − x̄``, (T, m)."""
     bounds = np.tile(vehicle.control_limit, (len(covariances), 1))
     if vehicle.gain is not None:
         spread = (vehicle.gain @ covariances) * vehicle.gain

@@ -10,22 +10,25 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.referee.loop import Loop, loop_of
 
 __all__ = ["FleetMotion", "Group", "propagate"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Group:
-    """Vehicles with states of equal length, stacked for one batch of matrix products.
+    """Vehicles whose loops have states of equal length q, stacked for batches of matrix products.
 
     Attributes
     ----------
     members : (g,) int array
         Their numbers in the scenario.
-    transitions : (g, n, n) array
-        Closed loop ``A + B K``; ``A`` where there is no feedback.
-    initial, disturbance : (g, n, n) array
-        Covariance at k = 0, and added at every step.
+    transitions : (g, S, q, q) array
+        Of their closed loops at every step, see `Loop`; one for all steps where S is 1.
+    initial : (g, q, q) array
+        Covariance at k = 0.
+    disturbances : (g, S, q, q) array
+        Added at every step.
     position : (g, d) int array
         State indices of the position.
     """
@@ -33,7 +36,7 @@ class Group:
     members: Indices
     transitions: Tensor
     initial: Tensor
-    disturbance: Tensor
+    disturbances: Tensor
     position: Indices
 
 
@@ -51,6 +54,12 @@ class FleetMotion:
         Mean states, per vehicle.
     covariances : tuple of (T+1, n, n) array
         State covariances, per vehicle.
+    seen : tuple of (T+1, n, n) array
+        Covariances of the deviations that feedback acts on: the same, or those of estimates.
+    seen_rows : tuple of int
+        Where in the loop's state those deviations begin.
+    loops : tuple of (T+1, q, q) array
+        Covariances of the closed loops' states, of which the vehicle's is the first part.
     positions : (N, T+1, d) array
         Mean positions [m].
     position_covariances : (N, T+1, d, d) array
@@ -58,9 +67,9 @@ class FleetMotion:
     sagittas : (N, T, d) array
         ``a dt²/8`` for a double integrator under acceleration a, else 0: how far the mean curve
         deviates from its chord in the middle of each interval, against a [m].
-    bends : tuple of (d, n) array or None
-        ``G = B_p K`` of those whose path between steps is bent by feedback held over the step: at
-        a share s it adds ``−s (1 − s) G δ_k``; None for all others.
+    bends : tuple of (d, q) array or None
+        ``G = B_p K``, for the loop's state ζ, of those whose path between steps is bent by feedback
+        held over the step: at a share s it adds ``−s (1 − s) G ζ_k``; None for all others.
     bent_covariances : (N, T, d, d) array
         Covariance of ``P δ_k − G δ_k``; that of ``P δ_k``, the position's own, without a bend [m²].
     radii : (N,) array
@@ -71,6 +80,9 @@ class FleetMotion:
     groups: tuple[Group, ...]
     states: tuple[Matrix, ...]
     covariances: tuple[Tensor, ...]
+    seen: tuple[Tensor, ...]
+    seen_rows: tuple[int, ...]
+    loops: tuple[Tensor, ...]
     positions: Tensor
     position_covariances: Tensor
     sagittas: Tensor
@@ -97,7 +109,9 @@ class FleetMotion:
 def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     r"""Return the motion of a fleet under given nominal controls.
 
-    .. math:: \bar x^+ = A \bar x + B \bar u, \qquad
+    With noise that is new at every step
+
+    .. math:: \bar x^+ = A \bar x + B \bar u + c, \qquad
               \Sigma^+ = (A + BK) \Sigma (A + BK)^\top + W
 
     Parameters
@@ -114,11 +128,17 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     """
     vehicles, horizon, d = scenario.vehicles, scenario.horizon, scenario.dimension
     states = [_mean_states(v, u) for v, u in zip(vehicles, controls, strict=True)]
-    groups = _grouped(vehicles)
-    covariances: list[Tensor] = [np.empty(0)] * len(vehicles)
+    described = [loop_of(vehicle, horizon) for vehicle in vehicles]
+    groups = _grouped(vehicles, described)
+    loops: list[Tensor] = [np.empty(0)] * len(vehicles)
     for group in groups:
         for member, tensor in zip(group.members, _covariances(group, horizon), strict=True):
-            covariances[member] = tensor
+            loops[member] = tensor
+    covariances, seen = [], []
+    for vehicle, loop, one in zip(vehicles, loops, described, strict=True):
+        n, row = vehicle.system.num_states, one.seen
+        covariances.append(loop[:, :n, :n])
+        seen.append(loop[:, row : row + n, row : row + n])
     axes = [list(v.system.position) for v in vehicles]
     sagittas = np.zeros((len(vehicles), horizon, d))
     bends: list[Matrix | None] = []
@@ -130,17 +150,20 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
             # The push that shifts the position by B_p u over a step deviates from its chord by a
             # quarter of that in the middle.
             sagittas[i] = controls[i] @ pushes.T / 4.0
-            bend = None if vehicle.gain is None else pushes @ vehicle.gain
-        picked = np.eye(vehicle.system.num_states)[axes[i]]
+            bend = None if vehicle.gain is None else _bend(vehicle, described[i])
+        picked = np.eye(loops[i].shape[1])[axes[i]]
         turned = picked if bend is None else picked - bend
         bends.append(bend)
         with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported elsewhere
-            bent[i] = turned @ covariances[i][:-1] @ turned.T
+            bent[i] = turned @ loops[i][:-1] @ turned.T
     return FleetMotion(
         names=tuple(v.name for v in vehicles),
         groups=groups,
         states=tuple(states),
         covariances=tuple(covariances),
+        seen=tuple(seen),
+        seen_rows=tuple(one.seen for one in described),
+        loops=tuple(loops),
         positions=np.stack([x[:, a] for x, a in zip(states, axes, strict=True)]),
         position_covariances=np.stack(
             [c[:, a][:, :, a] for c, a in zip(covariances, axes, strict=True)]
@@ -158,37 +181,45 @@ def _mean_states(vehicle: Vehicle, controls: Matrix) -> Matrix:
     states = [vehicle.start]
     with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
         for push in controls @ vehicle.system.B.T:
-            states.append(A @ states[-1] + push)
+            moved = A @ states[-1] + push
+            states.append(moved if vehicle.drift is None else moved + vehicle.drift)
     return np.array(states)
 
 
-def _grouped(vehicles: Sequence[Vehicle]) -> tuple[Group, ...]:
-    """Stack the closed loops of vehicles with states of equal length."""
-    by_size: dict[int, list[int]] = {}
-    for i, vehicle in enumerate(vehicles):
-        by_size.setdefault(vehicle.system.num_states, []).append(i)
-    groups = []
-    for members in by_size.values():
-        chosen = [vehicles[i] for i in members]
-        loops = [v.system.A if v.gain is None else v.system.A + v.system.B @ v.gain for v in chosen]
-        groups.append(
-            Group(
-                np.array(members),
-                np.stack(loops),
-                np.stack([v.initial_covariance for v in chosen]),
-                np.stack([v.disturbance_covariance for v in chosen]),
-                np.array([v.system.position for v in chosen]),
-            )
+def _grouped(vehicles: Sequence[Vehicle], loops: Sequence[Loop]) -> tuple[Group, ...]:
+    """Stack the closed loops whose states are of equal length, those that change on their own."""
+    by_size: dict[tuple[int, ...], list[int]] = {}
+    for i, loop in enumerate(loops):
+        by_size.setdefault(loop.transitions.shape, []).append(i)
+    return tuple(
+        Group(
+            np.array(members),
+            np.stack([loops[i].transitions for i in members]),
+            np.stack([loops[i].initial for i in members]),
+            np.stack([loops[i].disturbances for i in members]),
+            np.array([vehicles[i].system.position for i in members]),
         )
-    return tuple(groups)
+        for members in by_size.values()
+    )
+
+
+def _bend(vehicle: Vehicle, loop: Loop) -> Matrix:
+    """Return ``B_p K`` for the state of a loop, (d, q)."""
+    bend = np.zeros((vehicle.system.dimension, len(loop.initial)))
+    if vehicle.gain is not None:
+        pushes = vehicle.system.B[list(vehicle.system.position)]
+        bend[:, loop.seen : loop.seen + vehicle.system.num_states] = pushes @ vehicle.gain
+    return bend
 
 
 def _covariances(group: Group, horizon: int) -> Tensor:
-    """Return the state covariances of a group, (g, T+1, n, n)."""
+    """Return the covariances of a group's loops, (g, T+1, q, q)."""
     result = np.empty((len(group.members), horizon + 1, *group.initial.shape[1:]))
     result[:, 0] = group.initial
-    turned = group.transitions.transpose(0, 2, 1)
+    last = group.transitions.shape[1] - 1
     with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
         for k in range(horizon):
-            result[:, k + 1] = group.transitions @ result[:, k] @ turned + group.disturbance
+            loop = group.transitions[:, min(k, last)]
+            moved = loop @ result[:, k] @ loop.transpose(0, 2, 1)
+            result[:, k + 1] = moved + group.disturbances[:, min(k, last)]
     return 0.5 * (result + result.transpose(0, 1, 3, 2))

@@ -17,24 +17,25 @@ __all__ = ["Sampler"]
 class _Block:
     """Vehicles of one group whose states stand in consecutive rows.
 
-    ``initial`` and ``disturbance`` are factors L with ``L Lᵀ`` the covariance, (g, n, n), or a
-    column of deviations (g, n, 1) where all are diagonal.
+    ``transitions`` are (S, g, q, q), one for all steps or one for each. ``initial`` and
+    ``disturbances`` are factors L with ``L Lᵀ`` the covariance, (g, q, q) and (S, g, q, q), or
+    columns of deviations, (g, q, 1) and (S, g, q, 1), where all are diagonal.
     """
 
     rows: slice
     transitions: Tensor
     initial: Tensor
-    disturbance: Tensor
+    disturbances: Tensor
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Vehicles, states, and as many samples as there are."""
-        return (self.transitions.shape[0], self.transitions.shape[1], -1)
+        return (self.transitions.shape[1], self.transitions.shape[2], -1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampler:
-    """Draws the deviations ``x − x̄`` of those vehicles that matter.
+    """Draws the states of the loops of those vehicles that matter: first of each ``x − x̄``.
 
     Attributes
     ----------
@@ -67,7 +68,7 @@ class Sampler:
             kept = np.flatnonzero(np.isin(group.members, needed))
             if not kept.size:
                 continue
-            n = group.transitions.shape[1]
+            n = group.transitions.shape[-1]
             starts[group.members[kept]] = row + n * np.arange(kept.size)
             blocks.append(_block(group, kept, slice(row, row + n * kept.size)))
             row += n * kept.size
@@ -82,7 +83,7 @@ class Sampler:
     ) -> Iterator[Matrix]:
         """Yield the deviations at k = 0..T, (width, size).
 
-        ``e⁺ = (A + BK) e + w`` keeps the whole correlation in time. Two arrays take turns: a
+        ``ζ⁺ = F ζ + noise`` keeps the whole correlation in time. Two arrays take turns: a
         yielded one is overwritten by the next but one.
 
         Parameters
@@ -106,11 +107,12 @@ class Sampler:
         for k in range(horizon):
             rng.standard_normal(out=noise)
             for block in self.blocks:
-                _scale(block.disturbance, noise[block.rows], spare[block.rows], block.shape)
+                factor = block.disturbances[min(k, len(block.disturbances) - 1)]
+                _scale(factor, noise[block.rows], spare[block.rows], block.shape)
             # The noise has been used: its array holds what the dynamics make of the state.
             for block in self.blocks:
                 np.matmul(
-                    block.transitions,
+                    block.transitions[min(k, len(block.transitions) - 1)],
                     state[block.rows].reshape(block.shape),
                     out=noise[block.rows].reshape(block.shape),
                 )
@@ -124,20 +126,20 @@ def _block(group: Group, kept: Indices, rows: slice) -> _Block:
     """Take some vehicles of a group."""
     return _Block(
         rows,
-        np.ascontiguousarray(group.transitions[kept]),
+        np.ascontiguousarray(group.transitions[kept].swapaxes(0, 1)),
         _factor(group.initial[kept]),
-        _factor(group.disturbance[kept]),
+        _factor(group.disturbances[kept].swapaxes(0, 1)),
     )
 
 
 def _factor(covariances: Tensor) -> Tensor:
     """Return factors of covariances that may be singular."""
-    diagonals = np.diagonal(covariances, axis1=1, axis2=2)
-    if np.array_equal(covariances, diagonals[:, :, None] * np.eye(covariances.shape[1])):
-        column: Tensor = np.sqrt(diagonals.clip(min=0.0))[:, :, None]
+    diagonals = np.diagonal(covariances, axis1=-2, axis2=-1)
+    if np.array_equal(covariances, diagonals[..., None] * np.eye(covariances.shape[-1])):
+        column: Tensor = np.sqrt(diagonals.clip(min=0.0))[..., None]
         return column
     values, vectors = np.linalg.eigh(covariances)
-    return np.asarray(vectors * np.sqrt(values.clip(min=0.0))[:, None, :])
+    return np.asarray(vectors * np.sqrt(values.clip(min=0.0))[..., None, :])
 
 
 def _scale(factor: Tensor, normals: Matrix, out: Matrix, shape: tuple[int, int, int]) -> None:

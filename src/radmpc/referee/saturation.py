@@ -55,7 +55,7 @@ def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence
         if vehicle.gain is None:
             bounds[i] = float(np.any(np.abs(controls[i]) > limit))
             continue
-        variances = ((vehicle.gain @ motion.covariances[i][:-1]) * vehicle.gain).sum(axis=2)
+        variances = ((vehicle.gain @ motion.seen[i][:-1]) * vehicle.gain).sum(axis=2)
         spread = np.sqrt(variances.clip(min=0.0))
         noisy = spread > 0.0
         total = 0.0
@@ -100,7 +100,11 @@ class Cutoff:
 
 
 def cutoffs(
-    scenario: Scenario, loose: Flags, controls: Sequence[Matrix], sampler: Sampler
+    scenario: Scenario,
+    motion: FleetMotion,
+    loose: Flags,
+    controls: Sequence[Matrix],
+    sampler: Sampler,
 ) -> tuple[Cutoff, ...]:
     """Return the cut-offs of all steps 0..T-1 for the vehicles that may saturate.
 
@@ -108,6 +112,8 @@ def cutoffs(
     ----------
     scenario : Scenario
         The plan's.
+    motion : FleetMotion
+        Of the fleet.
     loose : (N,) bool array
         Vehicles that may saturate.
     controls : sequence of (T, m) array
@@ -116,20 +122,28 @@ def cutoffs(
         What draws their deviations.
     """
     chosen = [i for i in np.flatnonzero(loose).tolist() if scenario.vehicles[i].gain is not None]
-    rows, columns, gains, pushes = [], [], [np.zeros(0)], [np.zeros(0)]
+    rows, columns, gains = [], [], [np.zeros(0)]
+    pushed_rows, pushing, pushes = [], [], [np.zeros(0)]
     first = 0
     for i in chosen:
         vehicle = scenario.vehicles[i]
         m, n = vehicle.system.num_controls, vehicle.system.num_states
-        rows.append(np.repeat(np.arange(first, first + m), n))
-        columns.append(np.tile(sampler.starts[i] + np.arange(n), m))
+        seen = motion.seen_rows[i]
+        own = np.repeat(np.arange(first, first + m), n)
+        rows.append(own)
+        columns.append(np.tile(sampler.starts[i] + seen + np.arange(n), m))
         gains.append(np.asarray(vehicle.gain).ravel())
-        pushes.append(vehicle.system.B.T.ravel())
+        # An estimate takes the control into account as it was given.
+        for at in {0, seen}:
+            pushed_rows.append(np.tile(sampler.starts[i] + at + np.arange(n), m))
+            pushing.append(own)
+            pushes.append(vehicle.system.B.T.ravel())
         first += m
     none = np.zeros(0, dtype=np.int64)
     where = (np.concatenate([none, *rows]), np.concatenate([none, *columns]))
     asked = csr_array((np.concatenate(gains), where), shape=(first, sampler.width))
-    pushed = csr_array((np.concatenate(pushes), where[::-1]), shape=(sampler.width, first))
+    where = (np.concatenate([none, *pushed_rows]), np.concatenate([none, *pushing]))
+    pushed = csr_array((np.concatenate(pushes), where), shape=(sampler.width, first))
     found = []
     for k in range(scenario.horizon):
         limits = [scenario.vehicles[i].control_limit for i in chosen]

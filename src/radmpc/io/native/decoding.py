@@ -10,7 +10,7 @@ from radmpc.arrays import as_vector
 from radmpc.errors import ScenarioError, raise_together
 from radmpc.io.native.checking import check_format, validated
 from radmpc.io.native.plain import plain_mapping
-from radmpc.io.native.schema import SCENARIO_FORMAT, ObstacleSpec, ScenarioSpec
+from radmpc.io.native.schema import SCENARIO_FORMAT, ObstacleSpec, ScenarioSpec, VehicleSpec
 from radmpc.io.native.vehicle_decoding import Shared, build_vehicle
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_range
 from radmpc.io.text.files import shown
@@ -22,6 +22,8 @@ from radmpc.model.vehicle import Vehicle
 __all__ = ["check_entries", "decode_scenario"]
 
 _Part = TypeVar("_Part")
+
+_DISTURBANCES = frozenset({"disturbance", "disturbance_covariance"})
 
 _OBSTACLE_KINDS = (
     ("vertices",),
@@ -129,8 +131,13 @@ def _vehicle(spec: ScenarioSpec, index: int, shared: Shared) -> Vehicle:
     """Return one vehicle."""
     entry = spec.vehicles[index]
     own = {name: getattr(entry, name) for name in entry.model_fields_set}
+    defaults = spec.defaults
+    if own.keys() & _DISTURBANCES:
+        # They say the same thing in two ways: one of its own replaces either default.
+        kept = defaults.model_fields_set - _DISTURBANCES
+        defaults = VehicleSpec.model_construct(**{name: getattr(defaults, name) for name in kept})
     try:
-        return build_vehicle(spec.defaults.model_copy(update=own), shared)
+        return build_vehicle(defaults.model_copy(update=own), shared)
     except ScenarioError as error:
         raise error.under("vehicles", index) from error
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.io.native.noise import encode_correlation, encode_drift, encode_sensor
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.model.dynamics import LinearSystem, double_integrator
@@ -57,7 +58,7 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         }
     if scenario.obstacles:
         content["obstacles"] = [_obstacle(obstacle) for obstacle in scenario.obstacles]
-    vehicles = [_vehicle(v) for v in scenario.vehicles]
+    vehicles = [_vehicle(v, scenario.dt) for v in scenario.vehicles]
     defaults = _common(vehicles)
     if defaults:
         content["defaults"] = defaults
@@ -99,7 +100,7 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
     return {"name": obstacle.name, "moving": [outline.tolist() for outline in shape.outlines]}
 
 
-def _vehicle(vehicle: Vehicle) -> dict[str, object]:
+def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
     """Return a vehicle's fields, without those that are as when absent."""
     content: dict[str, object] = {
         "name": vehicle.name,
@@ -111,7 +112,12 @@ def _vehicle(vehicle: Vehicle) -> dict[str, object]:
     if vehicle.speed_limit is not None:
         content["speed_limit"] = _short(vehicle.speed_limit)
     content["initial_covariance"] = _covariance(vehicle.initial_covariance)
-    content["disturbance_covariance"] = _covariance(vehicle.disturbance_covariance)
+    disturbance = _covariance(vehicle.disturbance_covariance)
+    if vehicle.disturbance_correlation == 0.0:
+        content["disturbance_covariance"] = disturbance
+    else:
+        correlation = encode_correlation(vehicle.disturbance_correlation, dt)
+        content["disturbance"] = {"covariance": disturbance, **correlation}
     content["dynamics"] = _dynamics(vehicle.system)
     if vehicle.gain is not None:
         content["feedback"] = {"gain": vehicle.gain.tolist()}
@@ -119,6 +125,11 @@ def _vehicle(vehicle: Vehicle) -> dict[str, object]:
         content["control_sigmas"] = float(vehicle.control_sigmas)
     if vehicle.cost_weight != 1.0:
         content["cost_weight"] = float(vehicle.cost_weight)
+    if vehicle.drift is not None:
+        content["drift"] = encode_drift(vehicle.drift, vehicle.system, dt)
+    if vehicle.measurement is not None:
+        noise = _covariance(vehicle.measurement.covariance)
+        content["measurement"] = {**encode_sensor(vehicle.measurement), "covariance": noise}
     return content
 
 

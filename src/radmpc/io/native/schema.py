@@ -11,11 +11,14 @@ from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
 
 __all__ = [
     "SCENARIO_FORMAT",
+    "DisturbanceSpec",
+    "DriftSpec",
     "DynamicsSpec",
     "FeedbackSpec",
     "FileModel",
     "GoalSpec",
     "LqrSpec",
+    "MeasurementSpec",
     "ObstacleSpec",
     "ScenarioSpec",
     "VehicleSpec",
@@ -95,6 +98,29 @@ class FeedbackSpec(FileModel):
     lqr: LqrSpec | None = None
 
 
+class DriftSpec(FileModel):
+    """``{velocity}`` or ``{state}``."""
+
+    velocity: Vector | None = None
+    state: Vector | None = None
+
+
+class DisturbanceSpec(FileModel):
+    """``{covariance}``, and ``time_constant`` or ``correlation``."""
+
+    covariance: Square
+    time_constant: Number | None = None
+    correlation: Number | None = None
+
+
+class MeasurementSpec(FileModel):
+    """``{of, covariance}`` or ``{matrix, covariance}``."""
+
+    of: list[int] | None = None
+    matrix: Matrix | None = None
+    covariance: Square
+
+
 class VehicleSpec(FileModel):
     """A vehicle's fields, or the defaults of all: any of them may be missing."""
 
@@ -106,10 +132,13 @@ class VehicleSpec(FileModel):
     speed_limit: ScalarOrVector | None = None
     initial_covariance: Square = 0.0
     disturbance_covariance: Square = 0.0
+    disturbance: DisturbanceSpec | None = None
     dynamics: DynamicsSpec = DynamicsSpec.model_construct(model="double_integrator")
     feedback: FeedbackSpec | None = None
     control_sigmas: Number = 3.0
     cost_weight: Number = 1.0
+    drift: DriftSpec | None = None
+    measurement: MeasurementSpec | None = None
 
 
 class ScenarioSpec(FileModel):

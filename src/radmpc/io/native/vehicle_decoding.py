@@ -6,6 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError, all_checked
+from radmpc.io.native.noise import build_disturbance, build_drift, build_measurement
 from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 from radmpc.model.numbers import check_vehicle_numbers
@@ -96,6 +97,7 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
     lower, upper = _goal_box(goal_spec)
     system = shared.system(spec.dynamics, lower.size)
     d, n, m = system.dimension, system.num_states, system.num_controls
+    disturbance, correlation = build_disturbance(spec, n, shared.dt)
     return Vehicle(
         name=spec.name,
         system=system,
@@ -104,15 +106,16 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         radius=spec.radius,
         control_limit=as_axes(spec.control_limit, m, ("control_limit",)),
         initial_covariance=as_covariance(spec.initial_covariance, n, ("initial_covariance",)),
-        disturbance_covariance=as_covariance(
-            spec.disturbance_covariance, n, ("disturbance_covariance",)
-        ),
+        disturbance_covariance=disturbance,
         speed_limit=(
             None if spec.speed_limit is None else as_axes(spec.speed_limit, d, ("speed_limit",))
         ),
         gain=shared.gain(spec.feedback, system),
         control_sigmas=spec.control_sigmas,
         cost_weight=spec.cost_weight,
+        drift=build_drift(spec.drift, system, shared.dt),
+        disturbance_correlation=correlation,
+        measurement=build_measurement(spec.measurement, n),
     )
 
 

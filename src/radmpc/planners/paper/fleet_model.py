@@ -85,7 +85,8 @@ class FleetModel:
         """
         vehicle = self.scenario.vehicles[i]
         noise, bounds = self.noise(k, i), self.bounds[i][k:]
-        return condense(vehicle, self.prediction_matrices[i], mean, noise, bounds)
+        first_step = 0 if self.resets else k
+        return condense(vehicle, self.prediction_matrices[i], mean, noise, bounds, first_step)
 
     def planned(self, k: int, i: int, mean: Vector, controls: Matrix) -> Matrix:
         """Return vehicle i's mean states from step k to the horizon, (T+1−k, n).
@@ -102,7 +103,7 @@ class FleetModel:
         rest = controls[k:].ravel()
         prediction = self.prediction_matrices[i]
         steps = self.scenario.horizon - k
-        states = prediction.powers[: steps + 1] @ mean
+        states = prediction.coasting(mean, self.scenario.vehicles[i].drift, steps)
         return np.asarray(states + prediction.states[: steps + 1, :, : rest.size] @ rest)
 
     def window_risk(
@@ -134,7 +135,8 @@ class FleetModel:
         if self.scenario.avoidance != "intervals":
             return face_risk(obstacle.at(k + window + 1), vehicle.radius, ends[1:])
         near = ends[:1]
-        bent = bent_covariances(vehicle, noise[window : window + 2])
+        first_step = window if self.resets else k + window
+        bent = bent_covariances(vehicle, noise[window : window + 2], first_step)
         if bent is not None:
             near.append((ends[0][0], bent[0]))
         sagitta = vehicle.system.sagitta @ controls[k + window]

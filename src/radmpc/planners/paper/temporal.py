@@ -127,8 +127,12 @@ def standing_obstacle(
     """
     count = len(covariances)
     half = _half_sides(vehicle, covariances[:1], sigmas)[0]
-    drifted = (vehicle.system.A @ vehicle.start)[list(vehicle.system.position)]
-    ends = [vehicle.start_position, drifted if intervals else vehicle.start_position]
+    state = vehicle.system.A @ vehicle.start
+    drifted = state if vehicle.drift is None else state + vehicle.drift
+    ends = [
+        vehicle.start_position,
+        drifted[list(vehicle.system.position)] if intervals else vehicle.start_position,
+    ]
     squares = (np.tile(np.array(ends), (count, 1)), np.full(2 * count, half))
     both = _hulls(vehicle.name, 0, squares, np.arange(2 * count) // 2 * 2 + 1)
     every = slice(0, None, 2)

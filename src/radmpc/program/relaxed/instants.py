@@ -111,7 +111,8 @@ def _covariances(model: CondensedModel, windows: Indices, shares: Vector) -> Ten
     """Return position covariances between steps, (I, d, d).
 
     With P that picks positions, ``F = A + B K`` and ``G = P B K`` the deviation is
-    ``((1 − s) P − s (1 − s) G + s P F) δ_k + s P w``; G only where the path is a parabola.
+    ``((1 − s) P − s (1 − s) G + s P F) δ_k + s P w``; G only where the path is a parabola. Who
+    measures has ``B K`` and G act on the estimate of δ_k.
     """
     vehicle = model.vehicle
     system = vehicle.system
@@ -122,6 +123,11 @@ def _covariances(model: CondensedModel, windows: Indices, shares: Vector) -> Ten
         if system.is_double_integrator:
             bend = picked @ system.B @ vehicle.gain
     s = shares[:, None, None]
+    if vehicle.has_memory:
+        # What happens freely happens to the state itself, what feedback does to its estimate.
+        free = (1.0 - s) * picked + s * (picked @ system.A)
+        pushed = s * (picked @ (loop - system.A)) - s * (1.0 - s) * bend
+        return vehicle.spread(model.horizon).of_sums(windows, free, pushed, s * picked)
     moved = (1.0 - s) * picked - s * (1.0 - s) * bend + s * (picked @ loop)
     states = vehicle.covariances(model.horizon)[windows]
     fresh = picked @ vehicle.disturbance_covariance @ picked.T

@@ -3,14 +3,15 @@ r"""Means and covariances of vehicles at moments between the steps.
 Under a control held over a step, and with the disturbance entering linearly, the position of a
 double integrator deviates at a share s of the step by
 
-.. math:: y(s) = C(s)\,\delta_k + s\,P w_k, \qquad C(s) = (1-s) P + s P F - s (1-s) G,
+.. math:: y(s) = C(s)\,\zeta_k + s\,P \epsilon_k, \qquad C(s) = (1-s) P + s P F - s (1-s) G,
 
-with P that picks positions, F the closed loop and ``G = B_p K``; for all other systems the path is
-the straight segment, which is the same with G = 0. Within one of M equal parts, from s to s + 1/M,
+with P that picks positions, F the closed loop, ζ its state (the deviation, and a disturbance that
+has a memory), ε the noise that is new, and ``G = B_p K``; for all other systems the path is the
+straight segment, which is the same with G = 0. Within one of M equal parts, from s to s + 1/M,
 
-.. math:: y = (1-\sigma)\,\bigl(y(s) - \sigma\,G\delta_k/M^2\bigr) + \sigma\,y(s + 1/M),
+.. math:: y = (1-\sigma)\,\bigl(y(s) - \sigma\,G\zeta_k/M^2\bigr) + \sigma\,y(s + 1/M),
 
-so what holds for y at both ends of the part and for the *bent* near end ``y(s) − G δ_k / M²`` holds
+so what holds for y at both ends of the part and for the *bent* near end ``y(s) − G ζ_k / M²`` holds
 for the deviation in between.
 """
 
@@ -134,7 +135,7 @@ def _spreads(
     """
     members = group.members[chosen]
     axes = group.position[chosen]
-    d, n = axes.shape[1], group.transitions.shape[1]
+    d, n = axes.shape[1], group.transitions.shape[-1]
     parts = len(shares) - 1
     picked = np.eye(n)[axes][:, None]
     bend = np.zeros((len(chosen), 1, d, n))
@@ -142,11 +143,14 @@ def _spreads(
         bend_of_one = motion.bends[member]
         bend[g, 0] = 0.0 if bend_of_one is None else bend_of_one
     column = shares[:, None, None]
-    C = (1.0 - column) * picked + column * (picked @ group.transitions[chosen][:, None])
-    C = (C - column * (1.0 - column) * bend)[:, None]
-    noise = np.take_along_axis(group.disturbance[chosen], axes[:, :, None], axis=1)
-    noise = np.take_along_axis(noise, axes[:, None, :], axis=2)[:, None, None]
-    states = np.stack([motion.covariances[v][:-1] for v in members.tolist()])[:, :, None]
+    # At every step, or one for all of them: the second axis.
+    C = (1.0 - column) * picked[:, None] + column * (
+        picked[:, None] @ group.transitions[chosen][:, :, None]
+    )
+    C = C - column * (1.0 - column) * bend[:, None]
+    noise = np.take_along_axis(group.disturbances[chosen], axes[:, None, :, None], axis=2)
+    noise = np.take_along_axis(noise, axes[:, None, None, :], axis=3)[:, :, None]
+    states = np.stack([motion.loops[v][:-1] for v in members.tolist()])[:, :, None]
     near, far = C[:, :, :-1], C[:, :, 1:]
     bent = near - bend[:, None] / parts**2
     fresh = column[:-1] ** 2 * noise

@@ -47,7 +47,7 @@ def prepare(plan: Plan) -> Flight:
     involved = [w.first for w in everything] + [w.other[w.kinds == PAIR] for w in everything]
     needed = np.unique(np.concatenate([*involved, np.flatnonzero(loose)]))
     sampler = Sampler.of(motion, needed)
-    cut = cutoffs(scenario, loose, controls, sampler)
+    cut = cutoffs(scenario, motion, loose, controls, sampler)
     projections = projections_of(scenario, motion, sampler, cut[0])
     open_loop = [i for i, v in enumerate(scenario.vehicles) if v.gain is None]
     return Flight(
