@@ -1,0 +1,295 @@
+"""The narrowest place that a vehicle must pass: what clearance the roomiest path in time leaves.
+
+The clearance in standard deviations is the smaller of two over every path, and the path is chosen:
+``W⁺(x) = min(c(x), max W(y))`` over the cells y that the vehicle may come from, from tick to tick.
+What W is at the goal in the end, no path exceeds but for the grid's sake.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+from math import log, sqrt
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.preflight.distances import Nearness, Surroundings, keep_nearer, nearer
+from radmpc.preflight.grid import Field, Grid, grid_of, widened
+
+__all__ = ["Narrowest", "Traveler", "narrowest_place"]
+
+_FEWEST, _MOST = 5.0, 8.5
+"""Clearances that are looked for at least and at most, whatever Δ [standard deviations]."""
+
+_LEAST_DEVIATION = 1e-9
+"""Standard deviation that stands for none [m]."""
+
+_ACROSS = 33
+"""Places across a gap at which it is measured [-]."""
+
+_AWAY = (0.25, 0.5, 0.75, 1.0)
+"""Shares of half a cell by which its best place is looked for [-]."""
+
+_ALONG = 9
+"""Places along each side of a goal at which its clearance is measured [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Narrowest:
+    """Where a vehicle has the least clearance, on the path that leaves it the most.
+
+    Attributes
+    ----------
+    clearance : float
+        Of the hull from what is nearest, negative where it does not fit [m].
+    deviation : float
+        Standard deviation of the position toward it, then [m].
+    position : tuple of float
+        Where [m].
+    step : int
+        The step at or before.
+    beside : tuple of (str or None)
+        What is there, the nearest first; None is the workspace's border.
+    """
+
+    clearance: float
+    deviation: float
+    position: tuple[float, ...]
+    step: int
+    beside: tuple[str | None, ...]
+
+    @property
+    def deviations(self) -> float | None:
+        """The clearance in standard deviations; None without noise."""
+        return self.clearance / self.deviation if self.deviation > 0.0 else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Traveler:
+    """A vehicle on its way through a scenario.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The scenario.
+    radius : float
+        Hull radius [m].
+    start : (d,) array
+        Mean position at the start [m].
+    goal : pair of (d,) array
+        Corners of the goal [m].
+    covariances : (T+1, d, d) array
+        Position covariances [m²].
+    reach : pair of (T+1, d) array
+        Corners of boxes that hold its mean [m].
+    """
+
+    scenario: Scenario
+    radius: float
+    start: Vector
+    goal: tuple[Vector, Vector]
+    covariances: Tensor
+    reach: tuple[Matrix, Matrix]
+
+    @property
+    def enough(self) -> float:
+        """Clearance beyond which no place is narrow [standard deviations]."""
+        # Its tail is at most exp(−q²/2)/2: this one runs a ten-thousandth of Δ.
+        return min(max(sqrt(-2.0 * log(2e-4 * self.scenario.risk_bound)), _FEWEST), _MOST)
+
+    def surroundings(self, step: int, *, moving: bool) -> Surroundings:
+        """Return what it has to keep clear of, see `Surroundings.of`."""
+        return Surroundings.of(self.scenario, self.radius, step, moving=moving)
+
+    def clearances(self, near: Nearness, step: int) -> Vector:
+        """Return clearances in standard deviations of a step, `enough` at most.
+
+        Parameters
+        ----------
+        near : Nearness
+            Of the hull at points.
+        step : int
+            The step.
+        """
+        variance = np.sum((near.normals @ self.covariances[step]) * near.normals, axis=1)
+        spread = np.sqrt(np.maximum(variance, _LEAST_DEVIATION**2))
+        # Touching is no collision.
+        return np.clip((near.distances + 1e-9) / spread, -1e6, self.enough)
+
+    @property
+    def far(self) -> float:
+        """Distance of the hull from anything, beyond which no clearance is too little [m]."""
+        widest = np.linalg.eigvalsh(self.covariances)[:, -1].max()
+        return self.enough * float(np.sqrt(max(widest, 0.0)))
+
+
+def narrowest_place(traveler: Traveler, work: float) -> Narrowest | None:
+    """Return the narrowest place that a vehicle must pass.
+
+    Parameters
+    ----------
+    traveler : Traveler
+        The vehicle.
+    work : float
+        Cells times ticks at most [-].
+
+    Returns
+    -------
+    Narrowest or None
+        None where a path leaves more than anybody needs, and where the scenario is too large to
+        tell.
+    """
+    horizon = traveler.scenario.horizon
+    still = traveler.surroundings(0, moving=False)
+    is_moving = any(o.is_moving for o in traveler.scenario.obstacles)
+    if (still.is_empty and not is_moving) or (not is_moving and _is_open(traveler, still)):
+        return None
+    low, high = traveler.reach
+    if traveler.scenario.workspace is not None:
+        workspace = traveler.scenario.workspace
+        low, high = np.maximum(low, workspace.lower), np.minimum(high, workspace.upper)
+    moves = np.maximum(np.diff(high, axis=0).max(axis=0), -np.diff(low, axis=0).min(axis=0))
+    lower, upper = low.min(axis=0), high.max(axis=0)
+    if not (np.all(np.isfinite([*lower, *upper, *moves])) and np.all(lower <= upper)):
+        return None
+    grid = grid_of(lower, upper, np.maximum(moves, 0.0), traveler.radius, horizon, work)
+    return None if grid is None else _search(traveler, grid, still)
+
+
+def _is_open(traveler: Traveler, still: Surroundings) -> bool:
+    """Whether the straight line to the goal leaves more than anybody needs."""
+    end = np.clip(traveler.start, *traveler.goal)
+    points = traveler.start + np.linspace(0.0, 1.0, 65)[:, None] * (end - traveler.start)
+    gap = 0.5 * float(np.linalg.norm(points[1] - points[0]))
+    far = traveler.far
+    return bool(still.nearest(points, far + gap).distances.min() - gap >= far)
+
+
+def _search(traveler: Traveler, grid: Grid, still: Surroundings) -> Narrowest | None:
+    """Go through all ticks, and back to the narrowest place."""
+    centers = grid.centers
+    around = _roomiest([still], centers, grid, traveler.far)
+    at_steps = traveler.scenario.avoidance == "steps"
+    num_ticks = len(grid.steps) - 1
+    fields: list[Field] = [np.full(grid.shape, -np.inf, dtype=np.float32)]
+    fields[0][grid.box(traveler.start, traveler.start)] = traveler.enough
+    here: dict[int, Field] = {}
+    for tick in range(1, num_ticks + 1):
+        step = int(grid.steps[tick])
+        if step not in here:
+            here = {step: _field(traveler, grid, centers, around, step)}
+        before = widened(fields[-1])
+        if not at_steps or grid.is_step[tick]:
+            before = np.minimum(before, here[step])
+        fields.append(_within(traveler, grid, before, tick))
+    box = grid.box(*traveler.goal)
+    best = fields[-1][box].max(initial=-np.inf)
+    if not np.isfinite(best) or best >= traveler.enough:
+        return None
+    ends: Field = np.full(grid.shape, -np.inf, dtype=np.float32)
+    ends[box] = fields[-1][box]
+    tick, cell = _traced(fields, np.unravel_index(int(ends.argmax()), grid.shape))
+    return _measured(traveler, grid, centers[np.ravel_multi_index(cell, grid.shape)], tick)
+
+
+def _field(
+    traveler: Traveler, grid: Grid, centers: Matrix, around: Nearness, step: int
+) -> Field:
+    """Return the clearances of all cells at a step, each for the best place in the cell."""
+    moving = traveler.surroundings(step, moving=True)
+    if not moving.is_empty:
+        every = [traveler.surroundings(step, moving=False), moving]
+        around = _roomiest(every, centers, grid, traveler.far)
+    close = np.flatnonzero(np.isfinite(around.distances))
+    field = np.full(len(centers), traveler.enough, dtype=np.float32)
+    near = Nearness(around.distances[close], around.normals[close])
+    field[close] = traveler.clearances(near, step)
+    return field.reshape(grid.shape)
+
+
+def _roomiest(
+    every: list[Surroundings], centers: Matrix, grid: Grid, far: float
+) -> Nearness:
+    """Return what is nearest to the best place in each cell: away from what its center is near."""
+    far += float(np.linalg.norm(grid.size))
+    best = _nearest(every, centers, far)
+    close = np.flatnonzero(np.isfinite(best.distances))
+    normals = best.normals[close].copy()
+    half = 0.5 * np.abs(normals) @ grid.size
+    for share in _AWAY:
+        found = _nearest(every, centers[close] + (share * half)[:, None] * normals, far)
+        keep_nearer(best, close, found.distances, found.normals, farther=True)
+    return best
+
+
+def _within(traveler: Traveler, grid: Grid, field: Field, tick: int) -> Field:
+    """Return a field without the cells that limits keep the vehicle from at a tick."""
+    step = int(grid.steps[tick])
+    ahead = min(step + 1, traveler.scenario.horizon)
+    # Between two steps the vehicle is in the box around both of theirs.
+    lower = np.minimum(traveler.reach[0][step], traveler.reach[0][ahead])
+    upper = np.maximum(traveler.reach[1][step], traveler.reach[1][ahead])
+    kept: Field = np.full_like(field, -np.inf)
+    box = grid.box(lower, upper)
+    kept[box] = field[box]
+    return kept
+
+
+def _traced(fields: list[Field], cell: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
+    """Return the tick and the cell at which the path to a cell is narrowest."""
+    value = fields[-1][cell]
+    for tick in range(len(fields) - 1, 0, -1):
+        first = [max(i - 1, 0) for i in cell]
+        around = fields[tick - 1][
+            tuple(slice(a, i + 2) for a, i in zip(first, cell, strict=True))
+        ]
+        if around.max() > value:
+            return tick, cell
+        best = np.unravel_index(int(around.argmax()), around.shape)
+        cell = tuple(a + int(i) for a, i in zip(first, best, strict=True))
+    return 0, cell
+
+
+def _measured(traveler: Traveler, grid: Grid, center: Vector, tick: int) -> Narrowest:
+    """Measure a place where the cell is widest: across it, at the end within the goal."""
+    step = int(grid.steps[tick])
+    every = [traveler.surroundings(step, moving=moving) for moving in (False, True)]
+    normal = _nearest(every, center[None]).normals[0]
+    half = 0.5 * float(np.abs(normal) @ grid.size)
+    points = center + np.linspace(-half, half, _ACROSS)[:, None] * normal
+    if tick == len(grid.steps) - 1:
+        sides = [np.linspace(a, b, _ALONG) for a, b in zip(*traveler.goal, strict=True)]
+        points = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(sides))
+    found = _nearest(every, points)
+    best = int(traveler.clearances(found, step).argmax())
+    place = points[best]
+    toward = found.normals[best]
+    slacks = [pair for one in every for pair in one.slacks(place[None])]
+    variance = float(toward @ traveler.covariances[step] @ toward)
+    return Narrowest(
+        clearance=float(found.distances[best]),
+        deviation=float(np.sqrt(max(variance, 0.0))),
+        position=tuple(float(x) for x in place),
+        step=step,
+        beside=_beside(slacks, traveler.radius),
+    )
+
+
+def _nearest(every: list[Surroundings], points: Matrix, far: float = np.inf) -> Nearness:
+    """Return what is nearest to hulls at points, whichever it belongs to."""
+    return reduce(nearer, [one.nearest(points, far) for one in every])
+
+
+def _beside(
+    slacks: list[tuple[str | None, Nearness]], radius: float
+) -> tuple[str | None, ...]:
+    """Return what is nearest to a place, and what is on its other side if that is near, too."""
+    ranked = sorted(slacks, key=lambda pair: float(pair[1].distances[0]))
+    name, first = ranked[0]
+    for other, near in ranked[1:]:
+        is_across = float(near.normals[0] @ first.normals[0]) < -0.2
+        if is_across and near.distances[0] - first.distances[0] <= radius:
+            return (name, other)
+    return (name,)
