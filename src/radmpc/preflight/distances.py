@@ -120,9 +120,10 @@ class Surroundings:
             close = np.flatnonzero(is_close)
             near = distances(points[close], piece)
             keep_nearer(best, close, near.distances - self.radius, near.normals)
-        everywhere = np.arange(len(points))
         for distance, normal in self._borders(points):
-            keep_nearer(best, everywhere, distance, np.broadcast_to(normal, points.shape))
+            close = np.flatnonzero(distance <= far)
+            normals = np.broadcast_to(normal, (len(close), len(normal)))
+            keep_nearer(best, close, distance[close], normals)
         return best
 
     def _borders(self, points: Matrix) -> Iterator[tuple[Vector, Vector]]:

@@ -14,8 +14,8 @@ __all__ = ["Field", "Grid", "grid_of", "widened"]
 
 Field = npt.NDArray[np.float32]
 
-_FINE = 0.5
-"""Size of a cell that is aimed at [hull radii]: gaps are known to a quarter of a radius before the
+_FINE = 0.75
+"""Size of a cell that is aimed at [hull radii]: gaps are known to a tenth of a radius before the
 narrowest of them is measured."""
 
 _COARSE = 1.3

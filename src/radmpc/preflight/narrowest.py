@@ -8,6 +8,7 @@ What W is at the goal in the end, no path exceeds but for the grid's sake.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from functools import reduce
 from math import log, sqrt
 
@@ -18,7 +19,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.preflight.distances import Nearness, Surroundings, keep_nearer, nearer
 from radmpc.preflight.grid import Field, Grid, grid_of, widened
 
-__all__ = ["Narrowest", "Traveler", "narrowest_place"]
+__all__ = ["Narrowest", "Passage", "Traveler", "narrowest_place"]
 
 _FEWEST, _MOST = 5.0, 8.5
 """Clearances that are looked for at least and at most, whatever Δ [standard deviations]."""
@@ -34,6 +35,13 @@ _AWAY = (0.25, 0.5, 0.75, 1.0)
 
 _ALONG = 9
 """Places along each side of a goal at which its clearance is measured [-]."""
+
+
+class Passage(Enum):
+    """Why there is no narrowest place to name."""
+
+    WIDE = "wide"
+    UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +133,7 @@ class Traveler:
         return self.enough * float(np.sqrt(max(widest, 0.0)))
 
 
-def narrowest_place(traveler: Traveler, work: float) -> Narrowest | None:
+def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
     """Return the narrowest place that a vehicle must pass.
 
     Parameters
@@ -137,15 +145,15 @@ def narrowest_place(traveler: Traveler, work: float) -> Narrowest | None:
 
     Returns
     -------
-    Narrowest or None
-        None where a path leaves more than anybody needs, and where the scenario is too large to
-        tell.
+    Narrowest or Passage
+        Wide where a path leaves more than anybody needs; unknown where the scenario is too large
+        to tell.
     """
     horizon = traveler.scenario.horizon
     still = traveler.surroundings(0, moving=False)
     is_moving = any(o.is_moving for o in traveler.scenario.obstacles)
     if (still.is_empty and not is_moving) or (not is_moving and _is_open(traveler, still)):
-        return None
+        return Passage.WIDE
     low, high = traveler.reach
     if traveler.scenario.workspace is not None:
         workspace = traveler.scenario.workspace
@@ -153,9 +161,9 @@ def narrowest_place(traveler: Traveler, work: float) -> Narrowest | None:
     moves = np.maximum(np.diff(high, axis=0).max(axis=0), -np.diff(low, axis=0).min(axis=0))
     lower, upper = low.min(axis=0), high.max(axis=0)
     if not (np.all(np.isfinite([*lower, *upper, *moves])) and np.all(lower <= upper)):
-        return None
+        return Passage.UNKNOWN
     grid = grid_of(lower, upper, np.maximum(moves, 0.0), traveler.radius, horizon, work)
-    return None if grid is None else _search(traveler, grid, still)
+    return Passage.UNKNOWN if grid is None else _search(traveler, grid, still)
 
 
 def _is_open(traveler: Traveler, still: Surroundings) -> bool:
@@ -167,7 +175,7 @@ def _is_open(traveler: Traveler, still: Surroundings) -> bool:
     return bool(still.nearest(points, far + gap).distances.min() - gap >= far)
 
 
-def _search(traveler: Traveler, grid: Grid, still: Surroundings) -> Narrowest | None:
+def _search(traveler: Traveler, grid: Grid, still: Surroundings) -> Narrowest | Passage:
     """Go through all ticks, and back to the narrowest place."""
     centers = grid.centers
     around = _roomiest([still], centers, grid, traveler.far)
@@ -186,8 +194,10 @@ def _search(traveler: Traveler, grid: Grid, still: Surroundings) -> Narrowest | 
         fields.append(_within(traveler, grid, before, tick))
     box = grid.box(*traveler.goal)
     best = fields[-1][box].max(initial=-np.inf)
-    if not np.isfinite(best) or best >= traveler.enough:
-        return None
+    if not np.isfinite(best):
+        return Passage.UNKNOWN
+    if best >= traveler.enough:
+        return Passage.WIDE
     ends: Field = np.full(grid.shape, -np.inf, dtype=np.float32)
     ends[box] = fields[-1][box]
     tick, cell = _traced(fields, np.unravel_index(int(ends.argmax()), grid.shape))

@@ -12,7 +12,7 @@ from radmpc.arrays import Matrix, Tensor
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.preflight.endpoints import least_risks
-from radmpc.preflight.narrowest import Narrowest, Traveler, narrowest_place
+from radmpc.preflight.narrowest import Narrowest, Passage, Traveler, narrowest_place
 from radmpc.preflight.pace import Pace
 from radmpc.preflight.reserve import Reserve, expected_saturation, reserve_of
 
@@ -52,9 +52,8 @@ class VehicleOutlook:
     start_risk, goal_risk : float
         Sum of what its start and its goal risk at least, whatever the plan: against obstacles, the
         border, and other vehicles' starts or goals [-].
-    narrowest : Narrowest or None
-        The narrowest place that it must pass; None where no place is narrow, or the scenario is too
-        large to tell.
+    narrowest : Narrowest or Passage
+        The narrowest place that it must pass; unknown, too, where it cannot get there in time.
     """
 
     name: str
@@ -65,7 +64,7 @@ class VehicleOutlook:
     saturation: float | None
     start_risk: float
     goal_risk: float
-    narrowest: Narrowest | None
+    narrowest: Narrowest | Passage
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +154,7 @@ def _vehicle(
         left = np.maximum(bounds, 0.0)
         controls, reach = pace.cheapest(left), pace.reach(left)
     is_able = controls is not None and bool(np.all(bounds >= 0.0))
-    narrowest = None
+    narrowest: Narrowest | Passage = Passage.UNKNOWN
     if is_able:
         goal = (vehicle.goal.lower, vehicle.goal.upper)
         traveler = Traveler(scenario, vehicle.radius, vehicle.start_position, goal, places, reach)
