@@ -12,23 +12,116 @@ from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
 from radmpc.model.workspace import Workspace
 
-__all__ = ["Nearness", "Surroundings", "distances", "keep_nearer", "nearer"]
+__all__ = ["Nearness", "Side", "Surroundings", "side_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearness:
-    """What is nearest to points.
+    """What is nearest to points; written to until all is known.
 
     Attributes
     ----------
     distances : (c,) array
-        Distance of the point from it, negative within [m].
+        Distance of the hull there, negative where it overlaps [m].
     normals : (c, d) array
-        Unit direction away from it [-].
+        Unit direction away from what is nearest [-].
     """
 
     distances: Vector
     normals: Matrix
+
+    def put(
+        self, places: Indices, distances: Vector, normals: Matrix, *, farther: bool = False
+    ) -> None:
+        """Write down what is nearer than all before it, at some of the points.
+
+        Parameters
+        ----------
+        places : (k,) int array
+            The points.
+        distances : (k,) array
+            Distances there [m].
+        normals : (k, d) array
+            Directions there [-].
+        farther : bool
+            Write down what is farther instead.
+        """
+        before = self.distances[places]
+        is_better = distances > before if farther else distances < before
+        chosen = places[is_better]
+        self.distances[chosen] = distances[is_better]
+        self.normals[chosen] = normals[is_better]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """One thing to keep clear of, as seen from hulls at some points.
+
+    Attributes
+    ----------
+    name : str or None
+        The obstacle; None for the workspace's border.
+    places : (k,) int array
+        The points that are near it.
+    distances : (k,) array
+        Distance of the hull, negative where it overlaps [m].
+    normals : (k, d) array
+        Unit direction away from it [-].
+    heights : (k, f) array
+        The same above each of its faces: at most the distance, but past a corner there may be
+        fewer deviations across a face [m].
+    faces : (f, d) array
+        Normals of the faces [-].
+    """
+
+    name: str | None
+    places: Indices
+    distances: Vector
+    normals: Matrix
+    heights: Matrix
+    faces: Matrix
+
+    def clearances(self, covariance: Matrix, least: float) -> Vector:
+        """Return clearances in standard deviations, across the best of these half-spaces.
+
+        Parameters
+        ----------
+        covariance : (d, d) array
+            Of the position [m²].
+        least : float
+            Standard deviation that stands for less [m].
+
+        Returns
+        -------
+        (k,) array
+            Clearances.
+        """
+        toward = self.distances / _spread(self.normals, covariance, least)
+        across = (self.heights / _spread(self.faces, covariance, least)).max(axis=1)
+        return np.maximum(toward, across)
+
+    def best(self, place: int, covariance: Matrix, least: float) -> tuple[float, float]:
+        """Return clearance and deviation across the best half-space at one of its points [m].
+
+        Parameters
+        ----------
+        place : int
+            Which of `places`, by its order.
+        covariance : (d, d) array
+            Of the position [m²].
+        least : float
+            Standard deviation that stands for less [m].
+        """
+        normals = np.vstack([self.normals[place], self.faces])
+        slacks = np.append(self.distances[place], self.heights[place])
+        k = int((slacks / _spread(normals, covariance, least)).argmax())
+        return float(slacks[k]), float(_spread(normals[k : k + 1], covariance, 0.0)[0])
+
+
+def _spread(normals: Matrix, covariance: Matrix, least: float) -> Vector:
+    """Return standard deviations along directions, (k,) [m]."""
+    variances = np.sum((normals @ covariance) * normals, axis=1)
+    return np.sqrt(np.maximum(variances, least**2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,24 +130,24 @@ class Surroundings:
 
     Attributes
     ----------
-    names : tuple of str or None
-        The obstacle of each piece; None for the workspace's border.
-    pieces : tuple of Polytope or None
-        The pieces; None for a face of the border.
+    names : tuple of str
+        The obstacle of each piece.
+    pieces : tuple of Polytope
+        The pieces.
     workspace : Workspace or None
         The workspace; the mean stays within.
     radius : float
         Hull radius [m].
     """
 
-    names: tuple[str | None, ...]
+    names: tuple[str, ...]
     pieces: tuple[Polytope, ...]
     workspace: Workspace | None
     radius: float
 
     @classmethod
-    def of(cls, scenario: Scenario, radius: float, step: int, *, moving: bool) -> Surroundings:
-        """Collect what stands still, with the workspace, or what moves.
+    def of(cls, scenario: Scenario, radius: float, step: int) -> Surroundings:
+        """Collect what is there at a step.
 
         Parameters
         ----------
@@ -64,43 +157,41 @@ class Surroundings:
             Hull radius [m].
         step : int
             The step, 0 to T.
-        moving : bool
-            What moves, rather than what stands still.
         """
-        found = [
-            (o.name, piece)
-            for o in scenario.obstacles
-            if o.is_moving == moving
-            for piece in o.at(step)
-        ]
-        workspace = None if moving else scenario.workspace
-        return cls(tuple(n for n, _ in found), tuple(p for _, p in found), workspace, radius)
+        found = [(o.name, piece) for o in scenario.obstacles for piece in o.at(step)]
+        names, pieces = tuple(n for n, _ in found), tuple(p for _, p in found)
+        return cls(names, pieces, scenario.workspace, radius)
 
     @property
     def is_empty(self) -> bool:
         """Whether there is nothing to keep clear of."""
         return not self.pieces and self.workspace is None
 
-    def slacks(self, points: Matrix) -> list[tuple[str | None, Nearness]]:
-        """Return how far a hull at points is from each thing.
+    def sides(self, points: Matrix, far: float = np.inf) -> Iterator[Side]:
+        """Yield pieces, and faces of the border, as seen from points near them.
 
         Parameters
         ----------
         points : (c, d) array
             Where the vehicle's center may be [m].
-
-        Returns
-        -------
-        list of (str or None, Nearness)
-            By piece, and by face of the border, whose distance is the center's.
+        far : float
+            Distance of the hull beyond which a piece does not matter [m].
         """
-        found: list[tuple[str | None, Nearness]] = []
+        reach = self.radius + far
         for name, piece in zip(self.names, self.pieces, strict=True):
-            near = distances(points, piece)
-            found.append((name, Nearness(near.distances - self.radius, near.normals)))
-        for distance, normal in self._borders(points):
-            found.append((None, Nearness(distance, np.broadcast_to(normal, points.shape))))
-        return found
+            low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
+            is_close = np.all((points >= low - reach) & (points <= high + reach), axis=1)
+            yield side_of(name, piece, points, np.flatnonzero(is_close), self.radius)
+        if self.workspace is None:
+            return
+        for axis, normal in enumerate(np.eye(points.shape[1])):
+            for inward, slack in (
+                (normal, points[:, axis] - self.workspace.lower[axis]),
+                (-normal, self.workspace.upper[axis] - points[:, axis]),
+            ):
+                close = np.flatnonzero(slack <= far)
+                normals = np.broadcast_to(inward, (len(close), len(inward)))
+                yield Side(None, close, slack[close], normals, slack[close, None], inward[None])
 
     def nearest(self, points: Matrix, far: float = np.inf) -> Nearness:
         """Return how far a hull at points is from the nearest of all.
@@ -112,103 +203,61 @@ class Surroundings:
         far : float
             Distance of the hull beyond which it does not matter [m]; inf there.
         """
-        best = Nearness(np.full(len(points), np.inf), np.zeros_like(points))
-        for piece in self.pieces:
-            low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
-            reach = self.radius + far
-            is_close = np.all((points >= low - reach) & (points <= high + reach), axis=1)
-            close = np.flatnonzero(is_close)
-            near = distances(points[close], piece)
-            keep_nearer(best, close, near.distances - self.radius, near.normals)
-        for distance, normal in self._borders(points):
-            close = np.flatnonzero(distance <= far)
-            normals = np.broadcast_to(normal, (len(close), len(normal)))
-            keep_nearer(best, close, distance[close], normals)
+        best = Nearness(np.full(len(points), np.inf), np.zeros(points.shape))
+        for side in self.sides(points, far):
+            best.put(side.places, side.distances, side.normals)
         return best
 
-    def _borders(self, points: Matrix) -> Iterator[tuple[Vector, Vector]]:
-        """Yield the distance of points from each face of the border, and its inner normal."""
-        if self.workspace is None:
-            return
-        for axis, normal in enumerate(np.eye(points.shape[1])):
-            yield points[:, axis] - self.workspace.lower[axis], normal
-            yield self.workspace.upper[axis] - points[:, axis], -normal
 
+def side_of(
+    name: str | None, piece: Polytope, points: Matrix, places: Indices, radius: float
+) -> Side:
+    """Return a convex piece as seen from hulls at points.
 
-def keep_nearer(
-    best: Nearness, places: Indices, slack: Vector, normals: Matrix, *, farther: bool = False
-) -> None:
-    """Put down what is nearer than all before it, at some of the points.
+    In space distances are exact for boxes, and for other bodies where a face is nearest; where an
+    edge or a corner is, they are heights above a face, which are less.
 
     Parameters
     ----------
-    best : Nearness
-        Written to.
-    places : (k,) int array
-        The points.
-    slack : (k,) array
-        Distances there [m].
-    normals : (k, d) array
-        Directions [-].
-    farther : bool
-        Put down what is farther instead.
-    """
-    before = best.distances[places]
-    is_better = slack > before if farther else slack < before
-    chosen = places[is_better]
-    best.distances[chosen] = slack[is_better]
-    best.normals[chosen] = normals[is_better]
-
-
-def nearer(one: Nearness, other: Nearness) -> Nearness:
-    """Return the nearer of two things, point by point."""
-    is_other = other.distances < one.distances
-    return Nearness(
-        np.where(is_other, other.distances, one.distances),
-        np.where(is_other[:, None], other.normals, one.normals),
-    )
-
-
-def distances(points: Matrix, piece: Polytope) -> Nearness:
-    """Return the signed distance of points from a convex piece.
-
-    In space exact for boxes, and for other bodies where a face is nearest; where an edge or a
-    corner is, the height above a face, which is less.
-
-    Parameters
-    ----------
-    points : (c, d) array
-        Any points [m].
+    name : str or None
+        The obstacle.
     piece : Polytope
         The piece.
+    points : (c, d) array
+        Any points [m].
+    places : (k,) int array
+        Which of them count.
+    radius : float
+        Hull radius [m].
 
     Returns
     -------
-    Nearness
-        Within the piece the depth below the nearest face, negative.
+    Side
+        Where a point is within, its distance is minus the depth below the nearest face.
     """
+    points = points[places]
     heights = points @ piece.normals.T - piece.offsets
-    face = heights.argmax(axis=1)
-    depth, normals = heights.max(axis=1), piece.normals[face]
-    outside = depth > 0.0
+    depth = heights.max(axis=1)
+    normals = piece.normals[heights.argmax(axis=1)]
+    feet = _feet(points, piece)
+    distances = depth
+    if feet is not None:
+        away = points - feet
+        lengths = np.sqrt(np.square(away).sum(axis=1))
+        is_away = (depth > 0.0) & (lengths > 0.0)
+        directions = away / np.where(is_away, lengths, 1.0)[:, None]
+        distances = np.where(is_away, lengths, depth)
+        normals = np.where(is_away[:, None], directions, normals)
+    return Side(name, places, distances - radius, normals, heights - radius, piece.normals)
+
+
+def _feet(points: Matrix, piece: Polytope) -> Matrix | None:
+    """Return the nearest points on a piece to points outside; None where that takes more."""
     if points.shape[1] == 2:
-        feet = _feet_in_plane(points, piece.vertices)
-    elif _is_box(piece):
-        feet = np.clip(points, piece.vertices.min(axis=0), piece.vertices.max(axis=0))
-    else:
-        return Nearness(depth, normals)
-    away = points - feet
-    lengths = np.sqrt(np.square(away).sum(axis=1))
-    directions = away / np.where(lengths > 0.0, lengths, 1.0)[:, None]
-    is_away = outside & (lengths > 0.0)
-    return Nearness(
-        np.where(is_away, lengths, depth), np.where(is_away[:, None], directions, normals)
-    )
-
-
-def _is_box(piece: Polytope) -> bool:
-    """Whether all faces are across an axis."""
-    return bool(np.all(np.count_nonzero(piece.normals, axis=1) == 1))
+        return _feet_in_plane(points, piece.vertices)
+    if np.all(np.count_nonzero(piece.normals, axis=1) == 1):
+        return np.clip(points, piece.vertices.min(axis=0), piece.vertices.max(axis=0))
+    return None
 
 
 def _feet_in_plane(points: Matrix, corners: Matrix) -> Matrix:
@@ -218,8 +267,8 @@ def _feet_in_plane(points: Matrix, corners: Matrix) -> Matrix:
     for begin, end in _sides(corners):
         along = end - begin
         length2 = float(along @ along)
-        share = np.clip((points - begin) @ along / length2, 0.0, 1.0) if length2 > 0.0 else 0.0
-        foot = begin + np.multiply.outer(np.broadcast_to(share, len(points)), along)
+        share = (points - begin) @ along / (length2 if length2 > 0.0 else 1.0)
+        foot = begin + np.clip(share, 0.0, 1.0)[:, None] * along
         distance = np.square(points - foot).sum(axis=1)
         is_nearer = distance < best
         best = np.where(is_nearer, distance, best)
@@ -229,6 +278,6 @@ def _feet_in_plane(points: Matrix, corners: Matrix) -> Matrix:
 
 def _sides(corners: Matrix) -> Sequence[tuple[Vector, Vector]]:
     """Return the sides of a polygon; of a point it and itself."""
-    after: Indices = np.roll(np.arange(len(corners)), -1)
+    after = np.roll(np.arange(len(corners)), -1)
     sides = list(zip(corners, corners[after], strict=True))
     return sides[:1] if len(corners) < 3 else sides

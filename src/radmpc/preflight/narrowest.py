@@ -7,16 +7,16 @@ What W is at the goal in the end, no path exceeds but for the grid's sake.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import reduce
 from math import log, sqrt
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
-from radmpc.preflight.distances import Nearness, Surroundings, keep_nearer, nearer
+from radmpc.preflight.distances import Side, Surroundings
 from radmpc.preflight.grid import Field, Grid, grid_of, widened
 
 __all__ = ["Narrowest", "Passage", "Traveler", "narrowest_place"]
@@ -24,8 +24,8 @@ __all__ = ["Narrowest", "Passage", "Traveler", "narrowest_place"]
 _FEWEST, _MOST = 5.0, 8.5
 """Clearances that are looked for at least and at most, whatever Δ [standard deviations]."""
 
-_LEAST_DEVIATION = 1e-9
-"""Standard deviation that stands for none [m]."""
+_LEAST_DEVIATION = 1e-3
+"""Standard deviation that stands for less, where places are compared [hull radii]."""
 
 _ACROSS = 33
 """Places across a gap at which it is measured [-]."""
@@ -107,30 +107,20 @@ class Traveler:
         # Its tail is at most exp(−q²/2)/2: this one runs a ten-thousandth of Δ.
         return min(max(sqrt(-2.0 * log(2e-4 * self.scenario.risk_bound)), _FEWEST), _MOST)
 
-    def surroundings(self, step: int, *, moving: bool) -> Surroundings:
+    def surroundings(self, step: int) -> Surroundings:
         """Return what it has to keep clear of, see `Surroundings.of`."""
-        return Surroundings.of(self.scenario, self.radius, step, moving=moving)
+        return Surroundings.of(self.scenario, self.radius, step)
 
-    def clearances(self, near: Nearness, step: int) -> Vector:
-        """Return clearances in standard deviations of a step, `enough` at most.
-
-        Parameters
-        ----------
-        near : Nearness
-            Of the hull at points.
-        step : int
-            The step.
-        """
-        variance = np.sum((near.normals @ self.covariances[step]) * near.normals, axis=1)
-        spread = np.sqrt(np.maximum(variance, _LEAST_DEVIATION**2))
-        # Touching is no collision.
-        return np.clip((near.distances + 1e-9) / spread, -1e6, self.enough)
+    @property
+    def least(self) -> float:
+        """Standard deviation that stands for less, where places are compared [m]."""
+        return _LEAST_DEVIATION * self.radius
 
     @property
     def far(self) -> float:
         """Distance of the hull from anything, beyond which no clearance is too little [m]."""
         widest = np.linalg.eigvalsh(self.covariances)[:, -1].max()
-        return self.enough * float(np.sqrt(max(widest, 0.0)))
+        return self.enough * max(float(np.sqrt(max(widest, 0.0))), self.least)
 
 
 def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
@@ -150,9 +140,9 @@ def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
         to tell.
     """
     horizon = traveler.scenario.horizon
-    still = traveler.surroundings(0, moving=False)
     is_moving = any(o.is_moving for o in traveler.scenario.obstacles)
-    if (still.is_empty and not is_moving) or (not is_moving and _is_open(traveler, still)):
+    around = traveler.surroundings(0)
+    if around.is_empty or (not is_moving and _is_open(traveler, around)):
         return Passage.WIDE
     low, high = traveler.reach
     if traveler.scenario.workspace is not None:
@@ -163,22 +153,23 @@ def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
     if not (np.all(np.isfinite([*lower, *upper, *moves])) and np.all(lower <= upper)):
         return Passage.UNKNOWN
     grid = grid_of(lower, upper, np.maximum(moves, 0.0), traveler.radius, horizon, work)
-    return Passage.UNKNOWN if grid is None else _search(traveler, grid, still)
+    return Passage.UNKNOWN if grid is None else _search(traveler, grid)
 
 
-def _is_open(traveler: Traveler, still: Surroundings) -> bool:
+def _is_open(traveler: Traveler, around: Surroundings) -> bool:
     """Whether the straight line to the goal leaves more than anybody needs."""
     end = np.clip(traveler.start, *traveler.goal)
     points = traveler.start + np.linspace(0.0, 1.0, 65)[:, None] * (end - traveler.start)
     gap = 0.5 * float(np.linalg.norm(points[1] - points[0]))
     far = traveler.far
-    return bool(still.nearest(points, far + gap).distances.min() - gap >= far)
+    return bool(around.nearest(points, far + gap).distances.min() - gap >= far)
 
 
-def _search(traveler: Traveler, grid: Grid, still: Surroundings) -> Narrowest | Passage:
+def _search(traveler: Traveler, grid: Grid) -> Narrowest | Passage:
     """Go through all ticks, and back to the narrowest place."""
     centers = grid.centers
-    around = _roomiest([still], centers, grid, traveler.far)
+    is_moving = any(o.is_moving for o in traveler.scenario.obstacles)
+    sides: list[Side] = []
     at_steps = traveler.scenario.avoidance == "steps"
     num_ticks = len(grid.steps) - 1
     fields: list[Field] = [np.full(grid.shape, -np.inf, dtype=np.float32)]
@@ -187,7 +178,9 @@ def _search(traveler: Traveler, grid: Grid, still: Surroundings) -> Narrowest | 
     for tick in range(1, num_ticks + 1):
         step = int(grid.steps[tick])
         if step not in here:
-            here = {step: _field(traveler, grid, centers, around, step)}
+            if is_moving or not sides:
+                sides = _sides(traveler, grid, centers, step)
+            here = {step: _field(traveler, grid, sides, step)}
         before = widened(fields[-1])
         if not at_steps or grid.is_step[tick]:
             before = np.minimum(before, here[step])
@@ -204,34 +197,34 @@ def _search(traveler: Traveler, grid: Grid, still: Surroundings) -> Narrowest | 
     return _measured(traveler, grid, centers[np.ravel_multi_index(cell, grid.shape)], tick)
 
 
-def _field(
-    traveler: Traveler, grid: Grid, centers: Matrix, around: Nearness, step: int
-) -> Field:
+def _field(traveler: Traveler, grid: Grid, sides: Sequence[Side], step: int) -> Field:
     """Return the clearances of all cells at a step, each for the best place in the cell."""
-    moving = traveler.surroundings(step, moving=True)
-    if not moving.is_empty:
-        every = [traveler.surroundings(step, moving=False), moving]
-        around = _roomiest(every, centers, grid, traveler.far)
-    close = np.flatnonzero(np.isfinite(around.distances))
-    field = np.full(len(centers), traveler.enough, dtype=np.float32)
-    near = Nearness(around.distances[close], around.normals[close])
-    field[close] = traveler.clearances(near, step)
+    field: Field = np.full(np.prod(grid.shape), traveler.enough, dtype=np.float32)
+    for side in sides:
+        found = side.clearances(traveler.covariances[step], traveler.least)
+        field[side.places] = np.minimum(field[side.places], found)
     return field.reshape(grid.shape)
 
 
-def _roomiest(
-    every: list[Surroundings], centers: Matrix, grid: Grid, far: float
-) -> Nearness:
-    """Return what is nearest to the best place in each cell: away from what its center is near."""
-    far += float(np.linalg.norm(grid.size))
-    best = _nearest(every, centers, far)
+def _sides(traveler: Traveler, grid: Grid, centers: Matrix, step: int) -> list[Side]:
+    """Return all that is near, as seen from the best place in each cell.
+
+    That is somewhere between its center and its border, away from what the center is nearest to.
+    """
+    around = traveler.surroundings(step)
+    far = traveler.far + float(np.linalg.norm(grid.size))
+    best = around.nearest(centers, far)
     close = np.flatnonzero(np.isfinite(best.distances))
     normals = best.normals[close].copy()
     half = 0.5 * np.abs(normals) @ grid.size
+    places = centers.copy()
     for share in _AWAY:
-        found = _nearest(every, centers[close] + (share * half)[:, None] * normals, far)
-        keep_nearer(best, close, found.distances, found.normals, farther=True)
-    return best
+        moved = centers[close] + (share * half)[:, None] * normals
+        found = around.nearest(moved, far)
+        is_better = found.distances > best.distances[close]
+        places[close[is_better]] = moved[is_better]
+        best.put(close, found.distances, found.normals, farther=True)
+    return list(around.sides(places, far))
 
 
 def _within(traveler: Traveler, grid: Grid, field: Field, tick: int) -> Field:
@@ -265,41 +258,33 @@ def _traced(fields: list[Field], cell: tuple[int, ...]) -> tuple[int, tuple[int,
 def _measured(traveler: Traveler, grid: Grid, center: Vector, tick: int) -> Narrowest:
     """Measure a place where the cell is widest: across it, at the end within the goal."""
     step = int(grid.steps[tick])
-    every = [traveler.surroundings(step, moving=moving) for moving in (False, True)]
-    normal = _nearest(every, center[None]).normals[0]
+    around, covariance = traveler.surroundings(step), traveler.covariances[step]
+    normal = around.nearest(center[None]).normals[0]
     half = 0.5 * float(np.abs(normal) @ grid.size)
     points = center + np.linspace(-half, half, _ACROSS)[:, None] * normal
     if tick == len(grid.steps) - 1:
-        sides = [np.linspace(a, b, _ALONG) for a, b in zip(*traveler.goal, strict=True)]
-        points = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(sides))
-    found = _nearest(every, points)
-    best = int(traveler.clearances(found, step).argmax())
-    place = points[best]
-    toward = found.normals[best]
-    slacks = [pair for one in every for pair in one.slacks(place[None])]
-    variance = float(toward @ traveler.covariances[step] @ toward)
+        edges = [np.linspace(a, b, _ALONG) for a, b in zip(*traveler.goal, strict=True)]
+        points = np.stack(np.meshgrid(*edges, indexing="ij"), axis=-1).reshape(-1, len(edges))
+    sides = list(around.sides(points))
+    found = np.array([side.clearances(covariance, traveler.least) for side in sides])
+    best = int(found.min(axis=0).argmax())
+    clearance, deviation = sides[int(found[:, best].argmin())].best(
+        best, covariance, traveler.least
+    )
     return Narrowest(
-        clearance=float(found.distances[best]),
-        deviation=float(np.sqrt(max(variance, 0.0))),
-        position=tuple(float(x) for x in place),
+        clearance=clearance,
+        deviation=deviation,
+        position=tuple(float(x) for x in points[best]),
         step=step,
-        beside=_beside(slacks, traveler.radius),
+        beside=_beside(sides, best, traveler.radius),
     )
 
 
-def _nearest(every: list[Surroundings], points: Matrix, far: float = np.inf) -> Nearness:
-    """Return what is nearest to hulls at points, whichever it belongs to."""
-    return reduce(nearer, [one.nearest(points, far) for one in every])
-
-
-def _beside(
-    slacks: list[tuple[str | None, Nearness]], radius: float
-) -> tuple[str | None, ...]:
+def _beside(sides: Sequence[Side], place: int, radius: float) -> tuple[str | None, ...]:
     """Return what is nearest to a place, and what is on its other side if that is near, too."""
-    ranked = sorted(slacks, key=lambda pair: float(pair[1].distances[0]))
-    name, first = ranked[0]
-    for other, near in ranked[1:]:
-        is_across = float(near.normals[0] @ first.normals[0]) < -0.2
-        if is_across and near.distances[0] - first.distances[0] <= radius:
-            return (name, other)
-    return (name,)
+    first, *others = sorted(sides, key=lambda side: float(side.distances[place]))
+    for other in others:
+        is_across = float(other.normals[place] @ first.normals[place]) < -0.2
+        if is_across and other.distances[place] - first.distances[place] <= radius:
+            return (first.name, other.name)
+    return (first.name,)

@@ -183,8 +183,8 @@ class Pace:
         envelope = self.envelope(bounds)
         low, high = envelope.lower.min(axis=0), envelope.upper.max(axis=0)
         goal = self.vehicle.goal
-        # At rest between both ends if that is in the goal, else to its nearer side.
-        target = np.clip(self._end(envelope, np.zeros_like(low)), goal.lower, goal.upper)
+        # As it comes, if that ends in the goal, else to its nearer side.
+        target = np.clip(self._end(envelope, self.speed), goal.lower, goal.upper)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             falls_short = self._end(envelope, middle) < target
