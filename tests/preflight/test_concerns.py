@@ -117,7 +117,7 @@ def test_what_is_expected_to_saturate_is_what_a_plan_in_empty_space_does() -> No
     scenario = of_scene("horizon-is-the-cure")
     vehicle = replace(scenario.vehicles[0], control_sigmas=2.0)
     empty = replace(scenario, vehicles=(vehicle,), obstacles=(), workspace=None)
-    plan = radmpc.plan(empty, "deterministic").require()
+    plan = radmpc.plan(empty, "milp").require()
     expected = outlook_of(empty).vehicles[0].saturation
     assert radmpc.certify(plan).saturation == pytest.approx(expected, rel=1e-3)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,9 @@ from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
 from radmpc.model.workspace import Workspace
 
-__all__ = ["Nearness", "Side", "Surroundings", "side_of"]
+__all__ = ["Nearness", "Side", "Surroundings", "Within", "side_of"]
+
+Within = Callable[[Vector, Vector], Indices]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,9 +32,7 @@ class Nearness:
     distances: Vector
     normals: Matrix
 
-    def put(
-        self, places: Indices, distances: Vector, normals: Matrix, *, farther: bool = False
-    ) -> None:
+    def put(self, places: Indices, distances: Vector, normals: Matrix) -> None:
         """Write down what is nearer than all before it, at some of the points.
 
         Parameters
@@ -43,14 +43,11 @@ class Nearness:
             Distances there [m].
         normals : (k, d) array
             Directions there [-].
-        farther : bool
-            Write down what is farther instead.
         """
-        before = self.distances[places]
-        is_better = distances > before if farther else distances < before
-        chosen = places[is_better]
-        self.distances[chosen] = distances[is_better]
-        self.normals[chosen] = normals[is_better]
+        is_nearer = distances < self.distances[places]
+        chosen = places[is_nearer]
+        self.distances[chosen] = distances[is_nearer]
+        self.normals[chosen] = normals[is_nearer]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,7 +164,9 @@ class Surroundings:
         """Whether there is nothing to keep clear of."""
         return not self.pieces and self.workspace is None
 
-    def sides(self, points: Matrix, far: float = np.inf) -> Iterator[Side]:
+    def sides(
+        self, points: Matrix, far: float = np.inf, within: Within | None = None
+    ) -> Iterator[Side]:
         """Yield pieces, and faces of the border, as seen from points near them.
 
         Parameters
@@ -176,12 +175,19 @@ class Surroundings:
             Where the vehicle's center may be [m].
         far : float
             Distance of the hull beyond which a piece does not matter [m].
+        within : callable or None
+            Finds the points in a box, given its corners, without looking at all of them; it may
+            find some beside it.
         """
         reach = self.radius + far
         for name, piece in zip(self.names, self.pieces, strict=True):
-            low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
-            is_close = np.all((points >= low - reach) & (points <= high + reach), axis=1)
-            yield side_of(name, piece, points, np.flatnonzero(is_close), self.radius)
+            low = piece.vertices.min(axis=0) - reach
+            high = piece.vertices.max(axis=0) + reach
+            if within is None:
+                close = np.flatnonzero(np.all((points >= low) & (points <= high), axis=1))
+            else:
+                close = within(low, high)
+            yield side_of(name, piece, points, close, self.radius)
         if self.workspace is None:
             return
         for axis, normal in enumerate(np.eye(points.shape[1])):
@@ -193,7 +199,9 @@ class Surroundings:
                 normals = np.broadcast_to(inward, (len(close), len(inward)))
                 yield Side(None, close, slack[close], normals, slack[close, None], inward[None])
 
-    def nearest(self, points: Matrix, far: float = np.inf) -> Nearness:
+    def nearest(
+        self, points: Matrix, far: float = np.inf, within: Within | None = None
+    ) -> Nearness:
         """Return how far a hull at points is from the nearest of all.
 
         Parameters
@@ -202,9 +210,11 @@ class Surroundings:
             Where the vehicle's center may be [m].
         far : float
             Distance of the hull beyond which it does not matter [m]; inf there.
+        within : callable or None
+            See `sides`.
         """
         best = Nearness(np.full(len(points), np.inf), np.zeros(points.shape))
-        for side in self.sides(points, far):
+        for side in self.sides(points, far, within):
             best.put(side.places, side.distances, side.normals)
         return best
 

@@ -8,7 +8,7 @@ from math import ceil
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Vector
 
 __all__ = ["Field", "Grid", "grid_of", "widened"]
 
@@ -43,7 +43,7 @@ class Grid:
     origin: Vector
     size: Vector
     shape: tuple[int, ...]
-    steps: npt.NDArray[np.int64]
+    steps: Indices
     is_step: npt.NDArray[np.bool_]
 
     @property
@@ -76,6 +76,11 @@ class Grid:
         begin = np.clip(first, 0, most).astype(int).tolist()
         end = np.clip(last + 1, 0, most).astype(int).tolist()
         return tuple(slice(a, max(a, b)) for a, b in zip(begin, end, strict=True))
+
+    def within(self, lower: Vector, upper: Vector) -> Indices:
+        """Return the cells that a box meets, by their places among `centers`, (k,)."""
+        chosen = [np.arange(part.start, part.stop) for part in self.box(lower, upper)]
+        return np.asarray(np.ravel_multi_index(np.ix_(*chosen), self.shape).ravel())
 
 
 def grid_of(

@@ -7,7 +7,7 @@ What W is at the goal in the end, no path exceeds but for the grid's sake.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import log, sqrt
@@ -169,32 +169,56 @@ def _search(traveler: Traveler, grid: Grid) -> Narrowest | Passage:
     """Go through all ticks, and back to the narrowest place."""
     centers = grid.centers
     is_moving = any(o.is_moving for o in traveler.scenario.obstacles)
-    sides: list[Side] = []
-    at_steps = traveler.scenario.avoidance == "steps"
-    num_ticks = len(grid.steps) - 1
-    fields: list[Field] = [np.full(grid.shape, -np.inf, dtype=np.float32)]
-    fields[0][grid.box(traveler.start, traveler.start)] = traveler.enough
-    here: dict[int, Field] = {}
-    for tick in range(1, num_ticks + 1):
-        step = int(grid.steps[tick])
-        if step not in here:
-            if is_moving or not sides:
-                sides = _sides(traveler, grid, centers, step)
-            here = {step: _field(traveler, grid, sides, step)}
-        before = widened(fields[-1])
-        if not at_steps or grid.is_step[tick]:
-            before = np.minimum(before, here[step])
-        fields.append(_within(traveler, grid, before, tick))
     box = grid.box(*traveler.goal)
+    if not is_moving:
+        # Centers alone, and the largest deviation of all, are quick and often enough.
+        careful = _careful_field(traveler, grid, centers)
+        ends = _swept(traveler, grid, lambda step: careful)[-1]
+        if ends[box].max(initial=-np.inf) >= traveler.enough:
+            return Passage.WIDE
+    sides: list[Side] = []
+
+    def field_at(step: int) -> Field:
+        nonlocal sides
+        if is_moving or not sides:
+            sides = _sides(traveler, grid, centers, step)
+        return _field(traveler, grid, sides, step)
+
+    fields = _swept(traveler, grid, field_at)
     best = fields[-1][box].max(initial=-np.inf)
     if not np.isfinite(best):
         return Passage.UNKNOWN
     if best >= traveler.enough:
         return Passage.WIDE
-    ends: Field = np.full(grid.shape, -np.inf, dtype=np.float32)
+    ends = np.full(grid.shape, -np.inf, dtype=np.float32)
     ends[box] = fields[-1][box]
     tick, cell = _traced(fields, np.unravel_index(int(ends.argmax()), grid.shape))
     return _measured(traveler, grid, centers[np.ravel_multi_index(cell, grid.shape)], tick)
+
+
+def _swept(traveler: Traveler, grid: Grid, field_at: Callable[[int], Field]) -> list[Field]:
+    """Return at every tick the least clearance on the roomiest path to each cell."""
+    at_steps = traveler.scenario.avoidance == "steps"
+    fields: list[Field] = [np.full(grid.shape, -np.inf, dtype=np.float32)]
+    fields[0][grid.box(traveler.start, traveler.start)] = traveler.enough
+    known, here = -1, fields[0]
+    for tick in range(1, len(grid.steps)):
+        step = int(grid.steps[tick])
+        if step != known:
+            known, here = step, field_at(step)
+        after = widened(fields[-1])
+        if not at_steps or grid.is_step[tick]:
+            np.minimum(after, here, out=after)
+        fields.append(_within(traveler, grid, after, tick))
+    return fields
+
+
+def _careful_field(traveler: Traveler, grid: Grid, centers: Matrix) -> Field:
+    """Return clearances of the centers of all cells at the largest deviation of all steps."""
+    slacks = traveler.surroundings(0).nearest(centers, traveler.far, grid.within).distances
+    found = np.minimum(slacks * (traveler.enough / traveler.far), traveler.enough)
+    field: Field = found.astype(np.float32).reshape(grid.shape)
+    return field
 
 
 def _field(traveler: Traveler, grid: Grid, sides: Sequence[Side], step: int) -> Field:
@@ -213,18 +237,17 @@ def _sides(traveler: Traveler, grid: Grid, centers: Matrix, step: int) -> list[S
     """
     around = traveler.surroundings(step)
     far = traveler.far + float(np.linalg.norm(grid.size))
-    best = around.nearest(centers, far)
-    close = np.flatnonzero(np.isfinite(best.distances))
-    normals = best.normals[close].copy()
-    half = 0.5 * np.abs(normals) @ grid.size
-    places = centers.copy()
+    # Cells stand for all places in them: whatever is near a place is near its cell.
+    nearest = around.nearest(centers, far, grid.within)
+    away = nearest.normals * (0.5 * np.abs(nearest.normals) @ grid.size)[:, None]
+    best, places = nearest.distances, centers
     for share in _AWAY:
-        moved = centers[close] + (share * half)[:, None] * normals
-        found = around.nearest(moved, far)
-        is_better = found.distances > best.distances[close]
-        places[close[is_better]] = moved[is_better]
-        best.put(close, found.distances, found.normals, farther=True)
-    return list(around.sides(places, far))
+        moved = centers + share * away
+        found = around.nearest(moved, far, grid.within).distances
+        is_better = found > best
+        best = np.where(is_better, found, best)
+        places = np.where(is_better[:, None], moved, places)
+    return list(around.sides(places, far, grid.within))
 
 
 def _within(traveler: Traveler, grid: Grid, field: Field, tick: int) -> Field:
