@@ -6,6 +6,8 @@ adds q t to the variance of x in t seconds. Unlike a covariance per step it does
 
 from __future__ import annotations
 
+from math import ceil, log2
+
 import numpy as np
 import numpy.typing as npt
 
@@ -75,8 +77,15 @@ def step_covariance(drift: npt.ArrayLike, density: npt.ArrayLike, dt: float) -> 
     Q = as_covariance(density, n, ("density",))
     from scipy.linalg import expm  # noqa: PLC0415 - loads slowly
 
-    blocks = expm(step * np.block([[-F, Q], [np.zeros((n, n)), F.T]]))
-    W = blocks[n:, n:].T @ blocks[:n, n:]
+    # What decays within the step grows in the method's other block: halve until neither does much.
+    halvings = max(0, ceil(log2(max(step * float(np.abs(F).sum(axis=1).max()), 1.0))))
+    part = step / 2**halvings
+    blocks = expm(part * np.block([[-F, Q], [np.zeros((n, n)), F.T]]))
+    carried = blocks[n:, n:].T
+    W = carried @ blocks[:n, n:]
+    for _ in range(halvings):
+        W = W + carried @ W @ carried.T
+        carried = carried @ carried
     return np.asarray(0.5 * (W + W.T))
 
 

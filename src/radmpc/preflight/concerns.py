@@ -162,8 +162,8 @@ def _control(vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
 def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
     """Yield what is to be said of the horizon."""
     least, horizon = seen.least_steps_with_feedback, scenario.horizon
-    if least is not None and least <= _TIGHT * horizon:
-        return
+    if seen.reserve.share > 1.0 or (least is not None and least <= _TIGHT * horizon):
+        return  # without control no horizon helps
     seconds = f"{horizon} steps ({horizon * scenario.dt:g} s)"
     if least is None:
         text = (
