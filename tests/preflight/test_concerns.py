@@ -47,7 +47,9 @@ def test_a_goal_out_of_reach_is_told_how_far_away_it_is() -> None:
     scenario = replace(of_scene("horizon-is-the-cure"), horizon=20)
     (concern,) = warned(scenario, "time")
     assert concern.is_fatal
-    assert "goal 23 steps away at least, horizon 20 steps (100 s): lengthen it to 23" in concern.text
+    assert (
+        "goal 23 steps away at least, horizon 20 steps (100 s): lengthen it to 23" in concern.text
+    )
     assert radmpc.plan(scenario).status is radmpc.Status.INFEASIBLE
     assert warned(replace(scenario, horizon=23), "time")[0].is_fatal is False
 
@@ -223,9 +225,7 @@ def test_tails_are_those_of_the_normal_distribution() -> None:
 
 def test_a_goal_past_all_horizons_asks_for_units() -> None:
     scenario = of_scene("horizon-is-the-cure")
-    far = replace(
-        scenario.vehicles[0], goal=Goal.at([1e6, 0.0], 3.0), gain=None
-    )
+    far = replace(scenario.vehicles[0], goal=Goal.at([1e6, 0.0], 3.0), gain=None)
     (concern,) = warned(replace(scenario, vehicles=(far,), workspace=None), "time")
     assert concern.is_fatal
     assert "check units" in concern.text

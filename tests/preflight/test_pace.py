@@ -121,9 +121,7 @@ def test_axes_that_share_a_control_have_no_closed_form() -> None:
     assert Pace.of(replace(vehicle, system=shared)) is None
     single = LinearSystem(np.eye(2), DT * np.eye(2), (0, 1), None)
     assert (
-        Pace.of(
-            Vehicle("s", single, [0, 0], Goal.at([1, 1], speed=None), 0.5, 1.0, 0.0, 0.0)
-        )
+        Pace.of(Vehicle("s", single, [0, 0], Goal.at([1, 1], speed=None), 0.5, 1.0, 0.0, 0.0))
         is None
     )
 

@@ -21,8 +21,8 @@ __all__ = ["double_integrator_noise", "step_covariance", "white_density"]
 def white_density(std: float, time_constant: float) -> float:
     """Return the density of white noise that stands for a disturbance that lasts.
 
-    A disturbance whose autocorrelation is ``std² exp(−|t| / time_constant)``, as of gusts and waves,
-    does the same to what it drives over times that are long against its own.
+    A disturbance whose autocorrelation is ``std² exp(−|t| / time_constant)``, as of gusts and
+    waves, does the same to what it drives over times that are long against its own.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
 """What an operator should know of a scenario before it is planned, without planning it.
 
-`outlook_of` looks at time, noise, control and narrow places; `concerns_of` says what to worry about.
+`outlook_of` looks at time, noise, control and narrow places; `concerns_of` says what to worry
+about.
 """
 
 from radmpc.preflight.concerns import Concern, concerns_of

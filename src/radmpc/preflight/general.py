@@ -82,9 +82,7 @@ def reach(scenario: Scenario, vehicle: Vehicle) -> tuple[Matrix, Matrix]:
     return model.reach_lower, model.reach_upper
 
 
-def _alone(
-    scenario: Scenario, vehicle: Vehicle, horizon: int
-) -> tuple[Scenario, CondensedModel]:
+def _alone(scenario: Scenario, vehicle: Vehicle, horizon: int) -> tuple[Scenario, CondensedModel]:
     """Return a vehicle in empty space, over a horizon."""
     alone = Scenario(
         name=scenario.name,

@@ -1,4 +1,4 @@
-"""Cells that a vehicle crosses one of, at most, per tick: its speed limit as a rule for neighbors."""
+"""Cells of which a vehicle crosses at most one per tick: its speed limit as a rule for neighbors."""
 
 from __future__ import annotations
 

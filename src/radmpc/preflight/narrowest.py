@@ -268,9 +268,7 @@ def _traced(fields: list[Field], cell: tuple[int, ...]) -> tuple[int, tuple[int,
     value = fields[-1][cell]
     for tick in range(len(fields) - 1, 0, -1):
         first = [max(i - 1, 0) for i in cell]
-        around = fields[tick - 1][
-            tuple(slice(a, i + 2) for a, i in zip(first, cell, strict=True))
-        ]
+        around = fields[tick - 1][tuple(slice(a, i + 2) for a, i in zip(first, cell, strict=True))]
         if around.max() > value:
             return tick, cell
         best = np.unravel_index(int(around.argmax()), around.shape)

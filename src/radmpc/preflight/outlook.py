@@ -176,9 +176,7 @@ def _vehicle(
     )
 
 
-def _least_times(
-    scenario: Scenario, vehicle: Vehicle, pace: Pace
-) -> tuple[int | None, int | None]:
+def _least_times(scenario: Scenario, vehicle: Vehicle, pace: Pace) -> tuple[int | None, int | None]:
     """Return the fewest steps with the whole control limit, and with what feedback leaves."""
     most = _MOST_TIMES * scenario.horizon
     whole = np.tile(vehicle.control_limit, (most, 1))
