@@ -29,7 +29,7 @@ def drifter(rng: np.random.Generator, dimension: int = 2) -> Vehicle:
 
 
 def least_effort(vehicle: Vehicle, bounds: np.ndarray) -> float:
-    """Least sum of absolute controls that leads to the goal, by another solver; inf if none does."""
+    """Least sum of absolute controls to the goal, by another solver; inf if none leads there."""
     horizon, m = bounds.shape
     system, goal = vehicle.system, vehicle.goal
     d = system.dimension

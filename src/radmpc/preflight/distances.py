@@ -95,7 +95,7 @@ class Side:
         """
         toward = self.distances / _spread(self.normals, covariance, least)
         across = (self.heights / _spread(self.faces, covariance, least)).max(axis=1)
-        return np.maximum(toward, across)
+        return np.asarray(np.maximum(toward, across))
 
     def best(self, place: int, covariance: Matrix, least: float) -> tuple[float, float]:
         """Return clearance and deviation across the best half-space at one of its points [m].
@@ -118,7 +118,7 @@ class Side:
 def _spread(normals: Matrix, covariance: Matrix, least: float) -> Vector:
     """Return standard deviations along directions, (k,) [m]."""
     variances = np.sum((normals @ covariance) * normals, axis=1)
-    return np.sqrt(np.maximum(variances, least**2))
+    return np.asarray(np.sqrt(np.maximum(variances, least**2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

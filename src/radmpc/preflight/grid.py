@@ -1,4 +1,4 @@
-"""Cells of which a vehicle crosses at most one per tick: its speed limit as a rule for neighbors."""
+"""Cells of which a vehicle crosses at most one per tick: speed limits as a rule for neighbors."""
 
 from __future__ import annotations
 
