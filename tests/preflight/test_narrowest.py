@@ -10,8 +10,8 @@ from radmpc import Goal, LinearSystem, Obstacle, Scenario, Vehicle, Workspace, d
 from radmpc.geometry import box, hull
 from radmpc.preflight.distances import Surroundings, side_of
 from radmpc.preflight.grid import grid_of, widened
-from radmpc.preflight.narrowest import Narrowest, Passage
 from radmpc.preflight.outlook import outlook_of
+from radmpc.preflight.places import Narrowest, Passage
 
 DEVIATION = 0.1
 

@@ -5,8 +5,8 @@ about.
 """
 
 from radmpc.preflight.concerns import Concern, concerns_of
-from radmpc.preflight.narrowest import Narrowest, Passage
 from radmpc.preflight.outlook import Outlook, VehicleOutlook, outlook_of
+from radmpc.preflight.places import Narrowest, Passage
 from radmpc.preflight.reserve import Reserve
 
 __all__ = [

@@ -11,8 +11,8 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.preflight.narrowest import Narrowest
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
+from radmpc.preflight.places import Narrowest
 from radmpc.preflight.reserve import tails
 
 __all__ = ["Concern", "Kind", "concerns_of"]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from math import log, sqrt
 
 import numpy as np
@@ -18,8 +17,9 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.preflight.distances import Side, Surroundings
 from radmpc.preflight.grid import Field, Grid, grid_of, widened
+from radmpc.preflight.places import Narrowest, Passage
 
-__all__ = ["Narrowest", "Passage", "Traveler", "narrowest_place"]
+__all__ = ["Traveler", "narrowest_place"]
 
 _FEWEST, _MOST = 5.0, 8.5
 """Clearances that are looked for at least and at most, whatever Δ [standard deviations]."""
@@ -35,43 +35,6 @@ _AWAY = (0.25, 0.5, 0.75, 1.0)
 
 _ALONG = 9
 """Places along each side of a goal at which its clearance is measured [-]."""
-
-
-class Passage(Enum):
-    """Why there is no narrowest place to name."""
-
-    WIDE = "wide"
-    UNKNOWN = "unknown"
-
-
-@dataclass(frozen=True, slots=True)
-class Narrowest:
-    """Where a vehicle has the least clearance, on the path that leaves it the most.
-
-    Attributes
-    ----------
-    clearance : float
-        Of the hull from what is nearest, negative where it does not fit [m].
-    deviation : float
-        Standard deviation of the position toward it, then [m].
-    position : tuple of float
-        Where [m].
-    step : int
-        The step at or before.
-    beside : tuple of (str or None)
-        What is there, the nearest first; None is the workspace's border.
-    """
-
-    clearance: float
-    deviation: float
-    position: tuple[float, ...]
-    step: int
-    beside: tuple[str | None, ...]
-
-    @property
-    def deviations(self) -> float | None:
-        """The clearance in standard deviations; None without noise."""
-        return self.clearance / self.deviation if self.deviation > 0.0 else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,8 +12,9 @@ from radmpc.arrays import Matrix, Tensor
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.preflight.endpoints import least_risks
-from radmpc.preflight.narrowest import Narrowest, Passage, Traveler, narrowest_place
+from radmpc.preflight.narrowest import Traveler, narrowest_place
 from radmpc.preflight.pace import Pace
+from radmpc.preflight.places import Narrowest, Passage
 from radmpc.preflight.reserve import Reserve, expected_saturation, reserve_of
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
 from radmpc.model.scenario import Scenario
 from radmpc.preflight.concerns import Concern, concerns_of
-from radmpc.preflight.narrowest import Narrowest, Passage
 from radmpc.preflight.outlook import Outlook, VehicleOutlook, outlook_of
+from radmpc.preflight.places import Narrowest, Passage
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
