@@ -78,7 +78,18 @@ class Grid:
         return tuple(slice(a, max(a, b)) for a, b in zip(begin, end, strict=True))
 
     def within(self, lower: Vector, upper: Vector) -> Indices:
-        """Return the cells that a box meets, by their places among `centers`, (k,)."""
+        """Return the cells that a box meets, by their places among `centers`.
+
+        Parameters
+        ----------
+        lower, upper : (d,) array
+            Its corners [m].
+
+        Returns
+        -------
+        (k,) int array
+            In ascending order.
+        """
         chosen = [np.arange(part.start, part.stop) for part in self.box(lower, upper)]
         return np.asarray(np.ravel_multi_index(np.ix_(*chosen), self.shape).ravel())
 
