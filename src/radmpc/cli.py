@@ -135,13 +135,12 @@ def reproduce(
 
 
 @app.command()
-def check(scenario: given.ScenarioFile) -> int:
-    """Say whether a scenario file is valid."""
-    from radmpc.console.words import scenario_line
+def check(scenario: given.ScenarioFile, as_json: given.AsJson = False) -> int:
+    """Say whether a scenario is valid, and what to know before planning it."""
+    from radmpc.console.commands.check import run_check
     from radmpc.io.native.scenario_file import load_scenario
 
-    show(f"valid: {scenario_line(load_scenario(scenario))}")
-    return Code.OK
+    return run_check(load_scenario(scenario), as_json=as_json)
 
 
 @app.command()

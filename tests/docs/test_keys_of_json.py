@@ -28,6 +28,18 @@ def keys(value: dict[str, object], before: str = "") -> Iterator[str]:
                 yield from keys(item, f"{before}{name}[].")
 
 
+def deep_keys(value: dict[str, object], before: str = "") -> Iterator[str]:
+    """The same, with the keys of mappings within: ``planners[].kept_back.share``."""
+    for name, content in value.items():
+        if isinstance(content, dict):
+            yield from deep_keys(content, f"{before}{name}.")
+            continue
+        yield before + name
+        if isinstance(content, list) and content and isinstance(content[0], dict):
+            for item in content:
+                yield from deep_keys(item, f"{before}{name}[].")
+
+
 def printed(*words: str) -> dict[str, object]:
     result = CliRunner().invoke(app, [*words, "--json"])
     assert result.exit_code == 0, result.output
@@ -48,6 +60,12 @@ def test_the_keys_that_a_command_prints_are_those_of_its_table(
 ) -> None:
     told = first_column(section(FORMATS, f"### `radmpc {words[0]} --json`"))
     assert sorted(set(keys(printed(*words)))) == sorted(told)
+
+
+def test_the_keys_that_check_prints_are_those_of_its_table() -> None:
+    scene = ROOT / "tests" / "data" / "scenes" / "goal-too-near-fleet.yaml"
+    told = first_column(section(FORMATS, "### `radmpc check --json`"))
+    assert sorted(set(deep_keys(printed("check", str(scene))))) == sorted(told)
 
 
 def test_a_comparison_that_failed_has_keys_of_the_table(workbench: Path) -> None:

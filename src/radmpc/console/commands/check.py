@@ -1,0 +1,214 @@
+"""A scenario checked: whether it is valid, and what an operator should know before planning."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from radmpc.console.output import show, show_json, width
+from radmpc.console.running.guard import Code
+from radmpc.console.words import scenario_line
+from radmpc.model.scenario import Scenario
+from radmpc.preflight.concerns import Concern, concerns_of
+from radmpc.preflight.outlook import Outlook, VehicleOutlook, outlook_of
+from radmpc.preflight.places import Narrowest, Passage
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.text import Text
+
+__all__ = ["check_report", "outlook_json", "run_check"]
+
+_COLUMNS = (
+    "vehicle",
+    "least time",
+    "kept back",
+    "saturates",
+    "at the end",
+    "start risk",
+    "goal risk",
+    "narrowest place",
+)
+
+_GAP = "  "
+"""What separates columns."""
+
+
+def run_check(scenario: Scenario, *, as_json: bool) -> int:
+    """Look at a valid scenario and report.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        As read from its file.
+    as_json : bool
+        Whether stdout gets JSON rather than the report.
+
+    Returns
+    -------
+    int
+        The exit code: that of a valid file, whatever is warned of.
+    """
+    outlook = outlook_of(scenario)
+    concerns = concerns_of(outlook)
+    if as_json:
+        show_json(outlook_json(outlook, concerns))
+    else:
+        show(*check_report(outlook, concerns))
+    return Code.OK
+
+
+def check_report(outlook: Outlook, concerns: Sequence[Concern]) -> list[RenderableType]:
+    """Return what was seen as parts to show: warnings first.
+
+    Parameters
+    ----------
+    outlook : Outlook
+        What was seen.
+    concerns : sequence of Concern
+        What to warn of.
+    """
+    head = f"valid: {scenario_line(outlook.scenario)}"
+    rows = [_COLUMNS, *(_row(outlook.scenario, seen) for seen in outlook.vehicles)]
+    widest = [max(len(row[k]) for row in rows) for k in range(len(_COLUMNS))]
+    parts: list[RenderableType] = [head, *(_warning(concern) for concern in concerns), ""]
+    if sum(widest) + len(_GAP) * (len(widest) - 1) > width():
+        return [*parts, *_blocks(rows)]
+    lines = [
+        _GAP.join(cell.ljust(most) for cell, most in zip(row, widest, strict=True)).rstrip()
+        for row in rows
+    ]
+    return [*parts, *lines]
+
+
+def _warning(concern: Concern) -> Text:
+    """Return a warning as a line."""
+    from rich.text import Text  # noqa: PLC0415 - a scenario without warnings does without
+
+    word, style = ("no plan", "red") if concern.is_fatal else ("warning", "yellow")
+    return Text(f"{word}: {concern.text}", style=style)
+
+
+def _blocks(rows: Sequence[Sequence[str]]) -> list[RenderableType]:
+    """Return a table that is too wide for the terminal as a block of lines per vehicle."""
+    head, *vehicles = rows
+    longest = max(len(word) for word in head)
+    lines: list[RenderableType] = []
+    for row in vehicles:
+        lines.append(row[0])
+        told = zip(head[1:], row[1:], strict=True)
+        lines += [f"  {name.ljust(longest)}{_GAP}{cell}" for name, cell in told]
+    return lines
+
+
+def _row(scenario: Scenario, seen: VehicleOutlook) -> tuple[str, ...]:
+    """Return the cells of one vehicle, in letters that every terminal has."""
+    least = seen.least_steps_with_feedback
+    return (
+        seen.name,
+        f"{'-' if least is None else least} of {scenario.horizon} steps",
+        f"{100.0 * seen.reserve.share:.0f} %" if seen.reserve.share else "-",
+        _risk(seen.saturation),
+        f"{seen.end_deviation:.3g} m",
+        _risk(seen.start_risk),
+        _risk(seen.goal_risk),
+        _place(seen.narrowest),
+    )
+
+
+def _risk(risk: float | None) -> str:
+    """Return a probability in two digits."""
+    if risk is None:
+        return "?"
+    return f"{risk:.2g}" if risk >= 1e-12 else "-"
+
+
+def _place(place: Narrowest | Passage) -> str:
+    """Return the narrowest place in a few words."""
+    if isinstance(place, Passage):
+        return "wide" if place is Passage.WIDE else "?"
+    names = " and ".join("border" if name is None else name for name in place.beside)
+    told = f"{place.clearance:.2g} m"
+    if place.deviations is not None:
+        told += f", {place.deviations:.2g} std"
+    return f"{told}: {names}"
+
+
+def outlook_json(outlook: Outlook, concerns: Sequence[Concern]) -> dict[str, object]:
+    """Return the same as plain values.
+
+    Parameters
+    ----------
+    outlook : Outlook
+        What was seen.
+    concerns : sequence of Concern
+        What to warn of.
+    """
+    scenario = outlook.scenario
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    return {
+        "valid": True,
+        "scenario": scenario.name,
+        "horizon": scenario.horizon,
+        "dt": scenario.dt,
+        "risk_bound": scenario.risk_bound,
+        "least_risk": outlook.least_risk,
+        "warnings": [
+            {
+                "kind": concern.kind,
+                "vehicles": list(concern.vehicles),
+                "text": concern.text,
+                "rules_out": concern.is_fatal,
+            }
+            for concern in concerns
+        ],
+        "vehicles": [_vehicle_json(seen) for seen in outlook.vehicles],
+        "endpoints": [
+            {
+                "at": "goal" if hazard.at_goal else "start",
+                "cause": hazard.cause,
+                "members": [names[i] for i in hazard.members],
+                "obstacle": hazard.other,
+                "risk": hazard.risk,
+                "distance": hazard.distance,
+            }
+            for hazard in outlook.hazards
+        ],
+    }
+
+
+def _vehicle_json(seen: VehicleOutlook) -> dict[str, object]:
+    """Return one vehicle as plain values."""
+    reserve = seen.reserve
+    return {
+        "name": seen.name,
+        "least_steps": seen.least_steps,
+        "least_steps_with_feedback": seen.least_steps_with_feedback,
+        "end_deviation": seen.end_deviation,
+        "kept_back": {
+            "share": reserve.share,
+            "kept": reserve.kept,
+            "limit": reserve.limit,
+            "axis": reserve.axis,
+            "at_step": reserve.step,
+        },
+        "saturation": seen.saturation,
+        "start_risk": seen.start_risk,
+        "goal_risk": seen.goal_risk,
+        "narrowest": _narrowest_json(seen.narrowest),
+    }
+
+
+def _narrowest_json(place: Narrowest | Passage) -> dict[str, object]:
+    """Return the narrowest place as plain values; what is not known is null."""
+    if isinstance(place, Passage):
+        nothing = dict.fromkeys(("clearance", "deviations", "position", "step", "beside"))
+        return {"found": place.value, **nothing}
+    return {
+        "found": "narrow",
+        "clearance": place.clearance,
+        "deviations": place.deviations,
+        "position": list(place.position),
+        "step": place.step,
+        "beside": list(place.beside),
+    }

@@ -1,0 +1,97 @@
+"""What starts and goals risk at least; nothing is loaded for it where nothing is near them."""
+
+from __future__ import annotations
+
+from math import log, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.model.scenario import Scenario
+
+if TYPE_CHECKING:
+    from radmpc.planners.endpoint_risk import Floors
+
+__all__ = ["least_risks"]
+
+_LEAST = 1e-4
+"""Share of Δ below which a hazard counts as nothing [-], as in `Floors`."""
+
+
+def least_risks(scenario: Scenario, covariances: list[Tensor]) -> Floors | None:
+    """Return what starts and goals risk, whatever the plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    covariances : list of (T+1, d, d) array
+        Position covariances of every vehicle [m²].
+
+    Returns
+    -------
+    Floors or None
+        None where nothing is near any of them.
+    """
+    if not any(_is_near(scenario, covariances, at_goal=one) for one in (False, True)):
+        return None
+    # These load scipy, which takes as long as all else of a check.
+    from radmpc.planners.endpoint_risk import floors  # noqa: PLC0415
+    from radmpc.program.build import condensed_models  # noqa: PLC0415
+
+    return floors(scenario, condensed_models(scenario))
+
+
+def _is_near(scenario: Scenario, covariances: list[Tensor], *, at_goal: bool) -> bool:
+    """Whether anything is near a start or a goal, near enough to run any risk."""
+    vehicles = scenario.vehicles
+    if at_goal:
+        lower = np.array([v.goal.lower for v in vehicles])
+        upper = np.array([v.goal.upper for v in vehicles])
+    else:
+        lower = upper = np.array([v.start_position for v in vehicles])
+    ends = np.array([c[-1 if at_goal else 0] for c in covariances])
+    # The tail at q deviations is at most exp(−q²/2)/2.
+    far = sqrt(-2.0 * log(2.0 * _LEAST * scenario.risk_bound))
+    spread = np.sqrt(np.linalg.eigvalsh(ends)[:, -1].clip(min=0.0))
+    radii = np.array([v.radius for v in vehicles])
+    step = scenario.horizon if at_goal else 0
+    return (
+        _near_border(scenario, lower, upper, far * spread)
+        or _near_pieces(scenario, lower, upper, radii + far * spread + 1e-6, step)
+        or _near_each_other(lower, upper, radii, far * spread)
+    )
+
+
+def _near_border(scenario: Scenario, lower: Matrix, upper: Matrix, reach: Vector) -> bool:
+    """Whether some place is near the workspace's border."""
+    workspace = scenario.workspace
+    if workspace is None:
+        return False
+    away = np.minimum(lower - workspace.lower, workspace.upper - upper).min(axis=1)
+    return bool(np.any(away <= reach))
+
+
+def _near_pieces(
+    scenario: Scenario, lower: Matrix, upper: Matrix, reach: Vector, step: int
+) -> bool:
+    """Whether some place is near an obstacle, or near the box around it."""
+    for obstacle in scenario.obstacles:
+        for piece in obstacle.at(step):
+            low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
+            gaps = np.maximum(np.maximum(low - upper, lower - high), 0.0)
+            if np.any(np.square(gaps).sum(axis=1) <= np.square(reach)):
+                return True
+    return False
+
+
+def _near_each_other(lower: Matrix, upper: Matrix, radii: Vector, spread: Vector) -> bool:
+    """Whether two places are near each other."""
+    for i in range(len(radii) - 1):
+        gaps = np.maximum(np.maximum(lower[i] - upper[i + 1 :], lower[i + 1 :] - upper[i]), 0.0)
+        # Deviations of two add up to less than their sum.
+        reach = radii[i] + radii[i + 1 :] + spread[i] + spread[i + 1 :] + 1e-6
+        if np.any(np.square(gaps).sum(axis=1) <= np.square(reach)):
+            return True
+    return False

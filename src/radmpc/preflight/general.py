@@ -1,0 +1,96 @@
+"""Least time and effort of dynamics that have no closed form: by linear programs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.errors import ScenarioError
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.planners.explain import unable_alone
+from radmpc.program.build import build_program, condensed_models, controls_of
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.lp.highs_lp import LpOutcome
+from radmpc.solvers.lp.warm_lp import WarmLp
+
+__all__ = ["arrives", "cheapest", "reach"]
+
+
+def arrives(scenario: Scenario, vehicle: Vehicle, horizon: int) -> bool:
+    """Whether a vehicle can be in its goal at a horizon, through empty space.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose step counts.
+    vehicle : Vehicle
+        With its feedback, which keeps control back.
+    horizon : int
+        Number of steps.
+    """
+    try:
+        alone, model = _alone(scenario, vehicle, horizon)
+    except ScenarioError:  # a state that grows too far
+        return False
+    return unable_alone(alone, model) is None
+
+
+def cheapest(scenario: Scenario, vehicle: Vehicle) -> Matrix | None:
+    """Return controls of the least effort through empty space.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose step and horizon count.
+    vehicle : Vehicle
+        With its feedback.
+
+    Returns
+    -------
+    (T, m) array or None
+        None where the goal is out of reach.
+    """
+    alone, model = _alone(scenario, vehicle, scenario.horizon)
+    if np.any(model.control_bounds < 0.0):
+        return None
+    program: DisjunctiveProgram = build_program(alone, [model], risk_bound=scenario.risk_bound)
+    lp = WarmLp(program, np.zeros(program.rows.count))
+    outcome, _ = lp.solve()
+    if outcome is not LpOutcome.OPTIMAL:
+        return None
+    return controls_of([model], lp.point())[0]
+
+
+def reach(scenario: Scenario, vehicle: Vehicle) -> tuple[Matrix, Matrix]:
+    """Return boxes that hold the mean at each step, in time at the goal.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose step and horizon count.
+    vehicle : Vehicle
+        With its feedback.
+
+    Returns
+    -------
+    lower, upper : (T+1, d) array
+        Corners [m]; crossed where the goal is out of reach.
+    """
+    _, model = _alone(scenario, vehicle, scenario.horizon)
+    return model.reach_lower, model.reach_upper
+
+
+def _alone(scenario: Scenario, vehicle: Vehicle, horizon: int) -> tuple[Scenario, CondensedModel]:
+    """Return a vehicle in empty space, over a horizon."""
+    alone = Scenario(
+        name=scenario.name,
+        dt=scenario.dt,
+        horizon=horizon,
+        risk_bound=scenario.risk_bound,
+        vehicles=(vehicle,),
+        avoidance=scenario.avoidance,
+    )
+    (model,) = condensed_models(alone)
+    return alone, model

@@ -1,0 +1,228 @@
+"""Per vehicle, what planning is going to meet: time, noise, control, and places that are narrow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Tensor
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.preflight.endpoints import least_risks
+from radmpc.preflight.narrowest import Traveler, narrowest_place
+from radmpc.preflight.pace import Pace
+from radmpc.preflight.places import Narrowest, Passage
+from radmpc.preflight.reserve import Reserve, expected_saturation, reserve_of
+
+if TYPE_CHECKING:
+    from radmpc.planners.endpoint_risk import EndpointHazard, Floors
+
+__all__ = ["Outlook", "VehicleOutlook", "outlook_of"]
+
+_MOST_TIMES = 8
+"""Multiple of the horizon up to which the least time is looked for [-]."""
+
+_WORK, _WORK_OF_ALL = 4e6, 8e7
+"""Cells times ticks spent on the narrowest place of a vehicle, and of a fleet [-]: 2e7 take about a
+second."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VehicleOutlook:
+    """What one vehicle is going to meet.
+
+    Attributes
+    ----------
+    name : str
+        The vehicle.
+    least_steps : int or None
+        Fewest steps to its goal through empty space with its whole control limit, noise aside; None
+        where eight times the horizon is not enough.
+    least_steps_with_feedback : int or None
+        The same with what its feedback leaves of the limit: what a plan takes at least.
+    end_deviation : float
+        Largest standard deviation of its position at the horizon, in any direction [m].
+    reserve : Reserve
+        What its feedback keeps back of the control limit.
+    saturation : float or None
+        How likely its feedback asks for more control than the cheapest way through empty space
+        leaves [-]; None where it cannot get there in time.
+    start_risk, goal_risk : float
+        Sum of what its start and its goal risk at least, whatever the plan: against obstacles, the
+        border, and other vehicles' starts or goals [-].
+    narrowest : Narrowest or Passage
+        The narrowest place that it must pass; unknown, too, where it cannot get there in time.
+    """
+
+    name: str
+    least_steps: int | None
+    least_steps_with_feedback: int | None
+    end_deviation: float
+    reserve: Reserve
+    saturation: float | None
+    start_risk: float
+    goal_risk: float
+    narrowest: Narrowest | Passage
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outlook:
+    """What a fleet is going to meet.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        The fleet.
+    vehicles : tuple of VehicleOutlook
+        Its vehicles, in its order.
+    endpoints : Floors or None
+        Risk that no plan can avoid; None where nothing is near any start or goal.
+    """
+
+    scenario: Scenario
+    vehicles: tuple[VehicleOutlook, ...]
+    endpoints: Floors | None
+
+    @property
+    def least_risk(self) -> float:
+        """What starts and goals of the whole fleet risk at least [-]."""
+        return 0.0 if self.endpoints is None else self.endpoints.total
+
+    @property
+    def hazards(self) -> tuple[EndpointHazard, ...]:
+        """The parts of that risk, starts before goals, the greatest of either first."""
+        return () if self.endpoints is None else (*self.endpoints.starts, *self.endpoints.goals)
+
+
+def outlook_of(scenario: Scenario) -> Outlook:
+    """Look at a scenario without planning it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Any.
+
+    Returns
+    -------
+    Outlook
+        In time that grows with vehicles, steps and obstacles, but not with ways around them.
+    """
+    covariances = [vehicle.covariances(scenario.horizon) for vehicle in scenario.vehicles]
+    places = []
+    for vehicle, tensor in zip(scenario.vehicles, covariances, strict=True):
+        axes = list(vehicle.system.position)
+        places.append(tensor[:, axes][:, :, axes])
+    endpoints = least_risks(scenario, places)
+    work = min(_WORK, _WORK_OF_ALL / scenario.num_vehicles)
+    vehicles = tuple(
+        _vehicle(scenario, i, covariances[i], places[i], _risks(endpoints, i), work)
+        for i in range(scenario.num_vehicles)
+    )
+    return Outlook(scenario, vehicles, endpoints)
+
+
+def _risks(endpoints: Floors | None, i: int) -> tuple[float, float]:
+    """Return what a vehicle's start and goal risk, pairs included."""
+    if endpoints is None:
+        return 0.0, 0.0
+    start, goal = (float(risk) for risk in endpoints.vehicles[i])
+    for hazard in (*endpoints.starts, *endpoints.goals):
+        if hazard.cause == "pair" and i in hazard.members:
+            start += 0.0 if hazard.at_goal else hazard.risk
+            goal += hazard.risk if hazard.at_goal else 0.0
+    return start, goal
+
+
+def _vehicle(
+    scenario: Scenario,
+    i: int,
+    covariances: Tensor,
+    places: Tensor,
+    risks: tuple[float, float],
+    work: float,
+) -> VehicleOutlook:
+    """Look at one vehicle."""
+    vehicle = scenario.vehicles[i]
+    bounds = vehicle.control_bounds(covariances)
+    pace = Pace.of(vehicle)
+    if pace is None:
+        least, least_kept, controls, reach = _by_programs(scenario, vehicle)
+    else:
+        least, least_kept = _least_times(scenario, vehicle, pace)
+        left = np.maximum(bounds, 0.0)
+        controls, reach = pace.cheapest(left), pace.reach(left)
+    is_able = controls is not None and bool(np.all(bounds >= 0.0))
+    narrowest: Narrowest | Passage = Passage.UNKNOWN
+    if is_able:
+        goal = (vehicle.goal.lower, vehicle.goal.upper)
+        traveler = Traveler(scenario, vehicle.radius, vehicle.start_position, goal, places, reach)
+        narrowest = narrowest_place(traveler, work)
+    return VehicleOutlook(
+        name=vehicle.name,
+        least_steps=least,
+        least_steps_with_feedback=least_kept,
+        end_deviation=float(np.sqrt(max(np.linalg.eigvalsh(places[-1])[-1], 0.0))),
+        reserve=reserve_of(vehicle, bounds),
+        saturation=(
+            expected_saturation(vehicle, covariances, controls)
+            if is_able and controls is not None
+            else None
+        ),
+        start_risk=risks[0],
+        goal_risk=risks[1],
+        narrowest=narrowest,
+    )
+
+
+def _least_times(scenario: Scenario, vehicle: Vehicle, pace: Pace) -> tuple[int | None, int | None]:
+    """Return the fewest steps with the whole control limit, and with what feedback leaves."""
+    most = _MOST_TIMES * scenario.horizon
+    whole = np.tile(vehicle.control_limit, (most, 1))
+    is_resting = not pace.speed.any()
+    least = _least(lambda steps: pace.arrives(whole[:steps]), scenario.horizon, is_resting)
+    if vehicle.gain is None or least is None:
+        return least, least
+    near = vehicle.covariances(scenario.horizon)
+    # Past the horizon the deviations go on as they are by then, or grow: see `_MOST_TIMES`.
+    bounds = vehicle.control_bounds(near)
+    left = np.maximum(np.vstack([bounds, np.repeat(bounds[-1:], most - len(bounds), axis=0)]), 0.0)
+    return least, _least(lambda steps: pace.arrives(left[:steps]), scenario.horizon, is_resting)
+
+
+def _by_programs(
+    scenario: Scenario, vehicle: Vehicle
+) -> tuple[int | None, int | None, Matrix | None, tuple[Matrix, Matrix]]:
+    """Return the same of other dynamics: least times, cheapest controls, reach."""
+    from radmpc.preflight import general  # noqa: PLC0415 - a solver; integrators do without
+
+    horizon = scenario.horizon
+    kept = _least(lambda steps: general.arrives(scenario, vehicle, steps), horizon, True)
+    least = kept
+    if vehicle.gain is not None:
+        bare = replace(vehicle, gain=None)
+        least = _least(lambda steps: general.arrives(scenario, bare, steps), horizon, True)
+    return least, kept, general.cheapest(scenario, vehicle), general.reach(scenario, vehicle)
+
+
+def _least(arrives: Callable[[int], bool], horizon: int, is_resting: bool) -> int | None:
+    """Return the least number of steps that is enough.
+
+    One that starts at rest may wait: what is enough stays enough. Others are tried step by step up
+    to the horizon, since they may pass their goal and have to come back.
+    """
+    if not is_resting:
+        for steps in range(1, horizon + 1):
+            if arrives(steps):
+                return steps
+    failed, works = 0, horizon
+    while not arrives(works):
+        failed, works = works, 2 * works
+        if works > _MOST_TIMES * horizon:
+            return None
+    while works - failed > 1:
+        middle = (failed + works) // 2
+        failed, works = (failed, middle) if arrives(middle) else (middle, works)
+    return works

@@ -1,0 +1,94 @@
+"""What `radmpc check` prints of a valid scenario."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from radmpc.console.commands import check as command
+from radmpc.console.files import demo_text
+
+from .conftest import CROSSING, Run
+
+SCENES = Path(__file__).parent.parent / "data" / "scenes"
+
+
+def test_a_table_tells_what_each_vehicle_meets(run: Run, crossing: Path) -> None:
+    result = run("check", crossing)
+    assert result.exit_code == 0
+    lines = result.stdout.splitlines()
+    assert lines[0].startswith("valid: crossing")
+    head, east, west = lines[-3:]
+    for word in ("least time", "kept back", "saturates", "at the end", "start risk", "narrowest"):
+        assert word in head
+    assert east.split()[:5] == ["east", "5", "of", "6", "steps"]
+    assert east[head.index("at the end") :].startswith("0.127 m")
+    assert east.endswith("wide")
+    assert west.startswith("west")
+
+
+def test_warnings_stand_before_the_table_and_do_not_change_the_exit_code(run: Run) -> None:
+    result = run("check", SCENES / "goal-too-near-fleet.yaml")
+    assert result.exit_code == 0
+    lines = result.stdout.splitlines()
+    assert lines[1].startswith("no plan: The goal of vehicle 'usv4'")
+    assert lines[2].startswith("warning: Vehicles 'usv1'")
+    assert lines.index("") < next(i for i, line in enumerate(lines) if "least time" in line)
+    assert lines[-3].split()[-5:] == ["1.5", "m,", "2", "std:", "mole"]
+
+
+def test_a_terminal_that_is_too_narrow_gets_a_block_per_vehicle(
+    run: Run, crossing: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(command, "width", lambda: 60)
+    result = run("check", crossing)
+    lines = result.stdout.splitlines()
+    assert "east" in lines
+    assert "  least time       5 of 6 steps" in lines
+    assert max(len(line) for line in lines[1:]) <= 60
+
+
+def test_the_same_is_printed_as_json(run: Run) -> None:
+    result = run("check", SCENES / "goal-too-near-fleet.yaml", "--json")
+    assert result.exit_code == 0
+    told = json.loads(result.stdout)
+    assert told["valid"] is True
+    assert told["least_risk"] == pytest.approx(0.02555, rel=1e-3)
+    first = told["warnings"][0]
+    assert (first["kind"], first["vehicles"], first["rules_out"]) == ("endpoint", ["usv4"], True)
+    usv4 = told["vehicles"][3]
+    assert usv4["least_steps_with_feedback"] == 19
+    assert usv4["kept_back"]["kept"] == pytest.approx(0.0753, abs=1e-4)
+    assert usv4["narrowest"]["beside"] == ["mole"]
+    assert usv4["goal_risk"] == told["endpoints"][0]["risk"]
+    assert told["endpoints"][0]["members"] == ["usv4"]
+
+
+def test_what_cannot_be_told_is_said_to_be_unknown(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "late.yaml"
+    path.write_text(CROSSING.replace("horizon: 6", "horizon: 2"), encoding="utf-8")
+    result = run("check", path)
+    assert result.exit_code == 0
+    assert result.stdout.count("5 steps away at least, horizon 2 steps (2 s)") == 2
+    assert result.stdout.splitlines()[-1].endswith("?")
+    told = json.loads(run("check", path, "--json").stdout)
+    assert told["vehicles"][0]["saturation"] is None
+    assert told["vehicles"][0]["narrowest"]["found"] == "unknown"
+
+
+def test_the_shipped_scenario_has_nothing_to_warn_of(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "harbor.yaml"
+    path.write_text(demo_text(), encoding="utf-8")
+    assert json.loads(run("check", path, "--json").stdout)["warnings"] == []
+
+
+def test_an_error_in_a_file_is_no_json(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "bad.yaml"
+    shutil.copy(SCENES / "goal-too-near.yaml", path)
+    path.write_text(path.read_text("utf-8").replace("dt: 5.0", "dt: -5"), encoding="utf-8")
+    result = run("check", path, "--json")
+    assert result.exit_code == 2
+    assert result.stdout == ""
