@@ -1,7 +1,7 @@
 """Noise and feedback of vehicles from logs of their flights.
 
-What a step of the double integrator leaves unexplained, ``x⁺ − A x − B u`` with logged commands u, or
-``e⁺ − (A + B K) e`` with deviations e from a logged reference, is disturbance: its covariance,
+What a step of the double integrator leaves unexplained, ``x⁺ − A x − B u`` with logged commands u,
+or ``e⁺ − (A + B K) e`` with deviations e from a logged reference, is disturbance: its covariance,
 drift, autocorrelation, tails, and the part that vehicles have in common.
 """
 

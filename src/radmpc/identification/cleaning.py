@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.errors import FileFormatError
 from radmpc.identification.track import Track
@@ -78,7 +77,7 @@ def _with_axes(track: Track, dimension: int | None) -> Track:
         )
         for name in track.parts()
     }
-    return replace(track, **parts)
+    return track.changed(parts)
 
 
 def _without_missing_parts(track: Track, warnings: list[str]) -> Track:
@@ -91,7 +90,7 @@ def _without_missing_parts(track: Track, warnings: list[str]) -> Track:
             if is_there.any():
                 told = f"{name.replace('_', ' ')} stand in {is_there.sum()} of {is_there.size}"
                 warnings.append(f"{track.where}: {told} samples only, and are not used")
-            track = replace(track, **{name: None})
+            track = track.changed({name: None})
     return track
 
 
@@ -118,8 +117,10 @@ def _in_order(track: Track, warnings: list[str]) -> Track:
     is_new = np.concatenate([[True], forward > 0.0])
     repeated = int((~is_new).sum())
     if repeated:
-        told = f"{repeated} samples repeat the time before them" if repeated > 1 else (
-            "a sample repeats the time before it"
+        told = (
+            f"{repeated} samples repeat the time before them"
+            if repeated > 1
+            else ("a sample repeats the time before it")
         )
         warnings.append(f"{track.where}: {told}, and {'are' if repeated > 1 else 'is'} left out")
     return _taken(track, is_new)
@@ -138,7 +139,7 @@ def _without_constants(track: Track, warnings: list[str]) -> Track:
         return track
     if np.any((np.ptp(velocities, axis=0) == 0.0) & ~is_still):
         warnings.append(f"{track.where}: velocities never change, and are not used")
-        return replace(track, velocities=None)
+        return track.changed({"velocities": None})
     return track
 
 
@@ -170,9 +171,9 @@ def _check_period(track: Track, warnings: list[str]) -> None:
         warnings.append(f"{track.where}: a sample every {period:.3g} s: are times in seconds?")
 
 
-def _taken(track: Track, which: np.ndarray) -> Track:  # type: ignore[type-arg] # of bools
+def _taken(track: Track, which: npt.NDArray[np.bool_]) -> Track:
     """Return some of the samples."""
     if which.all():
         return track
     parts = {name: getattr(track, name)[which] for name in track.parts()}
-    return replace(track, times=track.times[which], **parts)
+    return track.changed(parts, track.times[which])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chdtrc
@@ -46,13 +46,13 @@ class Model:
     has_velocity: bool
 
     @property
-    def A(self) -> Matrix:
+    def A(self) -> Matrix:  # noqa: N802 - the field's name
         """State matrix, (n, n)."""
         eye, zero = np.eye(self.dimension), np.zeros((self.dimension, self.dimension))
         return np.block([[eye, self.dt * eye], [zero, eye]]) if self.has_velocity else eye
 
     @property
-    def B(self) -> Matrix:
+    def B(self) -> Matrix:  # noqa: N802 - the field's name
         """Control matrix, (n, d)."""
         eye = np.eye(self.dimension)
         if not self.has_velocity:
@@ -121,7 +121,9 @@ class Estimate:
     noise: tuple[tuple[str, int, Matrix], ...]
 
 
-def estimate(group: Sequence[Transitions], model: Model, evidence: Evidence) -> Estimate:
+def estimate(
+    group: Sequence[Transitions], model: Model, evidence: Evidence, *, share: float = 0.0
+) -> Estimate:
     """Return what a group of vehicles has in common.
 
     Parameters
@@ -132,6 +134,9 @@ def estimate(group: Sequence[Transitions], model: Model, evidence: Evidence) -> 
         Their dynamics.
     evidence : {'commands', 'references', 'states'}
         What explains their transitions.
+    share : float
+        Correlation of the noise between vehicles at equal times [-]: steps that they share tell
+        less.
     """
     all_segments = [segment for one in group for segment in one.segments]
     y, h, follows = stacked(all_segments)
@@ -143,13 +148,17 @@ def estimate(group: Sequence[Transitions], model: Model, evidence: Evidence) -> 
         found = fit(y, h, follows, model.B, has_color=True)
     measured = _measured(found, all_segments, model, first) if evidence == "commands" else None
     kind = None if evidence == "states" else tails(whitened(found.innovations))
-    covariance, worth = _spread(found, kind, model)
+    more = (len(group) - 1) * max(share, 0.0)
+    found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
+    covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
+    if measured is not None:
+        covariance, worth = measured[0], min(worth, _worth(measured[0]))
     drift, has_drift = _drift(found, y, model, evidence)
     return Estimate(
         vehicles=tuple(one.name for one in group),
         num_steps=len(y),
         worth=worth,
-        covariance=covariance if measured is None else measured[0],
+        covariance=covariance,
         drift=drift,
         has_drift=has_drift,
         gain=_gain(found, group, evidence),
@@ -175,12 +184,21 @@ def _noise(rows: Matrix, group: Sequence[Transitions]) -> tuple[tuple[str, int, 
     owners = [(one.name, segment) for one in group for segment in one.segments]
     pieces = _pieces(rows, [segment for _, segment in owners])
     return tuple(
-        (name, segment.first, piece)
-        for (name, segment), piece in zip(owners, pieces, strict=True)
+        (name, segment.first, piece) for (name, segment), piece in zip(owners, pieces, strict=True)
     )
 
 
-def _spread(found: Fit, kind: Tails | None, model: Model) -> tuple[Interval, float]:
+def _widened(found: Fit, by_mean: float, by_product: float) -> Fit:
+    """Return a fit whose means and products are less sure by some factors."""
+    return replace(
+        found,
+        gain_deviation=by_product * found.gain_deviation,
+        drift_deviation=by_mean * found.drift_deviation,
+        color_deviation=by_product * found.color_deviation,
+    )
+
+
+def _spread(found: Fit, kind: Tails | None, model: Model, alike: float) -> tuple[Interval, float]:
     """Return W with its interval, and how many independent steps it is worth."""
     steps, color = len(found.noise), found.color
     spent = (1.0 + color) / (1.0 - color) + found.gain.size / model.num_states
@@ -188,13 +206,19 @@ def _spread(found: Fit, kind: Tails | None, model: Model) -> tuple[Interval, flo
     covariance = found.noise.T @ found.noise / free
     excess = 0.0 if kind is None or kind.is_gaussian else max(kind.excess_kurtosis, 0.0)
     # Fourth moments: squares of a variable with excess kurtosis k vary by (2 + k) instead of 2.
-    worth = max(free * (1.0 - color**2) / (1.0 + color**2) / (1.0 + 0.5 * excess), 1.0)
+    worth = free * (1.0 - color**2) / (1.0 + color**2) / (1.0 + 0.5 * excess)
+    worth = max(worth / alike, 1.0)
     return covariance_interval(covariance, worth), worth
 
 
-def _drift(
-    found: Fit, y: Matrix, model: Model, evidence: Evidence
-) -> tuple[Interval, bool]:
+def _worth(covariance: Interval) -> float:
+    """Return how many independent steps would tell the variances as well, on average."""
+    variances = np.maximum(np.diag(covariance.value), 1e-300)
+    deviations = np.maximum(np.diag(covariance.high - covariance.low) / 3.92, 1e-300)
+    return max(float(np.median(2.0 * (variances / deviations) ** 2)), 1.0)
+
+
+def _drift(found: Fit, y: Matrix, model: Model, evidence: Evidence) -> tuple[Interval, bool]:
     """Return what every step adds, and whether that is beyond chance."""
     if evidence != "states":
         drift = normal_interval(found.drift, found.drift_deviation)

@@ -10,6 +10,7 @@ from scipy.special import chdtrc
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.cleaning import clean
+from radmpc.identification.commands import command_warning
 from radmpc.identification.estimate import Estimate, Model, estimate
 from radmpc.identification.sampling import Samples, native_period, sample
 from radmpc.identification.segments import Evidence, Transitions, segments, without_jumps
@@ -77,7 +78,11 @@ class Identification:
 
 
 def identify(
-    tracks: Sequence[Track], *, dt: float | None = None, dimension: int | None = None
+    tracks: Sequence[Track],
+    *,
+    dt: float | None = None,
+    dimension: int | None = None,
+    warnings: Sequence[str] = (),
 ) -> Identification:
     """Return what logs tell of noise and feedback.
 
@@ -89,6 +94,8 @@ def identify(
         Step that the numbers are to refer to [s]; None is the logs' own.
     dimension : int or None
         Axes to look at; None is all that every log has.
+    warnings : sequence of str
+        What reading the logs had to say; goes before what is found here.
 
     Returns
     -------
@@ -106,13 +113,14 @@ def identify(
         raise ScenarioError(f"must be > 0 s, got {dt:g}", ("dt",))
     if not tracks:
         raise FileFormatError("the logs hold no vehicle")
-    warnings: list[str] = []
-    cleaned = _cleaned(tracks, dimension, warnings)
+    told = list(warnings)
+    cleaned = _cleaned(tracks, dimension, told)
     step = _step(cleaned) if dt is None else dt
-    at_steps = _sampled(cleaned, step, warnings)
-    evidence = _evidence(cleaned, warnings)
+    at_steps = _sampled(cleaned, step, told)
+    evidence = _evidence(cleaned, told)
+    told += [line for one in at_steps for line in command_warning(one, evidence)]
     model = Model(step, cleaned[0].dimension, all(t.velocities is not None for t in cleaned))
-    vehicles = _vehicles(at_steps, evidence, model, warnings)
+    vehicles = _vehicles(at_steps, evidence, model, told)
     pooled = estimate(vehicles, model, evidence)
     each = tuple(
         estimate([one], model, evidence)
@@ -121,8 +129,10 @@ def identify(
     )
     differ = len(each) == len(vehicles) and _differ(pooled, each)
     shared = _shared(vehicles, each if differ else (pooled,), pooled)
+    if shared is not None and shared.is_sure:
+        pooled = estimate(vehicles, model, evidence, share=float(shared.share.value))
     if pooled.worth < _FEW_STEPS:
-        warnings.append(
+        told.append(
             f"the logs are worth about {pooled.worth:.0f} independent steps: the numbers are rough"
         )
     return Identification(
@@ -135,13 +145,11 @@ def identify(
         differ=differ,
         shared=shared,
         unknown=unknowns(pooled, shared, model, evidence, len(vehicles)),
-        warnings=tuple(warnings),
+        warnings=tuple(told),
     )
 
 
-def _cleaned(
-    tracks: Sequence[Track], dimension: int | None, warnings: list[str]
-) -> list[Track]:
+def _cleaned(tracks: Sequence[Track], dimension: int | None, warnings: list[str]) -> list[Track]:
     """Return what can be used of the logs, all with the same axes and parts of the state."""
     axes = min(track.dimension for track in tracks) if dimension is None else dimension
     if any(track.dimension > axes for track in tracks):

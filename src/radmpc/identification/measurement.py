@@ -1,9 +1,9 @@
 r"""Process and measurement noise told apart by how residuals follow each other.
 
 With states measured as :math:`x_k + m_k`, what the dynamics leave unexplained is
-:math:`w_k + m_{k+1} - A m_k`: white disturbances have the same power at all frequencies, measurement
-noise has most of it where the state changes its direction every step. Its spectrum is linear in
-both covariances, and Fisher scoring maximizes Whittle's likelihood over them.
+:math:`w_k + m_{k+1} - A m_k`: white disturbances have the same power at all frequencies,
+measurement noise has most of it where the state changes its direction every step. The spectrum is
+linear in both covariances, and Fisher scoring maximizes Whittle's likelihood over them.
 """
 
 from __future__ import annotations

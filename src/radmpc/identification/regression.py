@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Vector
 
 __all__ = ["Fit", "fit"]
 
@@ -93,7 +93,7 @@ def fit(y: Matrix, h: Matrix, follows: Vector, B: Matrix, *, has_color: bool) ->
 Solved = tuple[Matrix, Vector, Matrix]
 
 
-def _solved(y: Matrix, h: Matrix, B: Matrix, color: float, pairs: np.ndarray) -> Solved:  # type: ignore[type-arg] # of indices
+def _solved(y: Matrix, h: Matrix, B: Matrix, color: float, pairs: Indices) -> Solved:
     """Return gain, drift and innovations at one autocorrelation."""
     if color == 0.0:
         z, g = y, h
@@ -132,8 +132,10 @@ def _finished(
     information = np.einsum("kij,il,klm->jm", J, weight, J, optimize=True)
     deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information, hermitian=True)), 0.0))
     color_deviation = deviations[-1] if color != 0.0 else float("nan")
-    # The mean that is taken away makes autocorrelations look smaller (Kendall 1954).
-    known = color + (1.0 + 3.0 * color) / max(len(pairs), 1) if color != 0.0 else 0.0
+    # Least squares and the mean that is taken away make it look smaller (Kendall 1954); what all
+    # axes have in common counts once, the mean of each by itself.
+    small = (1.0 + color + 2.0 * color / n) / max(len(pairs), 1)
+    known = color + small if color != 0.0 else 0.0
     return Fit(
         gain=gain,
         gain_deviation=deviations[: d * q].reshape(d, q),
@@ -147,7 +149,7 @@ def _finished(
 
 
 def _inverse(residuals: Matrix) -> Matrix:
-    """Return the inverse covariance of residuals; directions without any get a very large weight."""
+    """Return the inverse covariance of residuals, large in directions without any."""
     covariance = residuals.T @ residuals / len(residuals)
     scale = np.sqrt(_variances(covariance))
     relative = covariance / np.outer(scale, scale)

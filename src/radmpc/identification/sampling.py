@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import FileFormatError
@@ -125,7 +126,7 @@ def _nearest(times: Vector, places: Vector) -> Indices:
     return np.asarray(after - is_before, dtype=np.int64)
 
 
-def _is_covered(times: Vector, places: Vector, gap: float) -> np.ndarray:  # type: ignore[type-arg]
+def _is_covered(times: Vector, places: Vector, gap: float) -> npt.NDArray[np.bool_]:
     """Whether places lie between two samples that are no gap apart."""
     after = np.clip(np.searchsorted(times, places), 1, max(len(times) - 1, 1))
     if len(times) < 2:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.identification.sampling import Samples
@@ -117,16 +118,14 @@ def segments(samples: Samples, evidence: Evidence) -> Transitions:
     h = states[:-1] if evidence == "references" else np.empty((len(y), 0))
     offset = None if samples.second is None else samples.states[:-1, :d] - samples.second[:-1]
     found = tuple(
-        Segment(
-            int(samples.steps[run[0]]), y[run], h[run], None if offset is None else offset[run]
-        )
+        Segment(int(samples.steps[run[0]]), y[run], h[run], None if offset is None else offset[run])
         for run in _runs(is_step)
     )
     deviations, corrections = _feedback_pairs(samples, is_step)
     return Transitions(samples.track.name, samples.track.clock, found, deviations, corrections)
 
 
-def _runs(is_step: np.ndarray) -> list[Indices]:  # type: ignore[type-arg] # of bools
+def _runs(is_step: npt.NDArray[np.bool_]) -> list[Indices]:
     """Return runs of indices where a mask holds."""
     places = np.flatnonzero(is_step)
     if not places.size:
@@ -135,7 +134,8 @@ def _runs(is_step: np.ndarray) -> list[Indices]:  # type: ignore[type-arg] # of 
 
 
 def _feedback_pairs(
-    samples: Samples, is_step: np.ndarray  # type: ignore[type-arg] # of bools
+    samples: Samples,
+    is_step: npt.NDArray[np.bool_],
 ) -> tuple[Matrix | None, Matrix | None]:
     """Return deviations and what commands answered, where both were logged."""
     d, references = samples.track.dimension, samples.references
@@ -184,7 +184,7 @@ def without_jumps(found: Transitions, dimension: int) -> tuple[Transitions, int,
     return replace(found, segments=tuple(pieces)), count, largest
 
 
-def _parts(segment: Segment, is_kept: np.ndarray) -> Sequence[Segment]:  # type: ignore[type-arg]
+def _parts(segment: Segment, is_kept: npt.NDArray[np.bool_]) -> Sequence[Segment]:
     """Return what remains of a segment."""
     return [
         Segment(

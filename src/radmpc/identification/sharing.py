@@ -89,7 +89,7 @@ def shared_part(
 
 
 def _products(table: Matrix) -> Matrix:
-    """Return the mean symmetric product of two vehicles' residuals at each step with two or more."""
+    """Return the mean symmetric product of two vehicles' residuals, at each step with two."""
     total = np.zeros((table.shape[1], table.shape[2], table.shape[2]))
     pairs = np.zeros(table.shape[1])
     for one, other in combinations(table, 2):
@@ -118,7 +118,9 @@ def own_part(covariance: Matrix, shared: Shared | None) -> Matrix:
     shared : Shared or None
         The common part; None leaves the covariance as it is.
     """
-    return covariance if shared is None else nearest_covariance(covariance - shared.covariance.value)
+    return (
+        covariance if shared is None else nearest_covariance(covariance - shared.covariance.value)
+    )
 
 
 def nearest_covariance(matrix: Matrix) -> Matrix:
@@ -129,11 +131,10 @@ def nearest_covariance(matrix: Matrix) -> Matrix:
     matrix : (n, n) array
         Symmetric.
     """
-    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-200))
+    sizes = np.abs(np.diag(matrix))
+    scale = np.sqrt(np.maximum(sizes, max(1e-12 * float(sizes.max()), 1e-200)))
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
     if values[0] >= 0.0:
         return matrix
     found = (vectors * np.maximum(values, 0.0)) @ vectors.T * np.outer(scale, scale)
     return np.asarray(0.5 * (found + found.T))
-
-

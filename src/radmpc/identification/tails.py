@@ -101,13 +101,13 @@ def _reciprocal_freedom(distances: Vector, axes: int) -> tuple[float, float, flo
     Its covariance is the one observed: only the shape is free.
     """
     loglikelihood = np.empty(_GRID.size)
-    loglikelihood[0] = -0.5 * float(distances.sum()) - 0.5 * distances.size * axes * np.log(2 * np.pi)
+    loglikelihood[0] = -0.5 * float(distances.sum()) - 0.5 * distances.size * axes * np.log(
+        2 * np.pi
+    )
     for i, reciprocal in enumerate(_GRID[1:], start=1):
         nu = 1.0 / reciprocal
         each = (
-            gammaln(0.5 * (nu + axes))
-            - gammaln(0.5 * nu)
-            - 0.5 * axes * np.log(np.pi * (nu - 2.0))
+            gammaln(0.5 * (nu + axes)) - gammaln(0.5 * nu) - 0.5 * axes * np.log(np.pi * (nu - 2.0))
         )
         rest = np.log1p(distances / (nu - 2.0)).sum()
         loglikelihood[i] = distances.size * each - 0.5 * (nu + axes) * float(rest)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +60,28 @@ class Track(Frozen):
         """Return the names of what was logged beside the times."""
         names = ("positions", "velocities", "controls", "references", "second_positions")
         return tuple(name for name in names if getattr(self, name) is not None)
+
+    def changed(self, parts: Mapping[str, Matrix | None], times: Vector | None = None) -> Track:
+        """Return the track with other parts.
+
+        Parameters
+        ----------
+        parts : mapping
+            By their names; those not named stay as they are.
+        times : (N,) array or None
+            Of all parts; None leaves them as they are.
+        """
+        names = ("velocities", "controls", "references", "second_positions")
+        found = {name: parts.get(name, getattr(self, name)) for name in names}
+        positions = parts.get("positions")
+        return Track(
+            self.name,
+            self.source,
+            self.clock,
+            self.times if times is None else times,
+            self.positions if positions is None else positions,
+            **found,
+        )
 
     @property
     def dimension(self) -> int:

@@ -81,7 +81,7 @@ def _of_references(found: Estimate, model: Model) -> list[str]:
     sentences.append(
         "measurement noise: it enters through the feedback, too; log the commands"
         if found.autocorrelation.first_score < -2.58
-        else "measurement noise: there is no sign of it, nor would a small part show without commands"
+        else "measurement noise: no sign of it, nor would a small part show without commands"
     )
     return sentences
 
