@@ -10,8 +10,9 @@ from radmpc.identification.track import Track
 
 __all__ = ["clean"]
 
-_LEAST_SHARE = 0.5
-"""Share of samples [-] below which a part that is mostly missing counts as not logged."""
+_LEAST_SHARE, _LEAST_SAMPLES = 0.2, 40
+"""Share [-] and number of samples below which a part that is mostly missing counts as not logged:
+else the rest goes instead, such as the time on the ground, where nothing is commanded."""
 
 _UNIT_RATIO = 3.0
 """Factor [-] between distances covered and velocities above which units are wrong: 3.6 between
@@ -86,7 +87,8 @@ def _without_missing_parts(track: Track, warnings: list[str]) -> Track:
         if name == "positions":
             continue
         is_there = np.isfinite(getattr(track, name)).all(axis=1)
-        if is_there.mean() < _LEAST_SHARE:
+        is_little = is_there.sum() < _LEAST_SAMPLES and is_there.mean() < 0.5
+        if is_there.mean() < _LEAST_SHARE or is_little:
             if is_there.any():
                 told = f"{name.replace('_', ' ')} stand in {is_there.sum()} of {is_there.size}"
                 warnings.append(f"{track.where}: {told} samples only, and are not used")

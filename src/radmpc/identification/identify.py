@@ -262,7 +262,7 @@ def _differ(pooled: Estimate, each: Sequence[Estimate]) -> bool:
         variances = np.maximum(widths**2, 1e-300)
         center = np.sum(values / variances, axis=0) / np.sum(1.0 / variances, axis=0)
         # Gains that a program computed are exact: differences in their last digits are none.
-        apart = np.abs(values - center) > 1e-6 * np.abs(center)
+        apart = np.abs(values - center) > 1e-6 * np.abs(center).max()
         spread = np.sum(np.where(apart, (values - center) ** 2 / variances, 0.0))
         chances.append(chdtrc(groups * values[0].size, spread))
     return bool(min(chances) < _DOUBT / len(chances))

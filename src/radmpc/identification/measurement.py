@@ -9,11 +9,12 @@ linear in both covariances, and Fisher scoring maximizes Whittle's likelihood ov
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.identification.intervals import Interval, normal_interval
 from radmpc.identification.sharing import nearest_covariance
 
@@ -23,8 +24,9 @@ _TAPER = 0.2
 """Share of a run [-] that is faded in and out: without it power leaks to low frequencies, where
 measurement noise has none, and counts as disturbance."""
 
-_LEAST_RUN = 16
-"""Steps of the shortest run whose spectrum is looked at."""
+_LEAST_RUN, _LONGEST_RUN = 16, 1024
+"""Steps of the shortest and the longest run whose spectrum is looked at: longer ones tell nothing
+more, and take memory."""
 
 _ROUNDS = 30
 """Most rounds of scoring; five to ten suffice."""
@@ -32,7 +34,16 @@ _ROUNDS = 30
 _DONE = 1e-8
 """Relative change [-] of the covariances that ends the scoring."""
 
-Spectra = npt.NDArray[np.complex128]
+Complex = npt.NDArray[np.complex128]
+
+
+class _Spectra(NamedTuple):
+    """Frequencies [rad/step], mean power there, of how many runs, and what the taper costs."""
+
+    angles: Vector
+    powers: Complex
+    weights: Vector
+    loss: float
 
 
 def by_spectrum(pieces: Sequence[Matrix], A: Matrix) -> tuple[Interval, Interval] | None:
@@ -56,16 +67,15 @@ def by_spectrum(pieces: Sequence[Matrix], A: Matrix) -> tuple[Interval, Interval
     scale = np.concatenate(pieces).std(axis=0)
     scale = np.maximum(scale, 1e-9 * max(float(scale.max()), 1e-150))
     relative = A * scale / scale[:, None]
-    angles, waves, loss = _spectra([piece / scale for piece in pieces])
-    basis = _basis(angles, relative)
+    seen = _spectra([piece / scale for piece in pieces])
     start = _by_moments([piece / scale for piece in pieces], relative)
-    entries, deviations = _scored(start, basis, waves)
+    entries, deviations = _scored(start, _basis(seen.angles, relative), seen)
     half = len(entries) // 2
     both = []
     for part in (slice(0, half), slice(half, None)):
         value = _matrix(entries[part], len(scale)) * np.outer(scale, scale)
         width = _matrix(deviations[part], len(scale)) * np.outer(scale, scale)
-        both.append(normal_interval(value, np.sqrt(loss) * width))
+        both.append(normal_interval(value, np.sqrt(seen.loss) * width))
     return both[0], both[1]
 
 
@@ -94,24 +104,37 @@ def by_another_sensor(y: Matrix, offsets: Matrix) -> Interval:
     )
 
 
-def _spectra(pieces: Sequence[Matrix]) -> tuple[Matrix, Spectra, float]:
-    """Return frequencies, waves of unit mean power there, and what the taper costs."""
-    angles, waves, losses = [], [], []
+def _spectra(pieces: Sequence[Matrix]) -> _Spectra:
+    """Return the mean spectra of runs of equal lengths, and what the taper costs."""
+    runs: dict[int, list[Matrix]] = {}
     for piece in pieces:
-        n = len(piece)
-        edge = 0.5 * _TAPER * n
-        place = np.minimum(np.arange(n) + 0.5, n - np.arange(n) - 0.5) / edge
+        length = _run_length(len(piece))
+        blocks = [piece[k : k + length] for k in range(0, len(piece) - length + 1, length)]
+        runs.setdefault(length, []).extend(blocks)
+    angles, powers, weights, losses = [], [], [], []
+    for length, blocks in runs.items():
+        edge = 0.5 * _TAPER * length
+        order = np.arange(length)
+        place = np.minimum(order + 0.5, length - order - 0.5) / edge
         taper = np.where(place < 1.0, 0.5 - 0.5 * np.cos(np.pi * place), 1.0)
-        wave = np.fft.fft(piece * taper[:, None], axis=0) / np.sqrt(np.sum(taper**2))
-        half = np.arange(1, (n - 1) // 2 + 1)
-        angles.append(2.0 * np.pi * half / n)
-        waves.append(wave[half])
-        losses.append(n * float(np.sum(taper**4)) / float(np.sum(taper**2)) ** 2)
-    weights = [len(piece) for piece in pieces]
-    return np.concatenate(angles), np.concatenate(waves), float(np.average(losses, weights=weights))
+        half = np.arange(1, (length - 1) // 2 + 1)
+        waves = np.fft.fft(np.array(blocks) * taper[:, None], axis=1)[:, half]
+        waves /= np.sqrt(np.sum(taper**2))
+        angles.append(2.0 * np.pi * half / length)
+        powers.append(np.einsum("bki,bkj->kij", waves, waves.conj()) / len(blocks))
+        weights.append(np.full(len(half), float(len(blocks))))
+        losses.append(length * float(np.sum(taper**4)) / float(np.sum(taper**2)) ** 2)
+    loss = float(np.average(losses, weights=[float(weight.sum()) for weight in weights]))
+    return _Spectra(np.concatenate(angles), np.concatenate(powers), np.concatenate(weights), loss)
 
 
-def _basis(angles: Matrix, A: Matrix) -> Spectra:
+def _run_length(steps: int) -> int:
+    """Return the length of the runs that a piece is cut into: few different ones in all."""
+    round_to = _LEAST_RUN if steps <= 16 * _LEAST_RUN else 4 * _LEAST_RUN
+    return min(steps // round_to * round_to, _LONGEST_RUN)
+
+
+def _basis(angles: Vector, A: Matrix) -> Complex:
     """Return the spectra of unit entries of W and R, (entries, frequencies, n, n)."""
     n = len(A)
     turn = np.exp(1j * angles)[:, None, None] * np.eye(n) - A
@@ -137,44 +160,45 @@ def _by_moments(pieces: Sequence[Matrix], A: Matrix) -> Matrix:
     return np.concatenate([W[upper], R[upper]])
 
 
-def _scored(start: Matrix, basis: Spectra, waves: Spectra) -> tuple[Matrix, Matrix]:
+def _scored(start: Matrix, basis: Complex, seen: _Spectra) -> tuple[Matrix, Matrix]:
     """Return the likeliest entries and their standard deviations."""
-    entries = start
-    badness = _badness(entries, basis, waves)
+    entries, badness = start, _badness(start, basis, seen)
     information = np.eye(len(entries))
     for _ in range(_ROUNDS):
-        inverse = np.linalg.inv(np.einsum("a,akij->kij", entries, basis))
-        scaled = np.einsum("kij,akjl->akil", inverse, basis, optimize=True)
-        seen = np.einsum("kij,kj->ki", inverse, waves)
-        score = np.einsum("ki,akij,kj->a", seen.conj(), basis, seen, optimize=True).real
-        score -= np.einsum("akii->a", scaled).real
-        information = np.einsum("akij,bkji->ab", scaled, scaled, optimize=True).real
+        score, information = _slope(entries, basis, seen)
         step = np.linalg.lstsq(information, score, rcond=None)[0]
         share = 1.0
-        while share > 1e-4:
-            tried = entries + share * step
-            found = _badness(tried, basis, waves)
-            if found <= badness:
-                break
+        while share > 1e-4 and _badness(entries + share * step, basis, seen) > badness:
             share *= 0.5
-        else:
+        if share <= 1e-4:
             break
-        change = float(np.abs(tried - entries).max())
-        entries, badness = tried, found
-        if change < _DONE * float(np.abs(entries).max()):
+        entries = entries + share * step
+        badness = _badness(entries, basis, seen)
+        if float(np.abs(share * step).max()) < _DONE * float(np.abs(entries).max()):
             break
     deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information, hermitian=True)), 0.0))
     return entries, deviations
 
 
-def _badness(entries: Matrix, basis: Spectra, waves: Spectra) -> float:
+def _slope(entries: Matrix, basis: Complex, seen: _Spectra) -> tuple[Matrix, Matrix]:
+    """Return the gradient of Whittle's log-likelihood and its expected curvature."""
+    inverse = np.linalg.inv(np.einsum("a,akij->kij", entries, basis))
+    scaled = inverse @ basis
+    rest = inverse @ seen.powers - np.eye(len(inverse[0]))
+    weighed = seen.weights[:, None, None] * rest
+    score = np.einsum("akij,kji->a", scaled, weighed, optimize=True).real
+    flat = (np.sqrt(seen.weights)[:, None, None] * scaled).reshape(len(entries), -1)
+    turned = (np.sqrt(seen.weights)[:, None, None] * scaled).transpose(0, 1, 3, 2)
+    return score, (flat @ turned.reshape(len(entries), -1).T).real
+
+
+def _badness(entries: Matrix, basis: Complex, seen: _Spectra) -> float:
     """Return minus Whittle's log-likelihood; inf where a spectrum is not positive definite."""
-    spectra = np.einsum("a,akij->kij", entries, basis)
-    values, vectors = np.linalg.eigh(spectra)
+    values, vectors = np.linalg.eigh(np.einsum("a,akij->kij", entries, basis))
     if values.min() <= 0.0:
         return np.inf
-    turned = np.einsum("kij,ki->kj", vectors.conj(), waves)
-    return float(np.sum(np.log(values)) + np.sum(np.abs(turned) ** 2 / values))
+    turned = np.einsum("kji,kjl,kli->ki", vectors.conj(), seen.powers, vectors, optimize=True)
+    return float(np.sum(seen.weights[:, None] * (np.log(values) + turned.real / values)))
 
 
 def _matrix(upper: Matrix, n: int) -> Matrix:

@@ -24,6 +24,9 @@ __all__ = ["identification_json", "noise_report", "tails_sentence"]
 _MOST_GROUPS = 8
 """Vehicles that a table lists by themselves; the rest stands in the file."""
 
+_LEAST_CORRELATION = 0.2
+"""Correlation [-] below which it does not get a row; the file has all of them."""
+
 _KNOWN = {
     "commands": "controls are the logged commands",
     "references": "controls are feedback to the logged references",
@@ -181,13 +184,14 @@ def _gains(gain: Interval, names: Sequence[str], has_velocity: bool) -> Iterator
 
 
 def _correlations(covariance: Interval, names: Sequence[str]) -> Iterator[Row]:
-    """Return correlations of the disturbance that are beyond chance."""
+    """Return correlations of the disturbance that are beyond chance, and matter."""
     scale = np.sqrt(np.maximum(np.diag(covariance.value), 1e-300))
     for i in range(len(names)):
         for j in range(i + 1, len(names)):
             size = scale[i] * scale[j]
             low, high = covariance.low[i, j] / size, covariance.high[i, j] / size
-            if low > 0.0 or high < 0.0:
+            is_sure = low > 0.0 or high < 0.0
+            if is_sure and abs(covariance.value[i, j]) >= _LEAST_CORRELATION * size:
                 ends = max(low, -1.0), min(high, 1.0)
                 value = covariance.value[i, j] / size
                 yield _row(f"correlation of {names[i]} and {names[j]}", value, *ends, "")
