@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from radmpc.arrays import Matrix
 from radmpc.errors import FileFormatError
 from radmpc.identification.track import Track
 
@@ -21,6 +22,9 @@ km/h and m/s is found, a velocity that lags or is smoothed passes."""
 _LEAST_MOTION = 0.5
 """Share of the spread of displacements [-] that velocities must explain, by whatever factor, before
 their units are judged: of a vehicle at rest they tell nothing."""
+
+_WINDOW = 20
+"""Samples over which distances are compared: noise averages out, motion adds up."""
 
 _LONGEST_PERIOD, _SHORTEST_PERIOD = 600.0, 1e-5
 """Time between two samples [s] beyond which times are hardly in seconds."""
@@ -152,6 +156,8 @@ def _check_units(track: Track) -> None:
     seconds = np.diff(track.times)[:, None]
     moved = np.diff(track.positions, axis=0)
     told = 0.5 * (track.velocities[1:] + track.velocities[:-1]) * seconds
+    window = min(_WINDOW, max(len(moved) // 5, 1))
+    moved, told = _summed(moved, window), _summed(told, window)
     size, product = float(np.sum(told**2)), float(np.sum(told * moved))
     explained = product**2 / max(size * float(np.sum(moved**2)), 1e-300)
     if size <= 0.0 or explained < _LEAST_MOTION:
@@ -162,6 +168,12 @@ def _check_units(track: Track) -> None:
             f"{track.where}: moves {ratio:.3g} times as far as its velocities say: are times in s, "
             "positions in m and velocities in m/s, along the same axes?"
         )
+
+
+def _summed(rows: Matrix, window: int) -> Matrix:
+    """Return sums of so many successive rows."""
+    total = np.vstack([np.zeros(rows.shape[1]), np.cumsum(rows, axis=0)])
+    return total[window:] - total[:-window]
 
 
 def _check_period(track: Track, warnings: list[str]) -> None:

@@ -122,10 +122,11 @@ def identify(
     model = Model(step, cleaned[0].dimension, all(t.velocities is not None for t in cleaned))
     vehicles = _vehicles(at_steps, evidence, model, told)
     pooled = estimate(vehicles, model, evidence)
-    each = tuple(
-        estimate([one], model, evidence)
-        for one in vehicles
-        if one.num_steps >= _least(model, evidence)
+    own = [one for one in vehicles if one.num_steps >= _least(model, evidence)]
+    each = (
+        (pooled,)
+        if len(vehicles) == 1
+        else tuple(estimate([one], model, evidence) for one in own)
     )
     differ = len(each) == len(vehicles) and _differ(pooled, each)
     shared = _shared(vehicles, each if differ else (pooled,), pooled)
