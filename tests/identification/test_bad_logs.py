@@ -51,7 +51,9 @@ def test_a_jump_is_left_out_and_told() -> None:
 )
 def test_units_that_contradict_each_other_are_refused(part: str, factor: float) -> None:
     track = flight()
-    with pytest.raises(FileFormatError, match=r"moves [\d.e+-]+ times as far as its velocities say"):
+    with pytest.raises(
+        FileFormatError, match=r"moves [\d.e+-]+ times as far as its velocities say"
+    ):
         identify([track.changed({part: factor * getattr(track, part)})])
 
 
@@ -115,7 +117,7 @@ def test_velocities_that_never_change_are_not_used() -> None:
 def test_five_samples_are_too_few() -> None:
     track = flight()
     parts = {name: getattr(track, name)[:5] for name in track.parts()}
-    with pytest.raises(FileFormatError, match="4 steps of 0.5 s are too few: at least 14"):
+    with pytest.raises(FileFormatError, match=r"4 steps of 0\.5 s are too few: at least 14"):
         identify([track.changed(parts, track.times[:5])])
 
 
@@ -180,7 +182,9 @@ def test_a_step_must_be_above_zero(dt: float) -> None:
 
 
 def test_a_step_shorter_than_the_log_is_refused() -> None:
-    with pytest.raises(FileFormatError, match=r"too few for steps of 0.1 s: --dt must be at least"):
+    with pytest.raises(
+        FileFormatError, match=r"too few for steps of 0\.1 s: --dt must be at least"
+    ):
         identify([flight()], dt=0.1)
 
 

@@ -124,9 +124,7 @@ def identify(
     pooled = estimate(vehicles, model, evidence)
     own = [one for one in vehicles if one.num_steps >= _least(model, evidence)]
     each = (
-        (pooled,)
-        if len(vehicles) == 1
-        else tuple(estimate([one], model, evidence) for one in own)
+        (pooled,) if len(vehicles) == 1 else tuple(estimate([one], model, evidence) for one in own)
     )
     differ = len(each) == len(vehicles) and _differ(pooled, each)
     shared = _shared(vehicles, each if differ else (pooled,), pooled)

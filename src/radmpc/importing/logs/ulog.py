@@ -49,7 +49,9 @@ def read_ulog(path: Path) -> Recording:
     if not path.is_file():
         raise refusal(path, "No such file or directory")
     try:
-        log = library.ULog(str(path), [_STATES, _SETPOINTS])
+        # Opened here: the library leaves a file open that it cannot read.
+        with path.open("rb") as file:
+            log = library.ULog(file, [_STATES, _SETPOINTS])
     except Exception as error:  # the library raises whatever its parser stumbles on
         raise refusal(path, f"cannot be read as ULog: {error}") from error
     found = {one.name: one.data for one in reversed(log.data_list)}
