@@ -9,8 +9,7 @@ import pytest
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification import Track, identify
-
-from .simulator import Truth, fly
+from simulator import Truth, fly
 
 
 def flight(**parts: object) -> Track:

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from radmpc.identification import identify
-
-from .simulator import Truth, fly
+from simulator import Truth, fly
 
 TRIALS = 200
 

@@ -7,8 +7,7 @@ import pytest
 
 from radmpc.identification import Track, identify
 from radmpc.identification.intervals import covariance_interval
-
-from .simulator import Truth, fly
+from simulator import Truth, fly
 
 
 def holds(interval, truth) -> np.ndarray:

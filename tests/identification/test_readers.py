@@ -11,6 +11,7 @@ import pytest
 from radmpc.errors import ArgumentTypeError, FileFormatError, ScenarioError
 from radmpc.identification import Track, identify
 from radmpc.importing.logs.reading import read_logs
+from simulator import Truth, as_csv, fly
 
 from .recordings import (
     ODOMETRY,
@@ -25,7 +26,6 @@ from .recordings import (
     written,
     written_poses,
 )
-from .simulator import Truth, as_csv, fly
 
 PX4 = Path(__file__).parent.parent / "data" / "logs" / "px4.ulg"
 """The positions and setpoints of a flight in PX4's own simulator, from pyulog's tests."""
