@@ -209,7 +209,7 @@ def identify_noise(
     plot: given.ResidualFigure = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Learn noise and feedback from logs of flights."""
+    """Learn noise and feedback from logs."""
     from radmpc.console.commands.identifying import IdentifyRequest, run_identify
 
     return run_identify(IdentifyRequest(tuple(logs), output, scenario, dt, columns, plot, as_json))

@@ -1,4 +1,4 @@
-"""Noise and feedback of vehicles from logs of their flights.
+"""Noise and feedback of vehicles from their logs.
 
 What a step of the double integrator leaves unexplained, ``x⁺ − A x − B u`` with logged commands u,
 or ``e⁺ − (A + B K) e`` with deviations e from a logged reference, is disturbance: its covariance,

@@ -1,1 +1,1 @@
-"""Logs of flights as tracks: CSV, MCAP, ROS 2 bags and PX4 ULog."""
+"""Logs as tracks: CSV, MCAP, ROS 2 bags and PX4 ULog."""
