@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 from pages import ROOT, first_column, section
-from simulator import Truth, as_csv, fly
 from typer.testing import CliRunner
 
 from radmpc.cli import app
 from radmpc.importing.logs.csv_log import COLUMNS
+from simulator import Truth, as_csv, fly
 
 PAGE = ROOT / "docs" / "identify.md"
 

@@ -279,10 +279,12 @@ def _time_constant(found: Fit, dt: float) -> Interval | None:
     """Return τ of ρ = exp(−dt/τ)."""
     if found.color <= 0.0:
         return None
-    color = normal_interval(found.color, found.color_deviation)
-    ends = [
-        -dt / np.log(np.clip(end, 1e-9, 1.0 - 1e-9)) for end in (color.value, color.low, color.high)
-    ]
+    # Of an autocorrelation's arcsine the deviation is nearly the same everywhere.
+    angle = float(np.arcsin(found.color))
+    turned = normal_interval(angle, found.color_deviation / np.sqrt(1.0 - found.color**2))
+    parts = (turned.value, turned.low, turned.high)
+    colors = np.clip(np.sin(np.clip(parts, 0.0, 0.5 * np.pi)), 1e-9, 1.0 - 1e-9)
+    ends = [-dt / np.log(color) for color in colors]
     return Interval(*map(np.asarray, ends))
 
 

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from datetime import UTC, datetime
+from typing import Any
 
 import numpy as np
 
-from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
-from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
-from radmpc.identification.sharing import nearest_covariance
-from radmpc.importing.logs.block import noise_block, white_covariance
+from radmpc.importing.logs.block import noise_block, reordered, vehicle_fields
+from radmpc.io.native.decoding import decode_scenario
+from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.text.yaml_writing import write_yaml
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.version import __version__
 
 __all__ = ["noise_text", "provenance", "recorded", "with_noise"]
+
+_SHARED = "shared_disturbances"
 
 _EVIDENCE = {
     "commands": "with logged commands",
@@ -135,23 +136,40 @@ def with_noise(
         raise ScenarioError(
             f"is {scenario.dt:g} s, and the noise is that of steps of {found.model.dt:g} s", ("dt",)
         )
+    content = encode_scenario(scenario)
+    entries, warnings = _entries(scenario, content, found)
+    block = noise_block(found)
+    if block.pending:
+        parts = [part for part in block.pending.values() if isinstance(part, dict)]
+        keys = {key for part in parts for key in part} | set(block.pending) & {_SHARED}
+        warnings.append(f"identified, and not a part of scenarios yet: {', '.join(sorted(keys))}")
+    source = {**(scenario.source or {}), "noise": provenance(found, day)}
+    shared = {_SHARED: block.content[_SHARED]} if _SHARED in block.content else {}
+    # By way of the format: what it takes, scenarios have.
+    changed = {**content, "defaults": {}, "vehicles": entries, **shared, "source": source}
+    return decode_scenario(changed), tuple(warnings)
+
+
+def _entries(
+    scenario: Scenario, content: Mapping[str, Any], found: Identification
+) -> tuple[list[dict[str, object]], list[str]]:
+    """Return the vehicles of a scenario's file with their new noise."""
     by_name = {one.vehicles[0]: one for one in found.each} if found.differ else {}
-    vehicles, warnings = [], []
-    for i, vehicle in enumerate(scenario.vehicles):
-        one = by_name.get(vehicle.name, found.pooled)
+    defaults, given = content.get("defaults", {}), content["vehicles"]
+    entries, warnings = [], []
+    for i, (vehicle, entry) in enumerate(zip(scenario.vehicles, given, strict=True)):
         if found.differ and vehicle.name not in by_name:
             warnings.append(
                 f"vehicle {vehicle.name!r} is in no log: it gets the mean of the others"
             )
-        order = _order(vehicle, found, i)
-        vehicles.append(_changed(vehicle, one, order))
-    pending = noise_block(found).pending
-    if pending:
-        keys = {key for fields in pending.values() if isinstance(fields, dict) for key in fields}
-        names = ", ".join(sorted(keys | (set(pending) & {"shared_disturbances"})))
-        warnings.append(f"identified, and not a part of scenarios yet: {names}")
-    source = {**(scenario.source or {}), "noise": provenance(found, day)}
-    return replace(scenario, vehicles=tuple(vehicles), source=source), tuple(warnings)
+        one = by_name.get(vehicle.name, found.pooled)
+        fields = reordered(vehicle_fields(one, found)[0], _order(vehicle, found, i))
+        fields.pop("dynamics", None)
+        replaced = {"disturbance", "disturbance_covariance"}
+        replaced |= set() if found.evidence == "states" else {"drift", "covariance_samples"}
+        kept = {k: part for k, part in {**defaults, **entry}.items() if k not in replaced}
+        entries.append({**kept, **fields})
+    return entries, warnings
 
 
 def _order(vehicle: Vehicle, found: Identification, index: int) -> list[int]:
@@ -177,14 +195,3 @@ def _order(vehicle: Vehicle, found: Identification, index: int) -> list[int]:
         f"must be those of {wanted}{lack}: noise of another model does not apply",
         ("vehicles", index, "dynamics"),
     )
-
-
-def _changed(vehicle: Vehicle, one: Estimate, order: list[int]) -> Vehicle:
-    """Return a vehicle with an estimate's covariance and gain."""
-    covariance = np.zeros((len(order), len(order)))
-    covariance[np.ix_(order, order)] = nearest_covariance(white_covariance(one))
-    gain: Matrix | None = vehicle.gain
-    if one.gain is not None and one.gain.excludes_zero:
-        gain = np.zeros(one.gain.value.shape)
-        gain[:, order] = one.gain.value
-    return replace(vehicle, disturbance_covariance=covariance, gain=gain)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.sharing import nearest_covariance, own_part
 
-__all__ = ["KEYS", "Block", "noise_block", "vehicle_fields", "white_covariance"]
+__all__ = ["KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
 
 KEYS: Mapping[str, bool] = {
     "dynamics": True,
@@ -99,11 +99,44 @@ def vehicle_fields(one: Estimate, found: Identification) -> tuple[Fields, Fields
     rest = {key: entry for key, entry in fields.items() if not KEYS[key]}
     taken = {key: entry for key, entry in fields.items() if KEYS[key]}
     if "disturbance_covariance" not in taken and "disturbance" not in taken:
-        taken["disturbance_covariance"] = _rows(white_covariance(one))
+        taken["disturbance_covariance"] = _rows(_white_covariance(one))
     return taken, rest
 
 
-def white_covariance(one: Estimate) -> Matrix:
+def reordered(fields: Mapping[str, object], order: Sequence[int]) -> Fields:
+    """Return a vehicle's fields for a state in another order.
+
+    Parameters
+    ----------
+    fields : mapping
+        For positions, then velocities.
+    order : sequence of int
+        Where each of these stands in the state.
+    """
+    found: Fields = dict(fields)
+    places = np.argsort(order)
+
+    def turned(covariance: object) -> list[list[float]]:
+        """Return a covariance's rows in the new order."""
+        rows: list[list[float]] = np.array(covariance)[np.ix_(places, places)].tolist()
+        return rows
+
+    if "disturbance_covariance" in found:
+        found["disturbance_covariance"] = turned(found["disturbance_covariance"])
+    disturbance, feedback = found.get("disturbance"), found.get("feedback")
+    if isinstance(disturbance, dict):
+        found["disturbance"] = {**disturbance, "covariance": turned(disturbance["covariance"])}
+    if isinstance(feedback, dict):
+        found["feedback"] = {"gain": np.array(feedback["gain"])[:, places].tolist()}
+    drift, measurement = found.get("drift"), found.get("measurement")
+    if isinstance(drift, dict) and "state" in drift:
+        found["drift"] = {"state": np.array(drift["state"])[places].tolist()}
+    if isinstance(measurement, dict):
+        found["measurement"] = {**measurement, "of": [int(order[i]) for i in measurement["of"]]}
+    return found
+
+
+def _white_covariance(one: Estimate) -> Matrix:
     """Return the covariance of white noise that leads to deviations at least as large.
 
     The spectrum of noise with autocorrelation ρ is nowhere above (1 + ρ) / (1 − ρ) times that of
