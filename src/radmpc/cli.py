@@ -196,6 +196,24 @@ def import_file(
     return run_import(source, output, options)
 
 
+@app.command("identify")
+def identify_noise(
+    logs: given.Logs,
+    output: given.NoiseOutput = None,
+    scenario: given.NoiseScenario = None,
+    dt: Annotated[
+        float | None, typer.Option("--dt", help="Step [s] (the scenario's, or the logs').")
+    ] = None,
+    columns: given.Columns = None,
+    plot: given.ResidualFigure = None,
+    as_json: given.AsJson = False,
+) -> int:
+    """Learn noise and feedback from logs."""
+    from radmpc.console.commands.identifying import IdentifyRequest, run_identify
+
+    return run_identify(IdentifyRequest(tuple(logs), output, scenario, dt, columns, plot, as_json))
+
+
 @app.command()
 def draw(source: given.DrawnFile, output: given.DrawnOutput, view: given.View = None) -> int:
     """Draw a scenario or a plan, or film it."""

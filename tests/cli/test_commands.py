@@ -26,6 +26,7 @@ def test_help_lists_every_command(run: Run) -> None:
     assert result.exit_code == 0
     for command in (
         "plan", "check", "compare", "export", "reproduce", "verify", "planners", "import", "demo",
+        "identify",
     ):  # fmt: skip
         assert f"\n  {command} " in result.stdout
 

@@ -14,6 +14,7 @@ from radmpc.console.completing import (
     FORMATS,
     PLANNERS,
     complete_format,
+    complete_log,
     complete_plan,
     complete_planner,
     complete_planners,
@@ -102,6 +103,7 @@ def test_of_a_list_the_last_name_is_completed_and_none_twice() -> None:
 def test_scenarios_and_plans_are_told_apart_by_their_ends(folder: Path) -> None:
     assert complete_scenario("") == ["a.yaml", "b.json", "sub/"]
     assert complete_plan("") == ["a.plan.json", "b.json", "sub/"]
+    assert complete_log("") == ["notes.txt", "sub/"]
     assert complete_scenario("a") == ["a.yaml"]
     assert complete_scenario(".h") == [".hidden.yaml"]
 

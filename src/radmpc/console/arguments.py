@@ -11,6 +11,7 @@ from radmpc.console.completing import (
     FORMATS,
     complete_drawn,
     complete_format,
+    complete_log,
     complete_plan,
     complete_planner,
     complete_planners,
@@ -23,6 +24,7 @@ __all__ = [
     "Altitude",
     "AsJson",
     "AvoidanceName",
+    "Columns",
     "DaskAddress",
     "DrawnFile",
     "DrawnOutput",
@@ -32,8 +34,11 @@ __all__ = [
     "Jobs",
     "JudgedAvoidance",
     "LedgerFigure",
+    "Logs",
     "Methods",
     "Noise",
+    "NoiseOutput",
+    "NoiseScenario",
     "PanelFigure",
     "PlaceOnEarth",
     "PlanFigure",
@@ -43,6 +48,7 @@ __all__ = [
     "PlannerNames",
     "PlannerSeconds",
     "PlanningSeconds",
+    "ResidualFigure",
     "RiskBound",
     "Samples",
     "ScenarioFile",
@@ -155,6 +161,28 @@ Methods = Annotated[
 ]
 Noise = Annotated[
     float | None, typer.Option("--noise", help="Position noise per step, std. dev. [m].")
+]
+Logs = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="LOG...",
+        help="CSV, MCAP, PX4 ULog or ROS 2 bag; several count together.",
+        autocompletion=complete_log,
+    ),
+]
+NoiseOutput = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="Write the noise here, as YAML, or the scenario."),
+]
+NoiseScenario = Annotated[
+    Path | None,
+    typer.Option("--scenario", help="Give this one the noise.", autocompletion=complete_scenario),
+]
+Columns = Annotated[
+    str | None, typer.Option("--columns", help="Names in CSV: time=t,x=east,y=north.")
+]
+ResidualFigure = Annotated[
+    Path | None, typer.Option("--plot", help="Draw the residuals here: .png, .pdf or .svg.")
 ]
 RiskBound = Annotated[float | None, typer.Option("--risk-bound", help="Joint risk of the fleet.")]
 Agents = Annotated[int | None, typer.Option("--agents", help="How many vehicles to take.")]

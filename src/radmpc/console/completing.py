@@ -13,6 +13,7 @@ __all__ = [
     "VIEWS",
     "complete_drawn",
     "complete_format",
+    "complete_log",
     "complete_plan",
     "complete_planner",
     "complete_planners",
@@ -73,6 +74,11 @@ def complete_scenario(incomplete: str) -> list[str]:
     """Return the files that may be scenarios; plans are none."""
     found = _files(incomplete, (".yaml", ".yml", ".json"))
     return [name for name in found if not name.endswith(".plan.json")]
+
+
+def complete_log(incomplete: str) -> list[str]:
+    """Return the files that may be logs; bags are folders."""
+    return _files(incomplete, (".csv", ".tsv", ".txt", ".mcap", ".ulg", ".db3"))
 
 
 def complete_plan(incomplete: str) -> list[str]:

@@ -1,0 +1,294 @@
+"""Identified noise on one screen, and as plain values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from rich.table import Table
+from rich.text import Text
+
+from radmpc.console.reports.report import facts
+from radmpc.console.words import count_text
+from radmpc.identification.estimate import Estimate
+from radmpc.identification.identify import Identification
+from radmpc.identification.intervals import Interval
+from radmpc.identification.tails import Tails
+from radmpc.identification.unknown import misfit_of_color
+from radmpc.importing.logs.applying import recorded
+from radmpc.importing.logs.block import noise_block
+
+__all__ = ["identification_json", "noise_report", "tails_sentence"]
+
+_MOST_GROUPS = 8
+"""Vehicles that a table lists by themselves; the rest stands in the file."""
+
+_LEAST_CORRELATION = 0.2
+"""Correlation [-] below which it does not get a row; the file has all of them."""
+
+_KNOWN = {
+    "commands": "controls are the logged commands",
+    "references": "controls are feedback to the logged references",
+    "states": "controls are not logged: maneuvers count as noise",
+}
+
+Row = tuple[str, str, str, str]
+
+
+def noise_report(found: Identification) -> list[Table | Text]:
+    """Return what was identified as parts to show.
+
+    Parameters
+    ----------
+    found : Identification
+        What logs tell.
+
+    Returns
+    -------
+    list of Table or Text
+        From top to bottom.
+    """
+    parts: list[Table | Text] = [Text(_title(found), style="bold"), facts(_facts(found)), Text()]
+    groups = found.groups[:_MOST_GROUPS]
+    for one in groups:
+        parts += [_table(one, found), Text()]
+    if len(found.groups) > len(groups):
+        parts.append(Text(f"and {len(found.groups) - len(groups)} vehicles more"))
+    parts += [Text(f"not told: {sentence}") for sentence in found.unknown]
+    parts += [Text(f"warning: {warning}", style="yellow") for warning in found.warnings]
+    return parts
+
+
+def _title(found: Identification) -> str:
+    """Return from what it was identified, in one line."""
+    kind = "double" if found.model.has_velocity else "single"
+    names = ", ".join(found.sources[:3]) + (", …" if len(found.sources) > 3 else "")
+    return (
+        f"{names}: {count_text(len(found.pooled.vehicles), 'vehicle')}, "
+        f"{count_text(found.pooled.num_steps, 'step')} of {found.model.dt:g} s, "
+        f"{kind} integrator in {found.model.dimension}-D"
+    )
+
+
+def _facts(found: Identification) -> dict[str, Text | str]:
+    """Return what is said in words."""
+    pooled = found.pooled
+    rows: dict[str, Text | str] = {"model": _KNOWN[found.evidence]}
+    if found.start is not None:
+        rows["recorded"] = recorded(found.start)
+    rows["worth"] = f"about {pooled.worth:.0f} independent steps"
+    if len(found.each) > 1:
+        rows["vehicles"] = (
+            "differ beyond chance: each has its own numbers"
+            if found.differ
+            else "do not differ beyond chance: one set of numbers"
+        )
+    if pooled.tails is not None:
+        style = "yellow" if pooled.tails.are_heavy else ""
+        rows["tails"] = Text(tails_sentence(pooled.tails), style=style)
+    misfit = misfit_of_color(pooled)
+    if misfit is not None:
+        rows["memory"] = Text(misfit, style="yellow")
+    shared = found.shared
+    if shared is not None:
+        rows["shared"] = _share_sentence(float(shared.share.value), shared.share, shared.is_sure)
+    return rows
+
+
+def _share_sentence(value: float, share: Interval, is_sure: bool) -> str:
+    """Return how much of the noise vehicles have in common."""
+    if not is_sure:
+        return "vehicles' noise at equal times is no more alike than by chance"
+    low, high = max(float(share.low), 0.0), min(float(share.high), 1.0)
+    return (
+        f"{100 * value:.0f} % of the variance is common to vehicles at equal times "
+        f"({100 * low:.0f} to {100 * high:.0f} %)"
+    )
+
+
+def tails_sentence(kind: Tails) -> str:
+    """Return how residuals are distributed, in words.
+
+    Parameters
+    ----------
+    kind : Tails
+        What a test found.
+    """
+    test = f"Anderson-Darling p = {kind.chance:.2g}, excess kurtosis {kind.excess_kurtosis:.2g}"
+    if kind.is_gaussian:
+        return f"Gaussian: nothing speaks against it ({test})"
+    if not kind.are_heavy:
+        return f"not quite Gaussian, though not heavy-tailed ({test})"
+    high = f"{kind.freedom_high:.0f}"
+    return (
+        f"heavier than Gaussian: like Student-t with about {kind.freedom:.2g} degrees of freedom "
+        f"({kind.freedom_low:.2g} to {high}; {test}): large single disturbances are more likely "
+        "than plans assume"
+    )
+
+
+def _table(one: Estimate, found: Identification) -> Table:
+    """Return numbers with their intervals."""
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column(one.vehicles[0] if found.differ else "per step", no_wrap=True)
+    table.add_column("value", justify="right", no_wrap=True)
+    table.add_column("95 % interval", justify="right", no_wrap=True)
+    table.add_column("unit", no_wrap=True)
+    for row in _rows(one, found):
+        table.add_row(*row)
+    return table
+
+
+def _rows(one: Estimate, found: Identification) -> Iterator[Row]:
+    """Return a table's rows."""
+    model, d = found.model, found.model.dimension
+    names = [*"xyz"[:d], *(f"v{axis}" for axis in "xyz"[:d])][: model.num_states]
+    units = ["m"] * d + ["m/s"] * d
+    upper = " at most" if found.evidence == "states" else ""
+    for i, name in enumerate(names):
+        yield _root(f"disturbance of {name}, std. dev.{upper}", one.covariance, i, units[i])
+    yield from _correlations(one.covariance, names)
+    if model.has_velocity or found.evidence != "states":
+        for i in range(d):
+            current = _scaled(one.drift, i, 1.0 / model.dt)
+            yield _row(f"drift of {names[i]}", *current, "m/s")
+        for i in range(d, model.num_states):
+            if np.isfinite(one.drift.value[i]):
+                yield _row(f"push on {names[i]}", *_scaled(one.drift, i, 1.0 / model.dt), "m/s²")
+    if one.time_constant is not None:
+        constant = one.time_constant
+        ends = (float(constant.low), float(constant.high))
+        yield _row("time constant", float(constant.value), *ends, "s")
+    if one.measurement is not None:
+        for i, name in enumerate(names):
+            if one.measurement.value[i, i] > 0.0:
+                yield _root(f"measurement of {name}, std. dev.", one.measurement, i, units[i])
+    if one.gain is not None:
+        yield from _gains(one.gain, names, model.has_velocity)
+
+
+def _gains(gain: Interval, names: Sequence[str], has_velocity: bool) -> Iterator[Row]:
+    """Return the rows of a gain: those of an axis to itself, and others that are beyond chance."""
+    d = gain.value.shape[0]
+    order = 2 if has_velocity else 1
+    for i in range(d):
+        for j, name in enumerate(names):
+            is_sure = gain.low[i, j] > 0.0 or gain.high[i, j] < 0.0
+            if j % d == i or is_sure:
+                unit = "1/s²" if order == 2 and j < d else "1/s"
+                entry = (gain.value[i, j], gain.low[i, j], gain.high[i, j])
+                yield _row(
+                    f"feedback {'a' if order == 2 else 'v'}{'xyz'[i]} by {name}", *entry, unit
+                )
+
+
+def _correlations(covariance: Interval, names: Sequence[str]) -> Iterator[Row]:
+    """Return correlations of the disturbance that are beyond chance, and matter."""
+    scale = np.sqrt(np.maximum(np.diag(covariance.value), 1e-300))
+    for i in range(len(names)):
+        for j in range(i + 1, len(names)):
+            size = scale[i] * scale[j]
+            low, high = covariance.low[i, j] / size, covariance.high[i, j] / size
+            is_sure = low > 0.0 or high < 0.0
+            if is_sure and abs(covariance.value[i, j]) >= _LEAST_CORRELATION * size:
+                ends = max(low, -1.0), min(high, 1.0)
+                value = covariance.value[i, j] / size
+                yield _row(f"correlation of {names[i]} and {names[j]}", value, *ends, "")
+
+
+def _scaled(interval: Interval, i: int, factor: float) -> tuple[float, float, float]:
+    """Return one entry's value and ends by a factor."""
+    return (
+        factor * float(interval.value[i]),
+        factor * float(interval.low[i]),
+        factor * float(interval.high[i]),
+    )
+
+
+def _root(name: str, covariance: Interval, i: int, unit: str) -> Row:
+    """Return the row of a standard deviation."""
+    value, low, high = (
+        float(np.sqrt(max(part[i, i], 0.0)))
+        for part in (covariance.value, covariance.low, covariance.high)
+    )
+    return _row(name, value, low, high, unit)
+
+
+def _row(name: str, value: float, low: float, high: float, unit: str) -> Row:
+    """Return a row of a table."""
+    return name, f"{value:.3g}", f"{low:.3g} to {high:.3g}", unit
+
+
+def identification_json(found: Identification) -> dict[str, object]:
+    """Return what was identified as plain values.
+
+    Parameters
+    ----------
+    found : Identification
+        What logs tell.
+    """
+    block = noise_block(found)
+    shared = found.shared
+    return {
+        "logs": list(found.sources),
+        "recorded": None if found.start is None else recorded(found.start),
+        "dt": found.model.dt,
+        "dimension": found.model.dimension,
+        "model": "double_integrator" if found.model.has_velocity else "single_integrator",
+        "evidence": found.evidence,
+        "differ": found.differ,
+        "groups": [_group_json(one) for one in found.groups],
+        "shared": None
+        if shared is None
+        else {
+            "vehicles": list(shared.vehicles),
+            "is_sure": shared.is_sure,
+            "share": _interval_json(shared.share),
+            "covariance": _interval_json(shared.covariance),
+        },
+        "block": dict(block.content),
+        "pending": dict(block.pending),
+        "unknown": list(found.unknown),
+        "warnings": list(found.warnings),
+    }
+
+
+def _group_json(one: Estimate) -> dict[str, object]:
+    """Return one estimate as plain values."""
+    kind = one.tails
+    return {
+        "vehicles": list(one.vehicles),
+        "steps": one.num_steps,
+        "independent_steps": one.worth,
+        "covariance": _interval_json(one.covariance),
+        "drift": _interval_json(one.drift),
+        "has_drift": one.has_drift,
+        "gain": _interval_json(one.gain),
+        "time_constant": _interval_json(one.time_constant),
+        "measurement": _interval_json(one.measurement),
+        "gaussian": None if kind is None else kind.is_gaussian,
+        "anderson_darling": None if kind is None else kind.chance,
+        "excess_kurtosis": None if kind is None else kind.excess_kurtosis,
+        "freedom": None
+        if kind is None
+        else {
+            "value": _plain(np.array(kind.freedom)),
+            "low": _plain(np.array(kind.freedom_low)),
+            "high": _plain(np.array(kind.freedom_high)),
+        },
+    }
+
+
+def _interval_json(interval: Interval | None) -> dict[str, object] | None:
+    """Return values and ends."""
+    if interval is None:
+        return None
+    return {name: _plain(getattr(interval, name)) for name in ("value", "low", "high")}
+
+
+def _plain(array: npt.NDArray[np.float64]) -> object:
+    """Return an array as lists; what is not finite is null."""
+    if array.ndim == 0:
+        return float(array) if np.isfinite(array) else None
+    return [_plain(part) for part in array]

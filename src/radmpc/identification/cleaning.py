@@ -1,0 +1,193 @@
+"""Samples that can be used, and what had to be left out: every flaw of a log is told."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arrays import Matrix
+from radmpc.errors import FileFormatError
+from radmpc.identification.track import Track
+
+__all__ = ["clean"]
+
+_LEAST_SHARE, _LEAST_SAMPLES = 0.2, 40
+"""Share [-] and number of samples below which a part that is mostly missing counts as not logged:
+else the rest goes instead, such as the time on the ground, where nothing is commanded."""
+
+_UNIT_RATIO = 3.0
+"""Factor [-] between distances covered and velocities above which units are wrong: 3.6 between
+km/h and m/s is found, a velocity that lags or is smoothed passes."""
+
+_LEAST_MOTION = 0.5
+"""Share of the spread of displacements [-] that velocities must explain, by whatever factor, before
+their units are judged: of a vehicle at rest they tell nothing."""
+
+_WINDOW = 20
+"""Samples over which distances are compared: noise averages out, motion adds up."""
+
+_LONGEST_PERIOD, _SHORTEST_PERIOD = 600.0, 1e-5
+"""Time between two samples [s] beyond which times are hardly in seconds."""
+
+
+def clean(track: Track, *, dimension: int | None = None) -> tuple[Track | None, tuple[str, ...]]:
+    """Return a track without samples that say nothing, and what was left out.
+
+    Parameters
+    ----------
+    track : Track
+        As logged.
+    dimension : int or None
+        Axes to keep; None keeps all.
+
+    Returns
+    -------
+    track : Track or None
+        All numbers finite, times increasing; None if no sample is left.
+    warnings : tuple of str
+        A sentence for every flaw.
+
+    Raises
+    ------
+    FileFormatError
+        If time runs backwards, nothing moves or units contradict each other.
+    """
+    warnings: list[str] = []
+    found = _with_axes(track, dimension)
+    for step in (_without_missing_parts, _without_missing_samples):
+        found = step(found, warnings)
+    if not found.times.size:
+        return None, (f"{track.where}: has no data, and is left out",)
+    found = _in_order(found, warnings)
+    found = _without_constants(found, warnings)
+    _check_units(found)
+    _check_period(found, warnings)
+    return found, tuple(warnings)
+
+
+def _with_axes(track: Track, dimension: int | None) -> Track:
+    """Return the first axes of a track."""
+    own = track.dimension
+    if dimension is None or dimension == own:
+        return track
+    if dimension > own:
+        raise FileFormatError(f"{track.where}: has {own} axes, and {dimension} are needed")
+    parts = {
+        name: np.hstack(
+            [
+                array[:, first : first + dimension]
+                for array in (getattr(track, name),)
+                for first in range(0, array.shape[1], own)
+            ]
+        )
+        for name in track.parts()
+    }
+    return track.changed(parts)
+
+
+def _without_missing_parts(track: Track, warnings: list[str]) -> Track:
+    """Drop commands, references and the like that are there in few samples only."""
+    for name in track.parts():
+        if name == "positions":
+            continue
+        is_there = np.isfinite(getattr(track, name)).all(axis=1)
+        is_little = is_there.sum() < _LEAST_SAMPLES and is_there.mean() < 0.5
+        if is_there.mean() < _LEAST_SHARE or is_little:
+            if is_there.any():
+                told = f"{name.replace('_', ' ')} stand in {is_there.sum()} of {is_there.size}"
+                warnings.append(f"{track.where}: {told} samples only, and are not used")
+            track = track.changed({name: None})
+    return track
+
+
+def _without_missing_samples(track: Track, warnings: list[str]) -> Track:
+    """Drop samples of which a number is missing."""
+    parts = [np.isfinite(getattr(track, name)).all(axis=1) for name in track.parts()]
+    is_whole = np.logical_and.reduce([np.isfinite(track.times), *parts])
+    missing = int((~is_whole).sum())
+    if missing and is_whole.any():
+        told = f"{missing} of {is_whole.size} samples lack a number"
+        warnings.append(f"{track.where}: {told}, and are left out")
+    return _taken(track, is_whole)
+
+
+def _in_order(track: Track, warnings: list[str]) -> Track:
+    """Drop repeated times; refuse a time that runs backwards."""
+    forward = np.diff(track.times)
+    if np.any(forward < 0.0):
+        at = int(np.argmax(forward < 0.0)) + 1
+        raise FileFormatError(
+            f"{track.where}: time runs backwards at sample {at + 1}: {track.times[at]:.9g} s after "
+            f"{track.times[at - 1]:.9g} s; are these two logs in one?"
+        )
+    is_new = np.concatenate([[True], forward > 0.0])
+    repeated = int((~is_new).sum())
+    if repeated:
+        told = (
+            f"{repeated} samples repeat the time before them"
+            if repeated > 1
+            else ("a sample repeats the time before it")
+        )
+        warnings.append(f"{track.where}: {told}, and {'are' if repeated > 1 else 'is'} left out")
+    return _taken(track, is_new)
+
+
+def _without_constants(track: Track, warnings: list[str]) -> Track:
+    """Tell what never changes; velocities that never change were not measured."""
+    is_still = np.ptp(track.positions, axis=0) == 0.0
+    if is_still.all() and track.times.size > 1:
+        raise FileFormatError(f"{track.where}: its position never changes: nothing to learn")
+    for axis in np.flatnonzero(is_still) if track.times.size > 1 else ():
+        told = f"{'xyz'[axis]} never changes: its noise cannot be told, and is taken as 0"
+        warnings.append(f"{track.where}: {told}")
+    velocities = track.velocities
+    if velocities is None or track.times.size < 2:
+        return track
+    if np.any((np.ptp(velocities, axis=0) == 0.0) & ~is_still):
+        warnings.append(f"{track.where}: velocities never change, and are not used")
+        return track.changed({"velocities": None})
+    return track
+
+
+def _check_units(track: Track) -> None:
+    """Refuse velocities that contradict the positions by a factor."""
+    if track.velocities is None or track.times.size < 3:
+        return
+    seconds = np.diff(track.times)[:, None]
+    moved = np.diff(track.positions, axis=0)
+    told = 0.5 * (track.velocities[1:] + track.velocities[:-1]) * seconds
+    window = min(_WINDOW, max(len(moved) // 5, 1))
+    moved, told = _summed(moved, window), _summed(told, window)
+    size, product = float(np.sum(told**2)), float(np.sum(told * moved))
+    explained = product**2 / max(size * float(np.sum(moved**2)), 1e-300)
+    if size <= 0.0 or explained < _LEAST_MOTION:
+        return
+    ratio = product / size
+    if not 1.0 / _UNIT_RATIO < ratio < _UNIT_RATIO:
+        raise FileFormatError(
+            f"{track.where}: moves {ratio:.3g} times as far as its velocities say: are times in s, "
+            "positions in m and velocities in m/s, along the same axes?"
+        )
+
+
+def _summed(rows: Matrix, window: int) -> Matrix:
+    """Return sums of so many successive rows."""
+    total = np.vstack([np.zeros(rows.shape[1]), np.cumsum(rows, axis=0)])
+    return total[window:] - total[:-window]
+
+
+def _check_period(track: Track, warnings: list[str]) -> None:
+    """Tell times that are hardly in seconds."""
+    if track.times.size < 2:
+        return
+    period = float(np.median(np.diff(track.times)))
+    if not _SHORTEST_PERIOD <= period <= _LONGEST_PERIOD:
+        warnings.append(f"{track.where}: a sample every {period:.3g} s: are times in seconds?")
+
+
+def _taken(track: Track, which: npt.NDArray[np.bool_]) -> Track:
+    """Return some of the samples."""
+    if which.all():
+        return track
+    parts = {name: getattr(track, name)[which] for name in track.parts()}
+    return track.changed(parts, track.times[which])

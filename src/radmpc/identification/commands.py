@@ -1,0 +1,52 @@
+"""Whether vehicles did what they were commanded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.identification.sampling import Samples
+from radmpc.identification.segments import Evidence
+
+__all__ = ["command_warning"]
+
+_OFF = 0.2
+"""Share [-] by which a response to commands may be off before it is told: an engine's lag is."""
+
+_SURE = 3.0
+"""Standard deviations [-] by which it must be off besides."""
+
+
+def command_warning(samples: Samples, evidence: Evidence) -> tuple[str, ...]:
+    """Return what is odd about a vehicle's response to its commands.
+
+    Parameters
+    ----------
+    samples : Samples
+        At steps.
+    evidence : {'commands', 'references', 'states'}
+        What the estimates go by.
+
+    Returns
+    -------
+    tuple of str
+        A sentence, or nothing.
+    """
+    if evidence != "commands" or samples.effects is None or len(samples.steps) < 10:
+        return ()
+    d = samples.track.dimension
+    is_step = np.diff(samples.steps) == 1
+    gained = np.diff(samples.states[:, d:], axis=0)[is_step]
+    asked = samples.effects[:-1, d:][is_step]
+    gained, asked = gained - gained.mean(axis=0), asked - asked.mean(axis=0)
+    size = float(np.sum(asked**2))
+    if size <= 0.0:
+        return (f"{samples.track.where}: its commands never change: were they logged?",)
+    response = float(np.sum(asked * gained)) / size
+    rest = gained - response * asked
+    deviation = float(np.sqrt(np.sum(asked**2 * rest**2))) / size
+    if abs(response - 1.0) <= max(_OFF, _SURE * deviation):
+        return ()
+    return (
+        f"{samples.track.where}: gains {100 * response:.0f} % of what commands ask for: are they "
+        "accelerations in m/s², along the same axes, and not cut off by the vehicle?",
+    )

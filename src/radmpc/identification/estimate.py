@@ -1,0 +1,316 @@
+"""What a group of vehicles with the same noise is found to have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import chdtrc
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.identification.intervals import Interval, covariance_interval, normal_interval
+from radmpc.identification.measurement import by_another_sensor, by_spectrum
+from radmpc.identification.regression import Fit, fit
+from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
+from radmpc.identification.tails import Tails, tails
+from radmpc.identification.whiteness import Autocorrelation, autocorrelation, whitened
+
+__all__ = ["Estimate", "Model", "estimate"]
+
+SURE = 2.58
+"""Standard deviations [-] beyond which color, drift and the like are taken for real: 1 % by
+chance."""
+
+_LEAST_COLOR = 0.05
+"""Autocorrelation [-] from step to step below which noise counts as white, however sure it is:
+variances after many steps change by a tenth."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """Dynamics without feedback: a double integrator, without velocities a single one.
+
+    Attributes
+    ----------
+    dt : float
+        Step [s].
+    dimension : int
+        Number of axes d.
+    has_velocity : bool
+        Whether velocities are part of the state.
+    """
+
+    dt: float
+    dimension: int
+    has_velocity: bool
+
+    @property
+    def A(self) -> Matrix:  # noqa: N802 - the field's name
+        """State matrix, (n, n)."""
+        eye, zero = np.eye(self.dimension), np.zeros((self.dimension, self.dimension))
+        return np.block([[eye, self.dt * eye], [zero, eye]]) if self.has_velocity else eye
+
+    @property
+    def B(self) -> Matrix:  # noqa: N802 - the field's name
+        """Control matrix, (n, d)."""
+        eye = np.eye(self.dimension)
+        if not self.has_velocity:
+            return self.dt * eye
+        return np.vstack([0.5 * self.dt**2 * eye, self.dt * eye])
+
+    @property
+    def num_states(self) -> int:
+        """Length n of the state."""
+        return 2 * self.dimension if self.has_velocity else self.dimension
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """What a group of vehicles is found to have.
+
+    Attributes
+    ----------
+    vehicles : tuple of str
+        The group.
+    num_steps : int
+        Steps that were used.
+    worth : float
+        Number of independent Gaussian steps that tell the covariance as well.
+    covariance : Interval
+        W of every step, (n, n) [m², m²/s²].
+    drift : Interval
+        What every step adds besides, (n,) [m, m/s]; NaN where the log does not tell.
+    has_drift : bool
+        Whether chance hardly makes it.
+    gain : Interval or None
+        Feedback K, (d, n); None where it cannot be told.
+    gain_chance : float
+        Probability of such residuals if the closed loop is that of a double integrator with
+        feedback [-]; NaN where that was not tried.
+    color : float
+        Autocorrelation of the noise from step to step [-], 0 if it is white.
+    time_constant : Interval or None
+        Of the noise [s]; None if it is white or that cannot be told.
+    measurement : Interval or None
+        Covariance of the measurement noise, (n, n) [m², m²/s²]; None if there is no sign of it.
+    tails : Tails or None
+        Of the noise; None where that cannot be told.
+    autocorrelation : Autocorrelation
+        Of what remains when feedback and drift are taken away.
+    residuals : (N, p) array
+        What remains when color is, too, whitened.
+    noise : tuple
+        Per segment of the group, in the order given: first step and residuals with mean zero.
+    """
+
+    vehicles: tuple[str, ...]
+    num_steps: int
+    worth: float
+    covariance: Interval
+    drift: Interval
+    has_drift: bool
+    gain: Interval | None
+    gain_chance: float
+    color: float
+    time_constant: Interval | None
+    measurement: Interval | None
+    tails: Tails | None
+    autocorrelation: Autocorrelation
+    residuals: Matrix
+    noise: tuple[tuple[str, int, Matrix], ...]
+
+
+def estimate(
+    group: Sequence[Transitions], model: Model, evidence: Evidence, *, share: float = 0.0
+) -> Estimate:
+    """Return what a group of vehicles has in common.
+
+    Parameters
+    ----------
+    group : sequence of Transitions
+        Of vehicles with the same noise and feedback.
+    model : Model
+        Their dynamics.
+    evidence : {'commands', 'references', 'states'}
+        What explains their transitions.
+    share : float
+        Correlation of the noise between vehicles at equal times [-]: steps that they share tell
+        less.
+    """
+    all_segments = [segment for one in group for segment in one.segments]
+    y, h, follows = stacked(all_segments)
+    found = fit(y, h, follows, model.B, has_color=False)
+    white = whitened(found.innovations)
+    first = autocorrelation(_pieces(white, all_segments))
+    can_color = evidence == "commands" or (evidence == "references" and model.has_velocity)
+    if can_color and first.first_score > SURE and first.first > _LEAST_COLOR:
+        found = fit(y, h, follows, model.B, has_color=True)
+    measured = _measured(found, all_segments, model, first) if evidence == "commands" else None
+    kind = None if evidence == "states" else tails(whitened(found.innovations))
+    more = (len(group) - 1) * max(share, 0.0)
+    found = _widened(found, np.sqrt(1.0 + more), np.sqrt(1.0 + more * max(share, 0.0)))
+    covariance, worth = _spread(found, kind, model, 1.0 + more * max(share, 0.0))
+    if measured is not None:
+        covariance, worth = measured[0], min(worth, _worth(measured[0]))
+    drift, has_drift = _drift(found, y, model, evidence)
+    return Estimate(
+        vehicles=tuple(one.name for one in group),
+        num_steps=len(y),
+        worth=worth,
+        covariance=covariance,
+        drift=drift,
+        has_drift=has_drift,
+        gain=_gain(found, group, evidence),
+        gain_chance=_feedback_chance(found, y, h, follows) if h.shape[1] else float("nan"),
+        color=found.color,
+        time_constant=_time_constant(found, model.dt),
+        measurement=None if measured is None else measured[1],
+        tails=kind,
+        autocorrelation=first,
+        residuals=whitened(found.innovations),
+        noise=_noise(found.noise, group),
+    )
+
+
+def _pieces(rows: Matrix, all_segments: Sequence[Segment]) -> list[Matrix]:
+    """Return rows by segment."""
+    ends = np.cumsum([len(segment.y) for segment in all_segments])[:-1]
+    return list(np.split(rows, ends))
+
+
+def _noise(rows: Matrix, group: Sequence[Transitions]) -> tuple[tuple[str, int, Matrix], ...]:
+    """Return residuals with vehicle and first step of their segments."""
+    owners = [(one.name, segment) for one in group for segment in one.segments]
+    pieces = _pieces(rows, [segment for _, segment in owners])
+    return tuple(
+        (name, segment.first, piece) for (name, segment), piece in zip(owners, pieces, strict=True)
+    )
+
+
+def _widened(found: Fit, by_mean: float, by_product: float) -> Fit:
+    """Return a fit whose means and products are less sure by some factors."""
+    return replace(
+        found,
+        gain_deviation=by_product * found.gain_deviation,
+        drift_deviation=by_mean * found.drift_deviation,
+        color_deviation=by_product * found.color_deviation,
+    )
+
+
+def _spread(found: Fit, kind: Tails | None, model: Model, alike: float) -> tuple[Interval, float]:
+    """Return W with its interval, and how many independent steps it is worth."""
+    steps, color = len(found.noise), found.color
+    spent = (1.0 + color) / (1.0 - color) + found.gain.size / model.num_states
+    free = max(steps - spent, 1.0)
+    covariance = found.noise.T @ found.noise / free
+    excess = 0.0 if kind is None or kind.is_gaussian else max(kind.excess_kurtosis, 0.0)
+    # Fourth moments: squares of a variable with excess kurtosis k vary by (2 + k) instead of 2.
+    worth = free * (1.0 - color**2) / (1.0 + color**2) / (1.0 + 0.5 * excess)
+    worth = max(worth / alike, 1.0)
+    return covariance_interval(covariance, worth), worth
+
+
+def _worth(covariance: Interval) -> float:
+    """Return how many independent steps would tell the variances as well, on average."""
+    variances = np.maximum(np.diag(covariance.value), 1e-300)
+    deviations = np.maximum(np.diag(covariance.high - covariance.low) / 3.92, 1e-300)
+    return max(float(np.median(2.0 * (variances / deviations) ** 2)), 1.0)
+
+
+def _drift(found: Fit, y: Matrix, model: Model, evidence: Evidence) -> tuple[Interval, bool]:
+    """Return what every step adds, and whether that is beyond chance."""
+    if evidence != "states":
+        drift = normal_interval(found.drift, found.drift_deviation)
+        scores = np.abs(found.drift) / np.maximum(found.drift_deviation, 1e-300)
+        # As many chances as states to look large.
+        return drift, bool(np.any(scores > SURE + 0.25 * np.log2(model.num_states)))
+    value = np.full(model.num_states, np.nan)
+    deviation = np.full(model.num_states, np.nan)
+    if model.has_velocity:
+        d = model.dimension
+        # Whatever was commanded, positions move by the mean of both velocities: the rest is a
+        # current (exact for commands that are held over the step).
+        rest = y[:, :d] - 0.5 * model.dt * y[:, d:]
+        value[:d] = rest.mean(axis=0)
+        deviation[:d] = rest.std(axis=0) / np.sqrt(len(rest))
+    return normal_interval(value, deviation), False
+
+
+def _gain(found: Fit, group: Sequence[Transitions], evidence: Evidence) -> Interval | None:
+    """Return the feedback, by least squares on what is known of it."""
+    if evidence == "references":
+        return normal_interval(found.gain, found.gain_deviation)
+    pairs = [
+        (one.deviations, one.corrections)
+        for one in group
+        if one.deviations is not None and one.corrections is not None
+    ]
+    if evidence != "commands" or len(pairs) < len(group):
+        return None
+    h = np.concatenate([deviations for deviations, _ in pairs])
+    y = np.concatenate([corrections for _, corrections in pairs])
+    h, y = h - h.mean(axis=0), y - y.mean(axis=0)
+    gain = np.linalg.lstsq(h, y, rcond=None)[0].T
+    rest = y - h @ gain.T
+    variances = np.sum(rest**2, axis=0) / max(len(y) - h.shape[1] - 1, 1)
+    inverse = np.diag(np.linalg.pinv(h.T @ h, hermitian=True))
+    return normal_interval(gain, np.sqrt(np.outer(variances, np.maximum(inverse, 0.0))))
+
+
+def _feedback_chance(found: Fit, y: Matrix, h: Matrix, follows: Vector) -> float:
+    """Return the chance of such residuals if position and velocity are driven by K alone."""
+    color, d = found.color, found.gain.shape[0]
+    n, q = y.shape[1], h.shape[1]
+    if n == d:
+        return float("nan")
+    pairs = np.flatnonzero(follows) if color != 0.0 else np.arange(len(y))
+    z = y[pairs] - color * y[pairs - 1] if color != 0.0 else y
+    g = h[pairs] - color * h[pairs - 1] if color != 0.0 else h
+    z, g = z - z.mean(axis=0), g - g.mean(axis=0)
+    rest = z - g @ np.linalg.lstsq(g, z, rcond=None)[0]
+    bound = found.innovations - found.innovations.mean(axis=0)
+    gained = np.linalg.slogdet(bound.T @ bound)[1] - np.linalg.slogdet(rest.T @ rest)[1]
+    statistic = max((len(z) - q - 1) * gained, 0.0) if np.isfinite(gained) else 0.0
+    return float(chdtrc(q * (n - d), statistic))
+
+
+def _time_constant(found: Fit, dt: float) -> Interval | None:
+    """Return τ of ρ = exp(−dt/τ)."""
+    if found.color <= 0.0:
+        return None
+    # Of an autocorrelation's arcsine the deviation is nearly the same everywhere.
+    angle = float(np.arcsin(found.color))
+    turned = normal_interval(angle, found.color_deviation / np.sqrt(1.0 - found.color**2))
+    parts = (turned.value, turned.low, turned.high)
+    colors = np.clip(np.sin(np.clip(parts, 0.0, 0.5 * np.pi)), 1e-9, 1.0 - 1e-9)
+    ends = [-dt / np.log(color) for color in colors]
+    return Interval(*map(np.asarray, ends))
+
+
+def _measured(
+    found: Fit, all_segments: Sequence[Segment], model: Model, first: Autocorrelation
+) -> tuple[Interval, Interval] | None:
+    """Return disturbance and measurement noise where there is a sign of the latter."""
+    pieces = _pieces(found.noise, all_segments)
+    offsets = [segment.offset for segment in all_segments]
+    if all(offset is not None for offset in offsets):
+        return _by_two(found, np.concatenate([o for o in offsets if o is not None]), model)
+    return by_spectrum(pieces, model.A) if first.first_score < -SURE else None
+
+
+def _by_two(found: Fit, offsets: Matrix, model: Model) -> tuple[Interval, Interval] | None:
+    """Return the same where a second sensor was logged."""
+    d, n = model.dimension, model.num_states
+    seen = by_another_sensor(found.noise[:, :d], offsets)
+    if not np.any(np.diag(seen.low) > 0.0):
+        return None
+    value, width = np.zeros((n, n)), np.zeros((n, n))
+    value[:d, :d], width[:d, :d] = seen.value, seen.high - seen.value
+    steps = len(found.noise)
+    total = found.noise.T @ found.noise / max(steps - 1, 1)
+    W = total - value - model.A @ value @ model.A.T
+    own = covariance_interval(total, float(steps))
+    # Both parts are uncertain; they hang together little where W is not small beside R.
+    deviation = np.hypot(0.5 * (own.high - own.low), width + model.A @ width @ model.A.T)
+    return Interval(W, W - deviation, W + deviation), Interval(value, value - width, value + width)

@@ -1,0 +1,292 @@
+"""From logs to noise and feedback, with what the logs do not tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtrc
+
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.identification.cleaning import clean
+from radmpc.identification.commands import command_warning
+from radmpc.identification.estimate import Estimate, Model, estimate
+from radmpc.identification.sampling import Samples, native_period, sample
+from radmpc.identification.segments import Evidence, Transitions, segments, without_jumps
+from radmpc.identification.sharing import Shared, shared_part
+from radmpc.identification.track import Track
+from radmpc.identification.unknown import unknowns
+
+__all__ = ["Identification", "identify"]
+
+_LEAST_STEPS = 10
+"""Steps beyond the number of unknowns per row of the dynamics that estimates need at least."""
+
+_FEW_STEPS = 100.0
+"""Independent steps below which the numbers are called rough: variances by chi-square within -25 to
++35 %."""
+
+_DOUBT = 0.01
+"""Probability [-] of such a difference between vehicles of one kind below which they count as
+different."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Identification:
+    """What logs tell of noise and feedback.
+
+    Attributes
+    ----------
+    model : Model
+        Step and dynamics that everything refers to.
+    evidence : {'commands', 'references', 'states'}
+        What was known beside the states.
+    sources : tuple of str
+        The files.
+    start : float or None
+        When the earliest log begins [s since 1970], if it says.
+    pooled : Estimate
+        Of all vehicles together.
+    each : tuple of Estimate
+        Of every vehicle that has enough steps of its own.
+    differ : bool
+        Whether vehicles differ beyond chance.
+    shared : Shared or None
+        The part of the noise they have in common; None where that cannot be told.
+    unknown : tuple of str
+        What the logs do not tell, and why.
+    warnings : tuple of str
+        Flaws of the logs, and what was done about them.
+    """
+
+    model: Model
+    evidence: Evidence
+    sources: tuple[str, ...]
+    start: float | None
+    pooled: Estimate
+    each: tuple[Estimate, ...]
+    differ: bool
+    shared: Shared | None
+    unknown: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def groups(self) -> tuple[Estimate, ...]:
+        """One estimate for all vehicles, or one for each where they differ."""
+        return self.each if self.differ else (self.pooled,)
+
+
+def identify(
+    tracks: Sequence[Track],
+    *,
+    dt: float | None = None,
+    dimension: int | None = None,
+    warnings: Sequence[str] = (),
+) -> Identification:
+    """Return what logs tell of noise and feedback.
+
+    Parameters
+    ----------
+    tracks : sequence of Track
+        As logged, one or more per vehicle.
+    dt : float or None
+        Step that the numbers are to refer to [s]; None is the logs' own.
+    dimension : int or None
+        Axes to look at; None is all that every log has.
+    warnings : sequence of str
+        What reading the logs had to say; goes before what is found here.
+
+    Returns
+    -------
+    Identification
+        Estimates with intervals.
+
+    Raises
+    ------
+    FileFormatError
+        If a log contradicts itself, or there is too little of it.
+    ScenarioError
+        If the step is not above zero.
+    """
+    if dt is not None and not (np.isfinite(dt) and dt > 0.0):
+        raise ScenarioError(f"must be > 0 s, got {dt:g}", ("dt",))
+    if not tracks:
+        raise FileFormatError("the logs hold no vehicle")
+    told = list(warnings)
+    cleaned = _cleaned(tracks, dimension, told)
+    step = _step(cleaned) if dt is None else dt
+    at_steps = _sampled(cleaned, step, told)
+    evidence = _evidence(cleaned, told)
+    told += [line for one in at_steps for line in command_warning(one, evidence)]
+    model = Model(step, cleaned[0].dimension, all(t.velocities is not None for t in cleaned))
+    vehicles = _vehicles(at_steps, evidence, model, told)
+    pooled = estimate(vehicles, model, evidence)
+    own = [one for one in vehicles if one.num_steps >= _least(model, evidence)]
+    each = (
+        (pooled,) if len(vehicles) == 1 else tuple(estimate([one], model, evidence) for one in own)
+    )
+    differ = len(each) == len(vehicles) and _differ(pooled, each)
+    shared = _shared(vehicles, each if differ else (pooled,), pooled)
+    if shared is not None and shared.is_sure:
+        pooled = estimate(vehicles, model, evidence, share=float(shared.share.value))
+    if pooled.worth < _FEW_STEPS:
+        told.append(
+            f"the logs are worth about {pooled.worth:.0f} independent steps: the numbers are rough"
+        )
+    return Identification(
+        model=model,
+        evidence=evidence,
+        sources=tuple(dict.fromkeys(track.source for track in tracks)),
+        start=_start(cleaned),
+        pooled=pooled,
+        each=each,
+        differ=differ,
+        shared=shared,
+        unknown=unknowns(pooled, shared, model, evidence, len(vehicles)),
+        warnings=tuple(told),
+    )
+
+
+def _cleaned(tracks: Sequence[Track], dimension: int | None, warnings: list[str]) -> list[Track]:
+    """Return what can be used of the logs, all with the same axes and parts of the state."""
+    axes = min(track.dimension for track in tracks) if dimension is None else dimension
+    if any(track.dimension > axes for track in tracks):
+        warnings.append(f"only the first {axes} axes are looked at")
+    found = []
+    for track in tracks:
+        kept, told = clean(track, dimension=axes)
+        warnings += told
+        if kept is not None:
+            found.append(kept)
+    if not found:
+        raise FileFormatError("the logs hold no sample that can be used")
+    if any(t.velocities is None for t in found) and any(t.velocities is not None for t in found):
+        lacking = next(t for t in found if t.velocities is None)
+        raise FileFormatError(
+            f"{lacking.where}: has no velocities, other vehicles have: identify them apart"
+        )
+    return found
+
+
+def _step(tracks: Sequence[Track]) -> float:
+    """Return the logs' own step, to four digits: the longest of all."""
+    periods = [native_period(track) for track in tracks]
+    longest = max((period for period in periods if np.isfinite(period)), default=0.0)
+    if longest <= 0.0:
+        raise FileFormatError(f"{tracks[0].where}: has a single sample, too few for anything")
+    return float(f"{longest:.4g}")
+
+
+def _sampled(tracks: Sequence[Track], dt: float, warnings: list[str]) -> list[Samples]:
+    """Return the tracks at steps that are common to those of one clock."""
+    starts: dict[str, float] = {}
+    for track in tracks:
+        begin = float(track.times[0])
+        starts[track.clock] = min(starts.get(track.clock, begin), begin)
+    found = []
+    for track in tracks:
+        samples, told = sample(track, dt, starts[track.clock])
+        found.append(samples)
+        warnings += told
+    return found
+
+
+def _evidence(tracks: Sequence[Track], warnings: list[str]) -> Evidence:
+    """Return what all tracks have beside states."""
+    for evidence, part in (("commands", "controls"), ("references", "references")):
+        having = [t for t in tracks if getattr(t, part) is not None]
+        if evidence == "commands" and having and having[0].velocities is None:
+            continue
+        if len(having) == len(tracks):
+            return evidence  # type: ignore[return-value] # one of its literals
+        if having:
+            lacking = next(t for t in tracks if getattr(t, part) is None)
+            warnings.append(f"{lacking.where}: has no {evidence}, so those of others are not used")
+    return "states"
+
+
+def _vehicles(
+    at_steps: Sequence[Samples], evidence: Evidence, model: Model, warnings: list[str]
+) -> list[Transitions]:
+    """Return the transitions of every vehicle, those of several logs together."""
+    found: dict[str, Transitions] = {}
+    for samples in at_steps:
+        one, jumps, largest = without_jumps(segments(samples, evidence), model.dimension)
+        if jumps:
+            word = "a jump" if jumps == 1 else f"{jumps} jumps, the largest"
+            warnings.append(
+                f"{samples.track.where}: has {word} of {largest:.3g} m, left out: no noise of the "
+                "other steps gets there"
+            )
+        if one.name in found:
+            one = found[one.name].joined(one)
+        found[one.name] = one
+    total = sum(one.num_steps for one in found.values())
+    least = _least(model, evidence)
+    if total < least:
+        raise FileFormatError(
+            f"{at_steps[0].track.source}: {total} steps of {model.dt:g} s are too few: at least "
+            f"{least} are needed, and some hundreds for useful intervals"
+        )
+    return [one for one in found.values() if one.num_steps]
+
+
+def _least(model: Model, evidence: Evidence) -> int:
+    """Return how many steps estimates need."""
+    return _LEAST_STEPS + model.num_states * (2 if evidence == "references" else 1)
+
+
+def _differ(pooled: Estimate, each: Sequence[Estimate]) -> bool:
+    """Whether vehicles have covariances or feedback of their own: Box's test, and chi-square."""
+    if len(each) < 2:
+        return False
+    n = pooled.covariance.value.shape[0]
+    worths = np.array([one.worth for one in each])
+    weights = worths / worths.sum()
+    parts = [one.covariance.value for one in each]
+    mean = sum((w * part for w, part in zip(weights, parts, strict=True)), np.zeros((n, n)))
+    scale = np.sqrt(np.maximum(np.diag(mean), 1e-200))
+    floor = 1e-9 * np.eye(n)
+    logs = [np.linalg.slogdet(part / np.outer(scale, scale) + floor)[1] for part in [mean, *parts]]
+    statistic = float(worths.sum() * logs[0] - np.sum(worths * np.array(logs[1:])))
+    groups = len(each) - 1
+    correction = (2 * n**2 + 3 * n - 1) / (6.0 * (n + 1) * groups)
+    correction *= float(np.sum(1.0 / worths)) - 1.0 / worths.sum()
+    chances = [chdtrc(0.5 * groups * n * (n + 1), max(statistic * (1.0 - correction), 0.0))]
+    gains = [one.gain for one in each if one.gain is not None]
+    if len(gains) == len(each):
+        values = np.array([gain.value for gain in gains])
+        widths = np.array([gain.high - gain.value for gain in gains]) / 1.96
+        variances = np.maximum(widths**2, 1e-300)
+        center = np.sum(values / variances, axis=0) / np.sum(1.0 / variances, axis=0)
+        # Gains that a program computed are exact: differences in their last digits are none.
+        apart = np.abs(values - center) > 1e-6 * np.abs(center).max()
+        spread = np.sum(np.where(apart, (values - center) ** 2 / variances, 0.0))
+        chances.append(chdtrc(groups * values[0].size, spread))
+    return bool(min(chances) < _DOUBT / len(chances))
+
+
+def _shared(
+    vehicles: Sequence[Transitions], groups: Sequence[Estimate], pooled: Estimate
+) -> Shared | None:
+    """Return the common part of the noise of vehicles whose times are comparable."""
+    clocks: dict[str, list[str]] = {}
+    for one in vehicles:
+        clocks.setdefault(one.clock, []).append(one.name)
+    names = max(clocks.values(), key=len)
+    noise = {}
+    for name in names:
+        pieces = [(k, rows) for e in groups for owner, k, rows in e.noise if owner == name]
+        steps = np.concatenate([np.arange(k, k + len(rows)) for k, rows in pieces])
+        rows = np.concatenate([rows for _, rows in pieces])
+        order = np.argsort(steps, kind="stable")
+        if np.all(np.diff(steps[order]) > 0):
+            noise[name] = (steps[order], rows[order] - rows.mean(axis=0))
+    return shared_part(noise, max(pooled.color, 0.0), pooled.covariance.value)
+
+
+def _start(tracks: Sequence[Track]) -> float | None:
+    """Return when the earliest log begins, if its times count from 1970."""
+    earliest = min(float(track.times[0]) for track in tracks)
+    return earliest if earliest > 1e8 else None

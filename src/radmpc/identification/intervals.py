@@ -1,0 +1,79 @@
+"""Values with their 95 % confidence intervals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import chdtri, ndtri
+
+from radmpc.arrays import Frozen, Matrix, Vector, frozen
+
+__all__ = ["LEVEL", "Interval", "covariance_interval", "normal_interval"]
+
+LEVEL = 0.95
+"""Confidence of every interval [-]."""
+
+_SIGMAS = float(ndtri(0.5 + 0.5 * LEVEL))
+"""Half of an interval's width in standard deviations of a normal estimate [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Interval(Frozen):
+    """A number, vector or matrix with the ends of its intervals, entry by entry.
+
+    Attributes
+    ----------
+    value, low, high : array
+        NaN where the log does not tell.
+    """
+
+    value: npt.NDArray[np.float64]
+    low: npt.NDArray[np.float64]
+    high: npt.NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        """Copy and freeze the arrays."""
+        for name in ("value", "low", "high"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            object.__setattr__(self, name, frozen(array))
+
+    @property
+    def excludes_zero(self) -> bool:
+        """Whether any entry's interval lies beside zero."""
+        return bool(np.any((self.low > 0.0) | (self.high < 0.0)))
+
+
+def normal_interval(value: npt.ArrayLike, deviation: npt.ArrayLike) -> Interval:
+    """Return the interval of estimates that are nearly normal.
+
+    Parameters
+    ----------
+    value : array
+        Estimates.
+    deviation : array
+        Their standard deviations.
+    """
+    middle, width = np.asarray(value, dtype=float), _SIGMAS * np.asarray(deviation, dtype=float)
+    return Interval(middle, middle - width, middle + width)
+
+
+def covariance_interval(covariance: Matrix, steps: float) -> Interval:
+    """Return the interval of a covariance: of variances by chi-square, of the rest nearly normal.
+
+    Parameters
+    ----------
+    covariance : (n, n) array
+        The estimate.
+    steps : float
+        Number of independent steps that it is worth, > 0.
+    """
+    variances: Vector = np.diag(covariance)
+    deviation = np.sqrt((np.outer(variances, variances) + covariance**2) / steps)
+    middle = normal_interval(covariance, deviation)
+    low, high = np.array(middle.low), np.array(middle.high)
+    tail = 0.5 - 0.5 * LEVEL
+    np.fill_diagonal(low, variances * steps / chdtri(steps, tail))
+    np.fill_diagonal(high, variances * steps / chdtri(steps, 1.0 - tail))
+    return Interval(covariance, low, high)

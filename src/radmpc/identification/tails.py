@@ -1,0 +1,117 @@
+"""Whether residuals are Gaussian, and how heavy their tails are if not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtri, gammaln, ndtr
+
+from radmpc.arrays import Matrix, Vector
+
+__all__ = ["Tails", "tails"]
+
+_GRID = np.linspace(0.0, 0.45, 226)
+"""Reciprocals of degrees of freedom [-] whose likelihoods are compared; 0 is Gaussian."""
+
+_DOUBT = 0.01
+"""Probability [-] of such residuals under Gaussian noise below which they are called another
+kind."""
+
+_SMALLEST = 1e-300
+"""Tail probability that stands for zero in a logarithm [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tails:
+    """How residuals are distributed.
+
+    Attributes
+    ----------
+    chance : float
+        Probability that Gaussian residuals deviate as far by the Anderson-Darling statistic [-].
+    excess_kurtosis : float
+        Of the residuals, 0 for Gaussian ones [-].
+    freedom, freedom_low, freedom_high : float
+        Degrees of freedom of the Student-t distribution that fits best, and the ends of its 95 %
+        interval; inf is Gaussian.
+    """
+
+    chance: float
+    excess_kurtosis: float
+    freedom: float
+    freedom_low: float
+    freedom_high: float
+
+    @property
+    def is_gaussian(self) -> bool:
+        """Whether nothing speaks against it."""
+        return self.chance >= _DOUBT and not np.isfinite(self.freedom_high)
+
+    @property
+    def are_heavy(self) -> bool:
+        """Whether large deviations are more likely than Gaussian ones."""
+        return bool(np.isfinite(self.freedom_high))
+
+
+def tails(white: Matrix) -> Tails:
+    """Return what residuals say of their distribution.
+
+    Parameters
+    ----------
+    white : (N, p) array
+        Whitened, with mean zero.
+    """
+    numbers = white.ravel() / max(float(white.std()), 1e-150)
+    axes = white.shape[1]
+    distances = np.sum(white**2, axis=1)
+    kurtosis = float(np.mean(distances**2)) / (axes * (axes + 2.0)) - 1.0
+    best, low, high = _reciprocal_freedom(distances, axes)
+    return Tails(
+        chance=_anderson_darling(np.sort(numbers)),
+        excess_kurtosis=3.0 * kurtosis,
+        freedom=1.0 / best if best > 0.0 else np.inf,
+        freedom_low=1.0 / high if high > 0.0 else np.inf,
+        freedom_high=1.0 / low if low > 0.0 else np.inf,
+    )
+
+
+def _anderson_darling(ordered: Vector) -> float:
+    """Return the chance of the statistic with mean and variance unknown (D'Agostino, Stephens)."""
+    n = ordered.size
+    below = np.log(np.maximum(ndtr(ordered), _SMALLEST))
+    above = np.log(np.maximum(ndtr(-ordered[::-1]), _SMALLEST))
+    weight = 2.0 * np.arange(1, n + 1) - 1.0
+    statistic = -n - float(np.mean(weight * (below + above)))
+    a = statistic * (1.0 + 0.75 / n + 2.25 / n**2)
+    if a >= 10.0:
+        return 0.0
+    if a >= 0.6:
+        return float(np.exp(1.2937 - 5.709 * a + 0.0186 * a**2))
+    if a >= 0.34:
+        return float(np.exp(0.9177 - 4.279 * a - 1.38 * a**2))
+    if a >= 0.2:
+        return float(1.0 - np.exp(-8.318 + 42.796 * a - 59.938 * a**2))
+    return float(1.0 - np.exp(-13.436 + 101.14 * a - 223.73 * a**2))
+
+
+def _reciprocal_freedom(distances: Vector, axes: int) -> tuple[float, float, float]:
+    """Return the likeliest 1/ν of a multivariate Student-t and the ends of its interval.
+
+    Its covariance is the one observed: only the shape is free.
+    """
+    loglikelihood = np.empty(_GRID.size)
+    loglikelihood[0] = -0.5 * float(distances.sum()) - 0.5 * distances.size * axes * np.log(
+        2 * np.pi
+    )
+    for i, reciprocal in enumerate(_GRID[1:], start=1):
+        nu = 1.0 / reciprocal
+        each = (
+            gammaln(0.5 * (nu + axes)) - gammaln(0.5 * nu) - 0.5 * axes * np.log(np.pi * (nu - 2.0))
+        )
+        rest = np.log1p(distances / (nu - 2.0)).sum()
+        loglikelihood[i] = distances.size * each - 0.5 * (nu + axes) * float(rest)
+    best = int(np.argmax(loglikelihood))
+    is_likely = 2.0 * (loglikelihood[best] - loglikelihood) <= float(chdtri(1.0, 0.05))
+    likely = np.flatnonzero(is_likely)
+    return float(_GRID[best]), float(_GRID[likely[0]]), float(_GRID[likely[-1]])

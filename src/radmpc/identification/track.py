@@ -1,0 +1,94 @@
+"""What a log says of one vehicle, sample by sample, before anything is made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Frozen, Matrix, Vector, frozen
+
+__all__ = ["Track"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track(Frozen):
+    """One vehicle's samples as they were logged; entries may be NaN.
+
+    Attributes
+    ----------
+    name : str
+        The vehicle.
+    source : str
+        The file, as its user named it.
+    clock : str
+        Tracks with the same word have their times from one clock, and can be compared at equal
+        times.
+    times : (N,) array
+        When the samples were taken [s].
+    positions : (N, d) array
+        Where the vehicle was [m].
+    velocities : (N, d) array or None
+        How fast, along the same axes [m/s]; None if not logged.
+    controls : (N, d) array or None
+        Accelerations that were commanded, each held until the next sample [m/s²].
+    references : (N, d) or (N, 2d) array or None
+        Where it was to be [m], and how fast [m/s] if that was logged, too.
+    second_positions : (N, d) array or None
+        The same positions by another sensor [m].
+    """
+
+    name: str
+    source: str
+    clock: str
+    times: Vector
+    positions: Matrix
+    velocities: Matrix | None = None
+    controls: Matrix | None = None
+    references: Matrix | None = None
+    second_positions: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        """Copy and freeze the arrays."""
+        object.__setattr__(self, "times", frozen(np.array(self.times, dtype=np.float64)))
+        for name in self.parts():
+            array = getattr(self, name)
+            object.__setattr__(self, name, frozen(np.array(array, dtype=np.float64)))
+
+    def parts(self) -> tuple[str, ...]:
+        """Return the names of what was logged beside the times."""
+        names = ("positions", "velocities", "controls", "references", "second_positions")
+        return tuple(name for name in names if getattr(self, name) is not None)
+
+    def changed(self, parts: Mapping[str, Matrix | None], times: Vector | None = None) -> Track:
+        """Return the track with other parts.
+
+        Parameters
+        ----------
+        parts : mapping
+            By their names; those not named stay as they are.
+        times : (N,) array or None
+            Of all parts; None leaves them as they are.
+        """
+        names = ("velocities", "controls", "references", "second_positions")
+        found = {name: parts.get(name, getattr(self, name)) for name in names}
+        positions = parts.get("positions")
+        return Track(
+            self.name,
+            self.source,
+            self.clock,
+            self.times if times is None else times,
+            self.positions if positions is None else positions,
+            **found,
+        )
+
+    @property
+    def dimension(self) -> int:
+        """Number of axes d, 2 or 3."""
+        return int(self.positions.shape[1])
+
+    @property
+    def where(self) -> str:
+        """The file and the vehicle, for messages."""
+        return f"{self.source}: vehicle {self.name!r}"

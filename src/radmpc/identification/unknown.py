@@ -1,0 +1,128 @@
+"""What logs do not tell, and why, in sentences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.identification.estimate import Estimate, Model
+from radmpc.identification.segments import Evidence
+from radmpc.identification.sharing import Shared
+
+__all__ = ["unknowns"]
+
+_DOUBT = 0.01
+"""Probability [-] below which a closed loop is not that of a double integrator with feedback."""
+
+
+def unknowns(
+    found: Estimate,
+    shared: Shared | None,
+    model: Model,
+    evidence: Evidence,
+    num_vehicles: int,
+) -> tuple[str, ...]:
+    """Return what cannot be told from logs like these, a sentence each.
+
+    Parameters
+    ----------
+    found : Estimate
+        What can.
+    shared : Shared or None
+        The part that vehicles have in common, if it could be looked for.
+    model : Model
+        Dynamics without feedback.
+    evidence : {'commands', 'references', 'states'}
+        What the logs hold beside states.
+    num_vehicles : int
+        How many vehicles they are of.
+    """
+    told = {"states": _of_states, "references": _of_references, "commands": _of_commands}
+    sentences = told[evidence](found, model)
+    if num_vehicles < 2:
+        sentences.append("shared noise: the logs are of one vehicle")
+    elif shared is None:
+        sentences.append("shared noise: too few steps of two vehicles at equal times by one clock")
+    return tuple(sentences)
+
+
+def _of_states(found: Estimate, model: Model) -> list[str]:
+    """Return what states alone do not tell."""
+    del found
+    moved = "controls" if model.has_velocity else "motion"
+    sentences = [
+        f"noise apart from {moved}: without commands or references every maneuver counts as noise, "
+        "so the covariance is too large where the vehicle maneuvered",
+        "feedback: that needs references, or commands and references",
+        "time constant, tails and measurement noise: they would be those of the maneuvers",
+    ]
+    if model.has_velocity:
+        sentences.append("a constant push: it looks like a control")
+    else:
+        sentences.append("drift: it looks like motion; log velocities or references")
+    return sentences
+
+
+def _of_references(found: Estimate, model: Model) -> list[str]:
+    """Return what states with references do not tell."""
+    sentences = []
+    if found.gain is not None and not found.gain.excludes_zero:
+        sentences.append("feedback: deviations come back no faster than by chance")
+    if found.gain_chance < _DOUBT:
+        sentences.append(
+            "feedback: the closed loop is not that of a double integrator with K alone (lags, "
+            "integrators or measurement noise in the loop); K is the nearest"
+        )
+    if found.color == 0.0 and found.autocorrelation.first_score > 2.58:
+        sentences.append(
+            "time constant: without velocities a lasting disturbance and slow feedback look alike"
+            if not model.has_velocity
+            else "time constant: the residuals are nearly white"
+        )
+    sentences.append(
+        "measurement noise: it enters through the feedback, too; log the commands"
+        if found.autocorrelation.first_score < -2.58
+        else "measurement noise: no sign of it, nor would a small part show without commands"
+    )
+    return sentences
+
+
+def _of_commands(found: Estimate, model: Model) -> list[str]:
+    """Return what states with commands do not tell."""
+    del model
+    sentences = []
+    if found.gain is None:
+        sentences.append("feedback: commands without references hide what they answer")
+    if found.measurement is None and found.color > 0.0:
+        sentences.append("measurement noise: the disturbance's own memory hides it")
+    elif found.measurement is None:
+        sentences.append(
+            "measurement noise: residuals show no sign of it: it is small against the disturbance, "
+            "or logged states are filtered"
+        )
+    if found.measurement is not None and found.color == 0.0:
+        sentences.append("time constant: measurement noise hides it")
+    if found.tails is not None and found.measurement is not None and not found.tails.is_gaussian:
+        sentences.append("whose tails are heavy: those of the disturbance or of the measurement")
+    return sentences
+
+
+def misfit_of_color(found: Estimate) -> str | None:
+    """Return how autocorrelations contradict a single time constant, None if they do not.
+
+    Parameters
+    ----------
+    found : Estimate
+        Of noise with color.
+    """
+    seen = found.autocorrelation
+    if found.color <= 0.0 or seen.values.size < 5:
+        return None
+    expected = found.color ** seen.lags[:5]
+    width = 4.0 * seen.deviations[:5] / max(1.0 - found.color, 0.05)
+    worst = int(np.argmax(np.abs(seen.values[:5] - expected) - width))
+    if abs(seen.values[worst] - expected[worst]) <= width[worst]:
+        return None
+    return (
+        f"one time constant does not describe it: correlations fall to {seen.values[0]:.2f} after "
+        f"a step and {seen.values[4]:.2f} after five"
+    )

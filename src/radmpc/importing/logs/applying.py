@@ -1,0 +1,197 @@
+"""Identified noise in a scenario, and as a file of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from radmpc.errors import ScenarioError
+from radmpc.identification.identify import Identification
+from radmpc.importing.logs.block import noise_block, reordered, vehicle_fields
+from radmpc.io.native.decoding import decode_scenario
+from radmpc.io.native.encoding import encode_scenario
+from radmpc.io.text.yaml_writing import write_yaml
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.version import __version__
+
+__all__ = ["noise_text", "provenance", "recorded", "with_noise"]
+
+_SHARED = "shared_disturbances"
+
+_EVIDENCE = {
+    "commands": "with logged commands",
+    "references": "with logged references",
+    "states": "from states alone",
+}
+
+
+def provenance(found: Identification, day: str) -> dict[str, object]:
+    """Return from what and when noise was identified, as plain values for ``source``.
+
+    Parameters
+    ----------
+    found : Identification
+        What logs tell.
+    day : str
+        When that was found out.
+    """
+    content: dict[str, object] = {
+        "by": f"radmpc {__version__} identify",
+        "on": day,
+        "logs": list(found.sources),
+        "steps": found.pooled.num_steps,
+        "dt": found.model.dt,
+        "from": _EVIDENCE[found.evidence],
+        "independent_steps": round(found.pooled.worth),
+    }
+    if found.start is not None:
+        content["recorded"] = recorded(found.start)
+    return content
+
+
+def recorded(start: float) -> str:
+    """Return a time since 1970 in words.
+
+    Parameters
+    ----------
+    start : float
+        Seconds since 1970.
+    """
+    return datetime.fromtimestamp(start, tz=UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
+def noise_text(found: Identification, day: str) -> str:
+    """Return what was identified as YAML that a scenario takes as it is.
+
+    Parameters
+    ----------
+    found : Identification
+        What logs tell.
+    day : str
+        When that was found out.
+
+    Returns
+    -------
+    str
+        ``defaults`` or ``vehicles``; from what and when, and what the format does not take yet, as
+        comments.
+    """
+    block = noise_block(found)
+    lines = ["Noise of vehicles, for a scenario."]
+    lines += [f"{key}: {_told(entry)}" for key, entry in provenance(found, day).items()]
+    if any(one.color > 0.0 for one in found.groups) and _is_pending(block.pending, "disturbance"):
+        lines.append(
+            "The noise has memory, which this format does not take: the covariance below is that of"
+        )
+        lines.append("white noise that leads to deviations at least as large.")
+    if found.evidence == "states":
+        lines.append("Maneuvers count as noise here: too large where the vehicles maneuvered.")
+    if block.pending:
+        lines.append("Identified, and not a part of this format yet:")
+        lines += [f"  {line}" for line in write_yaml(block.pending).splitlines()]
+    return "".join(f"# {line}\n" for line in lines) + write_yaml(block.content)
+
+
+def _told(entry: object) -> str:
+    """Return a plain value on a line."""
+    return ", ".join(map(str, entry)) if isinstance(entry, list) else str(entry)
+
+
+def _is_pending(pending: Mapping[str, object], key: str) -> bool:
+    """Whether any vehicle has a key that the format does not take."""
+    return any(isinstance(fields, Mapping) and key in fields for fields in pending.values())
+
+
+def with_noise(
+    scenario: Scenario, found: Identification, day: str
+) -> tuple[Scenario, tuple[str, ...]]:
+    """Return a scenario with the noise, and the feedback, that were identified.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of double integrators, or of single ones if no velocities were logged.
+    found : Identification
+        At the scenario's step.
+    day : str
+        When that was found out; goes to ``source``.
+
+    Returns
+    -------
+    scenario : Scenario
+        With the vehicles' new covariances and gains.
+    warnings : tuple of str
+        What could not be taken over.
+
+    Raises
+    ------
+    ScenarioError
+        If step or dynamics are others than those of the estimates.
+    """
+    if abs(scenario.dt - found.model.dt) > 1e-9 * scenario.dt:
+        raise ScenarioError(
+            f"is {scenario.dt:g} s, and the noise is that of steps of {found.model.dt:g} s", ("dt",)
+        )
+    content = encode_scenario(scenario)
+    entries, warnings = _entries(scenario, content, found)
+    block = noise_block(found)
+    if block.pending:
+        parts = [part for part in block.pending.values() if isinstance(part, dict)]
+        keys = {key for part in parts for key in part} | set(block.pending) & {_SHARED}
+        warnings.append(f"identified, and not a part of scenarios yet: {', '.join(sorted(keys))}")
+    source = {**(scenario.source or {}), "noise": provenance(found, day)}
+    shared = {_SHARED: block.content[_SHARED]} if _SHARED in block.content else {}
+    # By way of the format: what it takes, scenarios have.
+    changed = {**content, "defaults": {}, "vehicles": entries, **shared, "source": source}
+    return decode_scenario(changed), tuple(warnings)
+
+
+def _entries(
+    scenario: Scenario, content: Mapping[str, Any], found: Identification
+) -> tuple[list[dict[str, object]], list[str]]:
+    """Return the vehicles of a scenario's file with their new noise."""
+    by_name = {one.vehicles[0]: one for one in found.each} if found.differ else {}
+    defaults, given = content.get("defaults", {}), content["vehicles"]
+    entries, warnings = [], []
+    for i, (vehicle, entry) in enumerate(zip(scenario.vehicles, given, strict=True)):
+        if found.differ and vehicle.name not in by_name:
+            warnings.append(
+                f"vehicle {vehicle.name!r} is in no log: it gets the mean of the others"
+            )
+        one = by_name.get(vehicle.name, found.pooled)
+        fields = reordered(vehicle_fields(one, found)[0], _order(vehicle, found, i))
+        fields.pop("dynamics", None)
+        replaced = {"disturbance", "disturbance_covariance"}
+        replaced |= set() if found.evidence == "states" else {"drift", "covariance_samples"}
+        kept = {k: part for k, part in {**defaults, **entry}.items() if k not in replaced}
+        entries.append({**kept, **fields})
+    return entries, warnings
+
+
+def _order(vehicle: Vehicle, found: Identification, index: int) -> list[int]:
+    """Return where the estimates' states stand in a vehicle's."""
+    system = vehicle.system
+    if system.dimension != found.model.dimension:
+        raise ScenarioError(
+            f"vehicle {vehicle.name!r} has {system.dimension} axes, the logs have "
+            f"{found.model.dimension}",
+            ("vehicles", index),
+        )
+    rates = system.rates
+    if found.model.has_velocity and rates is not None:
+        return [*system.position, *rates[0]]
+    is_single = system.num_states == system.dimension and np.allclose(
+        system.A, np.eye(len(system.A))
+    )
+    if not found.model.has_velocity and is_single:
+        return list(system.position)
+    wanted = "a double integrator" if found.model.has_velocity else "a single integrator"
+    lack = "" if found.model.has_velocity else " (the logs have no velocities)"
+    raise ScenarioError(
+        f"must be those of {wanted}{lack}: noise of another model does not apply",
+        ("vehicles", index, "dynamics"),
+    )

@@ -1,0 +1,209 @@
+"""What was identified as scenarios spell it: fields of ``defaults`` or ``vehicles``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, as_covariance
+from radmpc.errors import ScenarioError
+from radmpc.identification.estimate import Estimate
+from radmpc.identification.identify import Identification
+from radmpc.identification.sharing import nearest_covariance, own_part
+
+__all__ = ["KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
+
+KEYS: Mapping[str, bool] = {
+    "dynamics": True,
+    "feedback": True,
+    "disturbance_covariance": True,
+    "disturbance": False,  # {covariance, time_constant}
+    "drift": False,  # {velocity} or {state}
+    "measurement": False,  # {of, covariance}
+    "covariance_samples": False,
+    "shared_disturbances": False,  # beside `vehicles`, not in them
+}
+"""Keys that identification has values for, and whether the scenario format takes them yet. What it
+does not take is written as a comment."""
+
+_MOST_SAMPLES = 1000.0
+"""Independent steps [-] above which a covariance counts as known: at a risk of 1e-3 the margin
+grows by less than 0.3 % for it."""
+
+_DIGITS = 6
+"""Digits that are written: far more than the logs tell."""
+
+Fields = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A part of a scenario file.
+
+    Attributes
+    ----------
+    content : mapping
+        ``defaults``, or ``vehicles`` with names where they differ; keys that the format takes.
+    pending : mapping
+        By ``defaults``, or vehicle, or ``shared_disturbances``: what the format does not take yet.
+    """
+
+    content: Mapping[str, object]
+    pending: Mapping[str, object]
+
+
+def noise_block(found: Identification) -> Block:
+    """Return what was identified as a scenario file spells it.
+
+    Parameters
+    ----------
+    found : Identification
+        What logs tell.
+    """
+    pending: Fields = {}
+    entries = []
+    for one in found.groups:
+        taken, rest = vehicle_fields(one, found)
+        name = one.vehicles[0] if found.differ else "defaults"
+        entries.append({"name": name, **taken} if found.differ else taken)
+        if rest:
+            pending[name] = rest
+    content: Fields = {"vehicles": entries} if found.differ else {"defaults": entries[0]}
+    shared = found.shared
+    if shared is not None and shared.is_sure:
+        common: Fields = {
+            "name": "shared",
+            "covariance": _rows(nearest_covariance(shared.covariance.value)),
+            "on": {"default": _rows(np.eye(found.model.num_states))},
+        }
+        if found.pooled.time_constant is not None:
+            common["time_constant"] = _short(float(found.pooled.time_constant.value))
+        place = content if KEYS["shared_disturbances"] else pending
+        place["shared_disturbances"] = [common]
+    return Block(content, pending)
+
+
+def vehicle_fields(one: Estimate, found: Identification) -> tuple[Fields, Fields]:
+    """Return a vehicle's fields: those that the format takes, and the others.
+
+    Parameters
+    ----------
+    one : Estimate
+        Of the vehicle, or of all.
+    found : Identification
+        What it is a part of.
+    """
+    fields = _fields(one, found)
+    rest = {key: entry for key, entry in fields.items() if not KEYS[key]}
+    taken = {key: entry for key, entry in fields.items() if KEYS[key]}
+    if "disturbance_covariance" not in taken and "disturbance" not in taken:
+        taken["disturbance_covariance"] = _rows(_white_covariance(one))
+    return taken, rest
+
+
+def reordered(fields: Mapping[str, object], order: Sequence[int]) -> Fields:
+    """Return a vehicle's fields for a state in another order.
+
+    Parameters
+    ----------
+    fields : mapping
+        For positions, then velocities.
+    order : sequence of int
+        Where each of these stands in the state.
+    """
+    found: Fields = dict(fields)
+    places = np.argsort(order)
+
+    def turned(covariance: object) -> list[list[float]]:
+        """Return a covariance's rows in the new order."""
+        rows: list[list[float]] = np.array(covariance)[np.ix_(places, places)].tolist()
+        return rows
+
+    if "disturbance_covariance" in found:
+        found["disturbance_covariance"] = turned(found["disturbance_covariance"])
+    disturbance, feedback = found.get("disturbance"), found.get("feedback")
+    if isinstance(disturbance, dict):
+        found["disturbance"] = {**disturbance, "covariance": turned(disturbance["covariance"])}
+    if isinstance(feedback, dict):
+        found["feedback"] = {"gain": np.array(feedback["gain"])[:, places].tolist()}
+    drift, measurement = found.get("drift"), found.get("measurement")
+    if isinstance(drift, dict) and "state" in drift:
+        found["drift"] = {"state": np.array(drift["state"])[places].tolist()}
+    if isinstance(measurement, dict):
+        found["measurement"] = {**measurement, "of": [int(order[i]) for i in measurement["of"]]}
+    return found
+
+
+def _white_covariance(one: Estimate) -> Matrix:
+    """Return the covariance of white noise that leads to deviations at least as large.
+
+    The spectrum of noise with autocorrelation ρ is nowhere above (1 + ρ) / (1 − ρ) times that of
+    white noise, so no linear feedback makes more of it. White noise stays what it is.
+
+    Parameters
+    ----------
+    one : Estimate
+        With or without color.
+    """
+    color = max(one.color, 0.0)
+    return nearest_covariance(one.covariance.value) * (1.0 + color) / (1.0 - color)
+
+
+def _fields(one: Estimate, found: Identification) -> Fields:
+    """Return all fields, whether or not the format takes them."""
+    model = found.model
+    d = model.dimension
+    fields: Fields = {}
+    if not model.has_velocity:
+        fields["dynamics"] = {
+            "A": np.eye(d).tolist(),
+            "B": (model.dt * np.eye(d)).tolist(),
+            "position": list(range(d)),
+        }
+    has_shared = found.shared is not None and found.shared.is_sure and KEYS["shared_disturbances"]
+    own = own_part(one.covariance.value, found.shared if has_shared else None)
+    if one.time_constant is None:
+        fields["disturbance_covariance"] = _rows(own)
+    else:
+        constant = _short(float(one.time_constant.value))
+        fields["disturbance"] = {"covariance": _rows(own), "time_constant": constant}
+    if one.gain is not None and one.gain.excludes_zero:
+        fields["feedback"] = {"gain": [[_short(entry) for entry in row] for row in one.gain.value]}
+    if one.has_drift:
+        fields["drift"] = _drift(one, found)
+    if one.measurement is not None:
+        of = np.flatnonzero(np.diag(one.measurement.low) > 0.0)
+        if of.size:
+            seen = one.measurement.value[np.ix_(of, of)]
+            fields["measurement"] = {"of": of.tolist(), "covariance": _rows(seen)}
+    if one.worth < _MOST_SAMPLES:
+        fields["covariance_samples"] = round(one.worth)
+    return fields
+
+
+def _drift(one: Estimate, found: Identification) -> Fields:
+    """Return the drift as a current where it moves positions alone, else per step."""
+    d = found.model.dimension
+    value = one.drift.value
+    pushes = (one.drift.low[d:] > 0.0) | (one.drift.high[d:] < 0.0)
+    if pushes.any():
+        return {"state": [_short(entry) for entry in value]}
+    return {"velocity": [_short(entry / found.model.dt) for entry in value[:d]]}
+
+
+def _rows(matrix: Matrix) -> list[list[float]]:
+    """Return a covariance's rows with few digits, as far as it stays one."""
+    found = nearest_covariance(matrix)
+    rows = [[_short(entry) for entry in row] for row in found]
+    try:
+        as_covariance(rows, len(rows), ())
+    except ScenarioError:
+        rows = found.tolist()
+    return rows
+
+
+def _short(value: float) -> float:
+    """Return a number with few digits."""
+    return float(f"{value:.{_DIGITS}g}")

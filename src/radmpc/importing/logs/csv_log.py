@@ -1,0 +1,160 @@
+"""Logs as CSV: a header, a row per sample and vehicle."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.errors import ScenarioError
+from radmpc.identification.track import Track
+from radmpc.importing.logs.recording import Recording, clock_of, refusal
+from radmpc.io.text.files import read_text, shown
+
+__all__ = ["COLUMNS", "read_csv"]
+
+_AXES = "xyz"
+_PARTS = {
+    "positions": "{axis}",
+    "velocities": "v{axis}",
+    "controls": "a{axis}",
+    "references": "{axis}_ref",
+    "reference_velocities": "v{axis}_ref",
+    "second_positions": "{axis}2",
+}
+"""Names of columns by what they hold."""
+
+COLUMNS = (
+    "time",
+    "vehicle",
+    *(form.format(axis=axis) for form in _PARTS.values() for axis in _AXES),
+)
+"""What columns may be called, and what `columns` may say others are."""
+
+_MISSING = {"", "nan", "na", "null", "none", "-"}
+"""Texts that stand for a number that is not there."""
+
+
+def read_csv(path: Path, columns: Mapping[str, str]) -> Recording:
+    """Return the vehicles of a log.
+
+    Parameters
+    ----------
+    path : Path
+        The log.
+    columns : mapping
+        How the file calls what `COLUMNS` lists, where it uses other words.
+
+    Returns
+    -------
+    Recording
+        A track per vehicle; without a column ``vehicle`` one, named like the file.
+
+    Raises
+    ------
+    FileFormatError
+        If columns are missing or a cell is no number; with its line.
+    ScenarioError
+        If ``columns`` names what is not known here.
+    """
+    unknown = [name for name in columns if name not in COLUMNS]
+    if unknown:
+        allowed = ", ".join(COLUMNS)
+        raise ScenarioError(f"must name some of {allowed}; got {unknown[0]!r}", ("columns",))
+    text = read_text(path)
+    if not text.strip():
+        raise refusal(path, "is empty")
+    head = text.splitlines()[0]
+    delimiter = max(",;\t", key=head.count)
+    rows = list(csv.reader(StringIO(text), delimiter=delimiter))
+    header = [cell.strip() for cell in rows[0]]
+    places = _places(path, header, columns)
+    numbers, vehicles = _table(path, rows[1:], header, places)
+    ignored = [name for i, name in enumerate(header) if i not in places.values()]
+    warnings = (f"{path}: columns ignored: {', '.join(ignored)}",) if ignored else ()
+    tracks = tuple(
+        _track(
+            path, name, numbers[[i for i, other in enumerate(vehicles) if other == name]], places
+        )
+        for name in dict.fromkeys(vehicles)
+    )
+    return Recording(tracks, warnings)
+
+
+def _places(path: Path, header: Sequence[str], columns: Mapping[str, str]) -> dict[str, int]:
+    """Return where each known column stands."""
+    doubled = next((name for name in header if header.count(name) > 1), None)
+    if doubled is not None:
+        raise refusal(path, f"has two columns {doubled!r}")
+    found = {}
+    for name in COLUMNS:
+        called = columns.get(name, name)
+        if called in header:
+            found[name] = header.index(called)
+        elif name in columns or name in {"time", "x", "y"}:
+            raise refusal(
+                path,
+                f"has no column {called!r} for {name}: columns say which it is, {name}=NAME; "
+                f"there are {', '.join(header)}",
+            )
+    for form in _PARTS.values():
+        names = [form.format(axis=axis) for axis in _AXES]
+        given = [name for name in names if name in found]
+        if given and given != names[: len(given)]:
+            raise refusal(path, f"has {', '.join(given)}, but not {names[0]}")
+        if given and len(given) < (3 if "z" in found else 2):
+            missing = names[len(given)]
+            raise refusal(path, f"has {', '.join(given)}, but no column {missing!r}")
+        if len(given) == 3 and "z" not in found:
+            raise refusal(path, f"has a column {given[2]!r}, but no column 'z'")
+    return found
+
+
+def _table(
+    path: Path, rows: Sequence[Sequence[str]], header: Sequence[str], places: Mapping[str, int]
+) -> tuple[Matrix, list[str]]:
+    """Return the numbers of all rows, a column per place, and their vehicles."""
+    wanted = [name for name in places if name != "vehicle"]
+    numbers, vehicles = [], []
+    for line, row in enumerate(rows, start=2):
+        if not any(cell.strip() for cell in row):
+            continue
+        if len(row) != len(header):
+            raise refusal(path, f"line {line}: has {len(row)} cells, the header {len(header)}")
+        numbers.append([_number(path, line, name, row[places[name]]) for name in wanted])
+        vehicles.append(row[places["vehicle"]].strip() if "vehicle" in places else path.stem)
+    if not numbers:
+        raise refusal(path, "has a header and no row")
+    table = np.full((len(numbers), len(header)), np.nan)
+    table[:, [places[name] for name in wanted]] = numbers
+    return table, vehicles
+
+
+def _number(path: Path, line: int, name: str, cell: str) -> float:
+    """Return the number in a cell, NaN where it says that there is none."""
+    if cell.strip().lower() in _MISSING:
+        return np.nan
+    try:
+        return float(cell)
+    except ValueError as error:
+        raise refusal(path, f"line {line}: {name} must be a number, got {shown(cell)}") from error
+
+
+def _track(path: Path, name: str, rows: Matrix, places: Mapping[str, int]) -> Track:
+    """Return one vehicle's rows."""
+    if not name:
+        raise refusal(path, "has rows without the name of a vehicle")
+    parts: dict[str, Matrix] = {}
+    for part, form in _PARTS.items():
+        names = [form.format(axis=axis) for axis in _AXES if form.format(axis=axis) in places]
+        if names:
+            parts[part] = rows[:, [places[one] for one in names]]
+    speeds = parts.pop("reference_velocities", None)
+    if speeds is not None and "references" in parts:
+        parts["references"] = np.hstack([parts["references"], speeds])
+    times = rows[:, places["time"]]
+    return Track(name, str(path), clock_of(path, rows[:, places["time"]]), times, **parts)

@@ -1,0 +1,77 @@
+"""Logs of any format, recognized by their names."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from radmpc.arguments import check_path
+from radmpc.errors import ScenarioError
+from radmpc.identification.track import Track
+from radmpc.importing.logs.bags import read_bag, read_mcap
+from radmpc.importing.logs.csv_log import read_csv
+from radmpc.importing.logs.recording import Recording, refusal
+from radmpc.importing.logs.ulog import read_ulog
+
+__all__ = ["read_logs"]
+
+_TABLES = (".csv", ".tsv", ".txt")
+
+
+def read_logs(
+    paths: Sequence[str | os.PathLike[str]], columns: Mapping[str, str] | None = None
+) -> Recording:
+    """Return what logs hold, vehicle by vehicle.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        CSV, MCAP, PX4 ULog (``.ulg``), or ROS 2 bags: folders, or a ``.db3`` in one.
+    columns : mapping or None
+        Names of columns in CSV, by what they hold; see `radmpc.importing.logs.csv_log.COLUMNS`.
+
+    Returns
+    -------
+    Recording
+        A track per log and vehicle.
+
+    Raises
+    ------
+    FileFormatError
+        With one line that names file and place.
+    ScenarioError
+        If ``columns`` says what is not known, or there is no CSV to which it applies.
+    """
+    tracks: list[Track] = []
+    warnings: list[str] = []
+    files = [_checked(path) for path in paths]
+    if columns and not any(path.suffix.lower() in _TABLES for path in files):
+        raise ScenarioError("is for CSV, and no log is", ("columns",))
+    for path in files:
+        found = _read(path, columns or {})
+        tracks += found.tracks
+        warnings += found.warnings
+    return Recording(tuple(tracks), tuple(warnings))
+
+
+def _checked(path: str | os.PathLike[str]) -> Path:
+    """Return a path that is one."""
+    check_path(path)
+    return Path(path)
+
+
+def _read(path: Path, columns: Mapping[str, str]) -> Recording:
+    """Return what one log holds."""
+    suffix = path.suffix.lower()
+    if path.is_dir() or suffix == ".db3":
+        return read_bag(path)
+    if suffix in _TABLES:
+        return read_csv(path, columns)
+    if suffix == ".mcap":
+        return read_mcap(path)
+    if suffix == ".ulg":
+        return read_ulog(path)
+    if suffix == ".bag":
+        raise refusal(path, "is a ROS 1 bag: convert it, 'rosbags-convert' does")
+    raise refusal(path, "a log must end in .csv, .mcap, .ulg or .db3, or be the folder of a bag")

@@ -1,0 +1,134 @@
+"""PX4 logs: ``vehicle_local_position`` and its setpoints, turned to east, north and up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.identification.track import Track
+from radmpc.importing.logs.recording import Recording, extra, held, interpolated, refusal
+
+__all__ = ["read_ulog"]
+
+_STATES, _SETPOINTS = "vehicle_local_position", "vehicle_local_position_setpoint"
+
+_NO_COMMAND = 50.0
+"""Acceleration setpoint [m/s²] from which on it is none: on the ground PX4 asks for 100 m/s² down,
+so that motors idle."""
+
+Data = Mapping[str, npt.NDArray[Any]]
+
+
+def read_ulog(path: Path) -> Recording:
+    """Return the vehicle of a PX4 log.
+
+    Commands are the accelerations that its controller asked for, references the positions; the
+    velocities of setpoints hold feedback already and are not used.
+
+    Parameters
+    ----------
+    path : Path
+        The log.
+
+    Returns
+    -------
+    Recording
+        One track, named like the file, with times since the autopilot's start.
+
+    Raises
+    ------
+    FileFormatError
+        If it cannot be read, holds no positions, or pyulog is missing.
+    """
+    library = extra("pyulog", path)
+    if not path.is_file():
+        raise refusal(path, "No such file or directory")
+    try:
+        # Opened here: the library leaves a file open that it cannot read.
+        with path.open("rb") as file:
+            log = library.ULog(file, [_STATES, _SETPOINTS])
+    except Exception as error:  # the library raises whatever its parser stumbles on
+        raise refusal(path, f"cannot be read as ULog: {error}") from error
+    found = {one.name: one.data for one in reversed(log.data_list)}
+    if _STATES not in found or not len(found[_STATES]["timestamp"]):
+        raise refusal(path, f"holds no {_STATES}")
+    states = found[_STATES]
+    times = _seconds(states)
+    warnings: list[str] = []
+    positions = _valid(states, _turned(states, ("x", "y", "z")), ("xy_valid", "z_valid"))
+    velocities = _valid(states, _turned(states, ("vx", "vy", "vz")), ("v_xy_valid", "v_z_valid"))
+    if np.isnan(positions[:, 0]).all():
+        raise refusal(path, f"{_STATES}: xy_valid is never true: there is no horizontal position")
+    positions, resets = _without_resets(states, positions, "xy", "z", "delta_xy", "delta_z")
+    velocities, more = _without_resets(states, velocities, "vxy", "vz", "delta_vxy", "delta_vz")
+    if resets + more:
+        warnings.append(f"{path}: {resets + more} resets of the estimator are undone")
+    if log.dropouts:
+        seconds = sum(dropout.duration for dropout in log.dropouts) / 1000.0
+        warnings.append(f"{path}: {len(log.dropouts)} dropouts of the log, {seconds:.3g} s in all")
+    controls, references = _setpoints(found.get(_SETPOINTS), times)
+    track = Track(
+        path.stem, str(path), f"of {path}", times, positions, velocities, controls, references
+    )
+    return Recording((track,), tuple(warnings))
+
+
+def _seconds(data: Data) -> Vector:
+    """Return the times of messages [s]."""
+    return np.asarray(data["timestamp"], dtype=np.float64) * 1e-6
+
+
+def _turned(data: Data, names: tuple[str, str, str]) -> Matrix:
+    """Return north, east, down as east, north, up."""
+    north, east, down = (np.asarray(data[name], dtype=np.float64) for name in names)
+    return np.column_stack([east, north, -down])
+
+
+def _valid(data: Data, values: Matrix, flags: tuple[str, str]) -> Matrix:
+    """Return values, NaN where the estimator says that they are none."""
+    found = values.copy()
+    for flag, axes in zip(flags, (slice(0, 2), slice(2, 3)), strict=True):
+        if flag in data:
+            found[np.asarray(data[flag]) == 0, axes] = np.nan
+    return found
+
+
+def _without_resets(
+    data: Data, values: Matrix, across: str, up: str, by: str, by_up: str
+) -> tuple[Matrix, int]:
+    """Return values as they would be without the estimator's resets, and how many there were."""
+    found, count = values.copy(), 0
+    parts = ((across, (f"{by}[1]", f"{by}[0]"), (0, 1), 1.0), (up, (by_up,), (2,), -1.0))
+    for name, deltas, axes, sign in parts:
+        counter = data.get(f"{name}_reset_counter")
+        if counter is None or any(delta not in data for delta in deltas):
+            continue
+        resets = np.flatnonzero(np.diff(np.asarray(counter, dtype=np.int64)) != 0) + 1
+        # What was never valid before has nothing to be continued.
+        resets = np.array([k for k in resets if np.isfinite(values[k - 1, axes[0]])], dtype=int)
+        count += len(resets)
+        for delta, axis in zip(deltas, axes, strict=True):
+            for k in resets:
+                found[k:, axis] -= sign * float(data[delta][k])
+    return found, count
+
+
+def _setpoints(data: Data | None, times: Vector) -> tuple[Matrix | None, Matrix | None]:
+    """Return commanded accelerations and reference positions at the states' times."""
+    if data is None or not len(data["timestamp"]):
+        return None, None
+    at = _seconds(data)
+    new = "acceleration[0]" in data
+    names = [f"acceleration[{i}]" for i in range(3)] if new else ["acc_x", "acc_y", "acc_z"]
+    controls = None
+    if all(name in data for name in names):
+        asked = _turned(data, (names[0], names[1], names[2]))
+        asked[np.abs(asked).max(axis=1) >= _NO_COMMAND] = np.nan
+        controls = held(at, asked, times)
+    references = interpolated(at, _turned(data, ("x", "y", "z")), times)
+    return controls, references

@@ -1,0 +1,74 @@
+"""Of 200 flights with known noise, 95 % intervals contain the truth in at least 93 %."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from radmpc.identification import identify
+from simulator import Truth, fly
+
+TRIALS = 200
+
+
+def shares(truth: Truth, log: str) -> dict[str, float]:
+    """Return the share of entries whose intervals contain the truth, by what they are of."""
+    hits: dict[str, list[bool]] = {}
+    for seed in range(TRIALS):
+        found = identify(fly(truth, seed, log), dt=truth.dt)
+        pooled = found.pooled
+        pairs = {
+            "covariance": (pooled.covariance, truth.spread),
+            "drift": (pooled.drift, truth.push),
+        }
+        if log == "references":
+            pairs["gain"] = (pooled.gain, truth.gain)
+        if truth.color:
+            pairs["time constant"] = (pooled.time_constant, truth.time_constant)
+        if truth.seen:
+            pairs["measurement"] = (pooled.measurement, truth.measurement)
+        if truth.vehicles > 1:
+            pairs["share"] = (found.shared.share, truth.share)
+            pairs["shared covariance"] = (found.shared.covariance, truth.share * truth.spread)
+        for name, (interval, value) in pairs.items():
+            # Noise that was not noticed has no interval, which contains nothing.
+            is_in = (
+                np.zeros(1, dtype=bool)
+                if interval is None
+                else np.ravel((interval.low <= value) & (value <= interval.high))
+            )
+            hits.setdefault(name, []).extend(is_in)
+    return {name: float(np.mean(found)) for name, found in hits.items()}
+
+
+CASES = {
+    "white": (Truth(), "commands"),
+    "short": (Truth(steps=150), "commands"),
+    "drift": (Truth(drift=(0.02, 0.0, -0.01, 0.0)), "commands"),
+    "memory": (Truth(color=0.7), "commands"),
+    "feedback": (Truth(), "references"),
+    "feedback and memory": (Truth(color=0.7, steps=1000), "references"),
+    "shared": (Truth(vehicles=2, share=0.4), "commands"),
+    "measured": (Truth(seen=(0.05, 0.05, 0.01, 0.01)), "commands"),
+    "tails": (Truth(freedom=8.0, steps=1000), "commands"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_intervals_contain_the_truth_as_often_as_they_say(name: str) -> None:
+    truth, log = CASES[name]
+    found = shares(truth, log)
+    assert {what: share for what, share in found.items() if share < 0.93} == {}
+
+
+@pytest.mark.slow
+def test_intervals_are_not_so_wide_that_anything_is_in_them() -> None:
+    truth = replace(Truth(), scale=1.25)
+    misses = [
+        float(np.mean(np.diag(found.high) < np.diag(truth.spread)))
+        for found in (identify(fly(Truth(), seed)).pooled.covariance for seed in range(20))
+    ]
+    assert np.mean(misses) > 0.5
