@@ -29,7 +29,7 @@ class Game:
 
 
 def played(account: Account, steps: int, buyer: Buyer) -> Game:
-    """Return what becomes of a mission, exactly: the surviving branch is the only one that goes on."""
+    """Return what becomes of a mission, exactly: only what survives goes on."""
     alive, refused = 1.0, 0
     for step in range(steps):
         price = min(buyer(step, account), 1.0)

@@ -137,9 +137,9 @@ class Larger(Account):
 
 @pytest.mark.parametrize("wrong", [Adds, Sells])
 def test_an_account_with_another_arithmetic_fails_the_properties(wrong: type[Account]) -> None:
+    prices = {Adds: 0.01, Sells: 0.06}
     with pytest.raises(AssertionError):
-        for price in (0.01, 0.04, 0.06):
-            check_adoption(wrong(0.05, 0.02, 0.03), price)
+        check_adoption(wrong(0.05, 0.02, 0.03), prices[wrong])
 
 
 @pytest.mark.parametrize("wrong", [Adds, Sells, Anew, Larger])
@@ -171,5 +171,5 @@ def test_what_is_no_number_is_refused() -> None:
     account = Account.opened(0.05, 0.01)
     with pytest.raises(ArgumentTypeError, match=r"tail must be a number, got '0.01'"):
         account.kept("0.01")  # type: ignore[arg-type]
-    with pytest.raises(RiskError, match="share must be above 0 and at most 1, got 1.5"):
+    with pytest.raises(RiskError, match=r"share must be above 0 and at most 1, got 1\.5"):
         account.grant(1.5)

@@ -1,9 +1,10 @@
 r"""What is left of a mission's risk bound: arithmetic alone.
 
-A *leg* is what is flown from some step on; its conditional value is the certificate of what is left
-of it, given what has been measured. The *wealth* of a mission is the conditional value of the leg in
-the air, its *tail*, and a *bank* that is never below 0. Another leg may be adopted whose price, the
-certificate of its own, is at most the wealth; what is left of the wealth then is the new bank:
+A *leg* is what is flown from some step on; its conditional value is the certificate of what is
+left of it, given what has been measured. The *wealth* of a mission is the conditional value of the
+leg in the air, its *tail*, and a *bank* that is never below 0. Another leg may be adopted whose
+price, the certificate of its own, is at most the wealth; what is left of the wealth then is the
+new bank:
 
 .. math:: W_t = C_t(\text{tail}) + b, \qquad C_t(\text{new}) \le W_t, \qquad
           b := W_t - C_t(\text{new}).
@@ -131,7 +132,9 @@ class Account:
             If the price exceeds the wealth.
         """
         if not self.affords(price):
-            raise RiskError(f"price must be at most the wealth of {self.wealth:.6g}, got {price:.6g}")
+            raise RiskError(
+                f"price must be at most the wealth of {self.wealth:.6g}, got {price:.6g}"
+            )
         bank = self.wealth - price * (1.0 + TOLERANCE)
         return replace(self, tail=price, bank=max(bank, 0.0))
 
