@@ -35,7 +35,7 @@ FEW = 5_000
 
 @cache
 def scene(dimension: int, avoidance: str, gain: bool) -> Witnesses:
-    return witnesses_of(crowded(dimension, avoidance, gain=gain, noise=0.3 if gain else 0.18))
+    return witnesses_of(crowded(dimension, avoidance, gain=gain, noise=0.3 if gain else 0.25))
 
 
 @pytest.mark.slow
