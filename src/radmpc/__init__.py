@@ -30,6 +30,10 @@ if TYPE_CHECKING:
         ScenarioError,
         SolverError,
     )
+    from radmpc.flying.flight import Flight, fly
+    from radmpc.flying.mission import Mission
+    from radmpc.flying.model import Model
+    from radmpc.flying.tick import Contact, Tick
     from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
     from radmpc.io.export.exporting import ExportOptions, save_export
     from radmpc.io.native.mapping import from_dict, to_dict
@@ -62,15 +66,22 @@ __all__ = [
     "ArgumentError",
     "ArgumentTypeError",
     "Certificate",
+    "Contact",
     "Coupling",
     "ExportOptions",
     "FileFormatError",
+    "Flight",
     "Goal",
     "ImportOptions",
     "ImportedScenario",
     "LedgerRow",
     "LinearSystem",
+<<<<<<< HEAD
     "Measurement",
+=======
+    "Mission",
+    "Model",
+>>>>>>> account
     "NoPlanError",
     "Obstacle",
     "Plan",
@@ -84,6 +95,7 @@ __all__ = [
     "Simulation",
     "SolverError",
     "Status",
+    "Tick",
     "Trajectory",
     "Vehicle",
     "Workspace",
@@ -91,6 +103,7 @@ __all__ = [
     "animate_plan",
     "certify",
     "double_integrator",
+    "fly",
     "from_dict",
     "import_scenario",
     "load_plan",
@@ -128,6 +141,10 @@ _HOMES = {
         "SolverError",
     ),
     "io.export.exporting": ("ExportOptions", "save_export"),
+    "flying.flight": ("Flight", "fly"),
+    "flying.mission": ("Mission",),
+    "flying.model": ("Model",),
+    "flying.tick": ("Contact", "Tick"),
     "importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
     "io.native.mapping": ("from_dict", "to_dict"),
     "io.native.plan_file": ("load_plan", "save_plan"),

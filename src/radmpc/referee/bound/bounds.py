@@ -19,12 +19,22 @@ from radmpc.referee.encounters import Encounters, blocks, instant_sites, interva
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sites import Sites
 
-__all__ = ["WindowHalfspaces", "instant_risks", "step_risks", "window_halfspaces"]
+__all__ = [
+    "LARGE",
+    "TELLING",
+    "WORTH",
+    "WindowHalfspaces",
+    "chained",
+    "instant_risks",
+    "is_curved",
+    "step_risks",
+    "window_halfspaces",
+]
 
-_WORTH = 1e-13
+WORTH = 1e-13
 """Sum of an encounter below which its intervals are not looked at in parts [-]."""
 
-_TELLING = 1e-8
+TELLING = 1e-8
 """Share of all encounters' sum below which one is charged as it is [-]."""
 
 
@@ -55,7 +65,7 @@ def step_risks(encounters: Encounters, motion: FleetMotion, *, intervals: bool) 
 
 Flags = npt.NDArray[np.bool_]
 
-_LARGE = 0.1
+LARGE = 0.1
 """Share of all encounters' sum from which on one is looked at in many parts."""
 
 
@@ -142,18 +152,18 @@ def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     shape = (count, num_intervals)
     charged = chain_charges(near.reshape(*shape, -1), far.reshape(shape), alone)
     sums = charged.sum(axis=1)
-    worth = np.flatnonzero((sums > _WORTH) & (sums > _TELLING * sums.sum()))
+    worth = np.flatnonzero((sums > WORTH) & (sums > TELLING * sums.sum()))
     if not worth.size:
         return charged
     tried = np.concatenate([encounters.directions[worth], own[worth]], axis=1)
     chosen = (worth[:, None] * num_intervals + np.arange(num_intervals)).ravel()
-    chained, turned = _chained(sites.take(chosen), tried)
+    in_runs, turned = chained(sites.take(chosen), tried)
     close = encounters.take(worth)
     parted = part_charges(close, motion, (own[worth], turned), NUM_PARTS)
-    is_better = parted.sum(axis=1) < chained.sum(axis=1)
-    found = np.where(is_better[:, None], parted, chained)
+    is_better = parted.sum(axis=1) < in_runs.sum(axis=1)
+    found = np.where(is_better[:, None], parted, in_runs)
     sums = found.sum(axis=1)
-    large = np.flatnonzero((sums > _LARGE * sums.sum()) & _is_curved(close))
+    large = np.flatnonzero((sums > LARGE * sums.sum()) & is_curved(close))
     if large.size:
         guides = own[worth[large]], turned[large]
         finer = part_charges(close.take(large), motion, guides, MANY_PARTS)
@@ -163,7 +173,7 @@ def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     return charged
 
 
-def _is_curved(encounters: Encounters) -> Flags:
+def is_curved(encounters: Encounters) -> Flags:
     """Return which paths are curved by more than their noise hides, or bent by feedback, (B,)."""
     sagitta = np.linalg.norm(encounters.sagittas, axis=2).max(axis=1)
     variances = np.einsum("btii->bt", encounters.covariances).max(axis=1)
@@ -176,7 +186,7 @@ def _ends(sites: Sites, directions: Tensor) -> tuple[Tensor, Vector]:
     return found[:, :-1], found[:, -1]
 
 
-def _chained(sites: Sites, tried: Tensor) -> tuple[Vector, Tensor]:
+def chained(sites: Sites, tried: Tensor) -> tuple[Vector, Tensor]:
     """Return what the best chain over some directions costs, its runs turned to their best.
 
     Parameters

@@ -15,7 +15,15 @@ from radmpc.referee.encounters import Encounters, around
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sites import Sites
 
-__all__ = ["MANY_PARTS", "NUM_PARTS", "part_charges", "part_sites"]
+__all__ = [
+    "MANY_PARTS",
+    "NUM_PARTS",
+    "REACHES",
+    "TELLING",
+    "averaged",
+    "part_charges",
+    "part_sites",
+]
 
 NUM_PARTS = 4
 """Parts of an interval. On random plans along intervals the certificate is 2.15 times the rate in
@@ -25,10 +33,10 @@ MANY_PARTS = 16
 """Parts where few encounters make up the sum: stiff feedback, and steps so long that the path is
 sharply curved, took a certificate of 0.33 with 4 parts to 0.007 with 16 at a rate of 0.0065."""
 
-_REACHES = (2, 1, 5, 9)
+REACHES = (2, 1, 5, 9)
 """Neighbors on each side that directions are averaged over: takes the median from 1.76 to 1.47."""
 
-_TELLING = 1e-4
+TELLING = 1e-4
 """Share of all encounters' sum below which one is not worth more choices of directions."""
 
 
@@ -64,13 +72,13 @@ def part_charges(
     own = closest_directions(sites, faces, held[0].reshape(-1, d)).reshape(held[0].shape)
     charged = _cheapest(sites, crossed, (own, *held), parts)
     sums = charged.sum(axis=1)
-    telling = np.flatnonzero(sums > _TELLING * sums.sum())
+    telling = np.flatnonzero(sums > TELLING * sums.sum())
     if telling.size:
         rows = (telling[:, None] * width + np.arange(width)).ravel()
         close, links = sites.take(rows), crossed.take(rows)
-        reaches = [reach * parts // NUM_PARTS for reach in _REACHES]
-        tried = [_averaged(own[telling], reach) for reach in reaches]
-        tried += [_averaged(guide[telling], reaches[0]) for guide in held]
+        reaches = [reach * parts // NUM_PARTS for reach in REACHES]
+        tried = [averaged(own[telling], reach) for reach in reaches]
+        tried += [averaged(guide[telling], reaches[0]) for guide in held]
         found = _cheapest(close, links, tried, parts)
         better = found.sum(axis=1) < sums[telling]
         charged[telling[better]] = found[better]
@@ -84,8 +92,16 @@ def _cheapest(sites: Sites, crossed: Crossed, tried: Sequence[Tensor], parts: in
     return np.asarray(found[np.arange(len(found)), best])
 
 
-def _averaged(directions: Tensor, reach: int) -> Tensor:
-    """Return directions averaged with so many neighbors before and after, (B, K M, d)."""
+def averaged(directions: Tensor, reach: int) -> Tensor:
+    """Return directions averaged with so many neighbors before and after, (B, K M, d).
+
+    Parameters
+    ----------
+    directions : (B, K M, d) array
+        Unit normals of consecutive parts.
+    reach : int
+        Neighbors on each side.
+    """
     count = directions.shape[1]
     ends = np.repeat(directions[:, :1], reach, axis=1), np.repeat(directions[:, -1:], reach, axis=1)
     padded = np.concatenate([ends[0], directions, ends[1]], axis=1)

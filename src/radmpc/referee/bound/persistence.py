@@ -21,9 +21,9 @@ from radmpc.referee.bound.bivariate import exceeds_alone
 from radmpc.referee.reserve import held, in_deviations
 from radmpc.referee.sites import Chords, Sites, chords
 
-__all__ = ["Crossed", "best_shares", "least_risks", "path_charges"]
+__all__ = ["TELLING", "Crossed", "best_shares", "least_risks", "path_charges"]
 
-_TELLING = 1e-4
+TELLING = 1e-4
 """Share of an encounter's sum, spread over its parts, below which an event is charged whole."""
 
 
@@ -115,7 +115,7 @@ def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int)
         for each in (_held(sites, seen)[0], seen.deviations)
     )
     charged: Tensor = ndtr(-levels)
-    least = _TELLING * charged.sum(axis=(0, 2))[:, None] / width
+    least = TELLING * charged.sum(axis=(0, 2))[:, None] / width
     found, limits = [], []
     for (end, since), (other, until), covariances in _links(sites, crossed, charged.shape):
         before, after = charged[end][:, since], charged[other][:, until]

@@ -12,9 +12,9 @@ from radmpc.referee.bound.persistence import path_charges
 from radmpc.referee.encounters import Encounters, instant_sites, interval_sites
 from radmpc.referee.motion import FleetMotion
 
-__all__ = ["faces_of", "workspace_risks"]
+__all__ = ["WORTH", "faces_of", "workspace_risks"]
 
-_WORTH = 1e-13
+WORTH = 1e-13
 """Sum of a vehicle at a face below which its intervals are not looked at in parts [-]."""
 
 
@@ -89,7 +89,7 @@ def workspace_risks(workspace: Workspace, motion: FleetMotion, *, intervals: boo
         sites = interval_sites(batch)
         along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
         ends = end_risks(sites, along)[:, 0].reshape(count, steps - 1, -1)
-        near = np.flatnonzero(ends.sum(axis=(1, 2)) > _WORTH)
+        near = np.flatnonzero(ends.sum(axis=(1, 2)) > WORTH)
         # Far from the face, both ends of every interval are charged as they are.
         found = np.zeros((count, steps))
         found[:, :-1] = ends[:, :, :-1].sum(axis=2)

@@ -1,0 +1,202 @@
+"""Missions under way by several rules of accounting, the wrong ones among them.
+
+    python benchmarks/closed_loop.py --missions 75 --scenes slalom
+    python benchmarks/closed_loop.py --missions 25 --scenes slalom paper --rules plus kept
+
+Every rule flies the same noise. Of each: how many missions collide, with the 95 % interval of
+Clopper and Pearson; effort as flown, by how much goals are missed, the share of ticks at which a
+candidate was adopted, the share of ticks with wealth below 1e-4, and what a tick takes in
+milliseconds of processor.
+
+`kept` flies the first plan to its end, `plus` is the rule of `radmpc.Mission`; `all` lets
+candidates cost all of the wealth and begins without a bank. `anew` grants Δ at each tick. `pool`
+
+larger of the tail and of what a pool still holds from which every step's risk was taken.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from scipy.special import betaincinv
+
+from radmpc.experiments.families import paper
+from radmpc.flying.account import Account
+from radmpc.flying.flight import Flight, fly
+from radmpc.flying.mission import Mission
+from radmpc.flying.model import Model
+from radmpc.model.dynamics import LinearSystem
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planning import plan
+from radmpc.result import Result
+
+RULES = ("plus", "kept", "all", "anew", "pool")
+
+STARVED = 1e-4
+"""Wealth below which a mission starves [-]."""
+
+
+def slalom(risk_bound: float = 0.1) -> Scenario:
+    """Return a vehicle without inertia between blocks on both sides, under dead-beat feedback."""
+    eye = np.eye(2)
+    gates = []
+    for number in range(3):
+        x = 1.5 + 2.0 * number
+        low, high = (-40.0, 0.25) if number % 2 == 0 else (-0.25, 40.0)
+        gates.append(Obstacle.box(f"g{number}", [x - 0.6, low], [x + 0.6, high]))
+    vehicle = Vehicle(
+        name="skier",
+        system=LinearSystem(eye, eye, (0, 1), None),
+        start=[0.0, 0.0],
+        goal=Goal.at([7.0, 0.0], 0.05, None),
+        radius=0.2,
+        control_limit=1.6,
+        initial_covariance=0.0,
+        disturbance_covariance=0.12**2,
+        gain=-eye,
+        control_sigmas=2.0,
+    )
+    return Scenario("slalom", 1.0, 8, risk_bound, (vehicle,), tuple(gates), avoidance="steps")
+
+
+def noisy_paper(seed: int) -> Scenario:
+    """Return a problem of the paper's kind with four times its deviations and Δ = 0.1."""
+    scenario = paper(3, seed)
+    louder = tuple(
+        replace(
+            v,
+            initial_covariance=16.0 * v.initial_covariance,
+            disturbance_covariance=16.0 * v.disturbance_covariance,
+        )
+        for v in scenario.vehicles
+    )
+    return replace(scenario, vehicles=louder, risk_bound=0.1)
+
+
+SCENES = {"slalom": slalom, "paper": lambda: noisy_paper(3)}
+
+
+class Pool:
+    """What a pool still holds while a mission is flown: Δ less every step's risk."""
+
+    def __init__(self, bound: float) -> None:
+        self.left = bound
+
+
+@contextmanager
+def rule_of(name: str, pool: Pool) -> Iterator[None]:
+    """Have accounts keep a wrong rule for a while."""
+    right = Account.wealth
+    if name == "anew":
+        Account.wealth = property(lambda self: self.risk_bound)  # type: ignore[method-assign,assignment]
+    if name == "pool":
+        Account.wealth = property(  # type: ignore[method-assign,assignment]
+            lambda self: max(self.tail, pool.left)
+        )
+    try:
+        yield
+    finally:
+        Account.wealth = right  # type: ignore[method-assign]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a mission came to."""
+
+    flight: Flight
+    miss: float
+    seconds: float
+
+
+def flown(result: Result, rule: str, seed: int) -> Outcome:
+    """Fly one mission by a rule."""
+    scenario = result.record.scenario
+    pool = Pool(scenario.risk_bound)
+    options: dict[str, object] = {"planner": None} if rule == "kept" else {}
+    if rule in {"all", "anew"}:
+        options["share"] = 1.0
+    begun = time.process_time()
+    with rule_of(rule, pool):
+        mission = Mission(result, **options)  # type: ignore[arg-type]
+        if rule == "all":
+            mission.set_risk_bound(mission.balance.risk_bound - 0.999 * mission.balance.bank)
+        flight = fly(mission, _Counting(Model(scenario, seed), mission, pool))
+    ended = time.process_time()
+    miss = 0.0
+    for vehicle, state in zip(scenario.vehicles, flight.states[-1], strict=True):
+        place = state[list(vehicle.system.position)]
+        goal = vehicle.goal
+        outside = np.maximum(np.maximum(goal.lower - place, place - goal.upper), 0.0)
+        miss += float(np.linalg.norm(outside)) / scenario.num_vehicles
+    return Outcome(flight, miss, (ended - begun) / len(flight.ticks))
+
+
+class _Counting:
+    """A model that takes from the pool what each step risks."""
+
+    def __init__(self, model: Model, mission: Mission, pool: Pool) -> None:
+        self.model, self.mission, self.pool = model, mission, pool
+        self.reset = model.reset
+
+    def advance(self, segments):  # type: ignore[no-untyped-def]
+        spent = self.mission.ticks[-1].next_step if self.mission.ticks else None
+        self.pool.left = max(self.pool.left - (spent or 0.0), 0.0)
+        return self.model.advance(segments)
+
+
+def row(name: str, outcomes: list[Outcome]) -> list[str]:
+    """Return a row of the table."""
+    count = len(outcomes)
+    hits = sum(o.flight.has_collided for o in outcomes)
+    low = float(betaincinv(hits, count - hits + 1, 0.025)) if hits else 0.0
+    high = float(betaincinv(hits + 1, count - hits, 0.975)) if hits < count else 1.0
+    ticks = [t for o in outcomes for t in o.flight.ticks if t.segments]
+    return [
+        name,
+        f"{hits / count:.3f} [{low:.3f}, {high:.3f}]",
+        f"{np.mean([o.flight.effort for o in outcomes]):.2f}",
+        f"{np.mean([o.miss for o in outcomes]):.3f}",
+        f"{np.mean([t.choice == 'candidate' for t in ticks]):.2f}",
+        f"{np.mean([t.wealth < STARVED for t in ticks]):.3f}",
+        f"{1e3 * np.median([o.seconds for o in outcomes]):.0f}",
+    ]
+
+
+def main() -> None:
+    """Fly all missions and print a table per scene."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--missions", type=int, default=75)
+    parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
+    parser.add_argument("--rules", nargs="+", choices=RULES, default=list(RULES))
+    options = parser.parse_args()
+    console = Console()
+    for name in options.scenes:
+        result = plan(SCENES[name](), rng=0)
+        if result.plan is None or result.certificate is None:
+            console.print(f"{name}: {result.explanation}")
+            continue
+        bound, certified = result.record.scenario.risk_bound, result.certificate.certified
+        outcomes: dict[str, list[Outcome]] = {rule: [] for rule in options.rules}
+        for seed in range(options.missions):
+            for rule in options.rules:
+                outcomes[rule].append(flown(result, rule, seed))
+        title = f"{name}: Δ = {bound:g}, certificate {certified:.4f}, effort {result.cost:.2f}"
+        table = Table(title=title)
+        for heading in ("rule", "collide", "effort", "miss [m]", "adopted", "starved", "ms"):
+            table.add_column(heading)
+        for rule in options.rules:
+            table.add_row(*row(rule, outcomes[rule]))
+        console.print(table)
+
+
+if __name__ == "__main__":
+    main()

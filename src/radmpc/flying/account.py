@@ -1,0 +1,199 @@
+r"""What is left of a mission's risk bound: arithmetic alone.
+
+A *leg* is what is flown from some step on; its conditional value is the certificate of what is
+left of it, given what has been measured. The *wealth* of a mission is the conditional value of the
+leg in the air, its *tail*, and a *bank* that is never below 0. Another leg may be adopted whose
+price, the certificate of its own, is at most the wealth; what is left of the wealth then is the
+new bank:
+
+.. math:: W_t = C_t(\text{tail}) + b, \qquad C_t(\text{new}) \le W_t, \qquad
+          b := W_t - C_t(\text{new}).
+
+Keeping the tail is always allowed and leaves the bank as it is. The probability of any collision in
+the mission is then at most Δ, whoever plans and however often: docs/flying.md has the proof.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+
+from radmpc.arguments import is_number, told
+from radmpc.errors import ArgumentTypeError, RiskError
+
+__all__ = ["TOLERANCE", "Account"]
+
+TOLERANCE = 1e-6
+"""Share [-] by which a tail counts less than its value, and a price more: two evaluations of one
+probability may differ by their rounding, and none of it may ever make wealth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """A mission's risk: what the leg in the air may still need, and what is kept beside it.
+
+    Attributes
+    ----------
+    risk_bound : float
+        Δ, for the whole mission [-].
+    tail : float
+        Conditional value of the leg in the air when last valued, not above the true one [-]. May
+        exceed Δ: what is measured may be bad news.
+    bank : float
+        What no leg needs, >= 0 [-].
+    """
+
+    risk_bound: float
+    tail: float
+    bank: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is no probability or no sum of some."""
+        for field in fields(self):
+            _check_risk(getattr(self, field.name), field.name)
+        if not 0.0 < self.risk_bound < 0.5:
+            raise RiskError(f"risk_bound must be above 0 and below 0.5, got {self.risk_bound:.6g}")
+
+    @classmethod
+    def opened(cls, risk_bound: float, price: float) -> Account:
+        """Return the account of a mission that begins.
+
+        Parameters
+        ----------
+        risk_bound : float
+            Δ [-], 0 < Δ < 0.5.
+        price : float
+            Certificate of the first leg, before anything is measured [-].
+
+        Returns
+        -------
+        Account
+            What the leg does not need is in the bank.
+
+        Raises
+        ------
+        RiskError
+            If the price exceeds the bound: there is nothing to begin with.
+        """
+        _check_risk(price, "price")
+        if price > risk_bound:
+            raise RiskError(
+                f"price must be at most the risk bound of {risk_bound:.6g}, got {price:.6g}"
+            )
+        return cls(risk_bound, price, risk_bound - price)
+
+    @property
+    def wealth(self) -> float:
+        """What another leg may cost at most, `TOLERANCE` included [-]."""
+        return self.bank + self.tail * (1.0 - TOLERANCE)
+
+    def affords(self, price: float) -> bool:
+        """Whether a leg of a price may be adopted.
+
+        Parameters
+        ----------
+        price : float
+            Its certificate, given what is measured now, not below the true one [-].
+        """
+        _check_risk(price, "price")
+        return price * (1.0 + TOLERANCE) <= self.wealth
+
+    def kept(self, tail: float) -> Account:
+        """Return the account of who keeps the leg in the air, valued by what is measured now.
+
+        Parameters
+        ----------
+        tail : float
+            Its conditional value by the rows it was bought with, not above the true one [-].
+
+        Returns
+        -------
+        Account
+            With the same bank.
+        """
+        return replace(self, tail=tail)
+
+    def adopted(self, price: float) -> Account:
+        """Return the account of who flies another leg from now on.
+
+        Parameters
+        ----------
+        price : float
+            Its certificate, given what is measured now, not below the true one [-].
+
+        Returns
+        -------
+        Account
+            With what is left of the wealth as the bank: the old one is part of that wealth.
+
+        Raises
+        ------
+        RiskError
+            If the price exceeds the wealth.
+        """
+        if not self.affords(price):
+            raise RiskError(
+                f"price must be at most the wealth of {self.wealth:.6g}, got {price:.6g}"
+            )
+        bank = self.wealth - price * (1.0 + TOLERANCE)
+        return replace(self, tail=price, bank=max(bank, 0.0))
+
+    def grant(self, share: float) -> float:
+        """Return what a candidate may risk: a share of the wealth, at most Δ.
+
+        Who always buys for all of the wealth soon has none: a leg that is tight everywhere is worth
+        next to nothing after a step that went well, and nothing can be bought for that.
+
+        Parameters
+        ----------
+        share : float
+            φ, above 0 and at most 1 [-].
+
+        Returns
+        -------
+        float
+            Such that a leg of exactly this price is affordable [-].
+
+        Raises
+        ------
+        RiskError
+            If the share is none.
+        """
+        if not 0.0 < share <= 1.0:
+            raise RiskError(f"share must be above 0 and at most 1, got {share:.6g}")
+        return min(share * self.wealth, self.risk_bound) * (1.0 - 2.0 * TOLERANCE)
+
+    def with_risk_bound(self, risk_bound: float) -> Account:
+        """Return the account under another bound for the whole mission.
+
+        Parameters
+        ----------
+        risk_bound : float
+            The new Δ: what it is more goes to the bank, what it is less is taken from it [-].
+
+        Returns
+        -------
+        Account
+            With the same tail.
+
+        Raises
+        ------
+        RiskError
+            If the bank does not hold what would be taken: the leg in the air was bought with it.
+        """
+        _check_risk(risk_bound, "risk_bound")
+        bank = self.bank + (risk_bound - self.risk_bound)
+        if bank < 0.0:
+            raise RiskError(
+                f"risk_bound can be lowered to {self.risk_bound - self.bank:.6g} at most, the rest "
+                f"is with the leg in the air; got {risk_bound:.6g}"
+            )
+        return replace(self, risk_bound=risk_bound, bank=bank)
+
+
+def _check_risk(value: object, name: str) -> None:
+    """Refuse what is neither a probability nor a sum of some."""
+    if not is_number(value):
+        raise ArgumentTypeError(f"{name} must be a number, got {told(value)}")
+    if not (math.isfinite(value) and value >= 0.0):
+        raise RiskError(f"{name} must be finite and at least 0, got {value:.6g}")

@@ -1,0 +1,91 @@
+"""Signs that the model is wrong, and the guarantee with it: reported, never acted upon."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.special import gammaincinv
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.scenario import Scenario
+
+__all__ = ["Watcher"]
+
+_FAR = 5.0
+"""Deviations from which a single disturbance is an alarm [-]: 6e-7 of all components."""
+
+_RECENT = 5
+"""Steps whose disturbances are summed [-]."""
+
+_LIKELY = 0.999
+"""Quantile of the sum of their squares beyond which they are an alarm [-]."""
+
+_ALONG_NOTHING = 1e-6
+"""What a state may move by along directions without noise, relative to its size and at least to 1:
+rounding, and the tolerance of solvers [-]."""
+
+
+@dataclass(slots=True, eq=False)
+class Watcher:
+    """Compares what is measured with what was expected.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Of the mission, for names and noise.
+    squares : list of (float, int)
+        Of the steps so far: the sum of squared deviations, and of how many components.
+    """
+
+    scenario: Scenario
+    squares: list[tuple[float, int]] = field(default_factory=list)
+
+    def look(self, expected: Sequence[Vector], measured: Sequence[Vector], step: int) -> list[str]:
+        """Return the alarms of a measurement, one sentence each.
+
+        Parameters
+        ----------
+        expected, measured : sequence of (n,) array
+            States of all vehicles.
+        step : int
+            Of the mission; at 0 the initial covariance counts.
+        """
+        alarms = []
+        total, components = 0.0, 0
+        for vehicle, hoped, found in zip(self.scenario.vehicles, expected, measured, strict=True):
+            noise = vehicle.disturbance_covariance if step else vehicle.initial_covariance
+            scores, rest = _scores(noise, found - hoped)
+            total, components = total + float(scores @ scores), components + scores.size
+            largest = float(np.abs(scores).max(initial=0.0))
+            if largest > _FAR:
+                alarms.append(
+                    f"vehicle {vehicle.name!r}: a disturbance of {largest:.1f} deviations"
+                )
+            if rest > _ALONG_NOTHING * max(1.0, float(np.abs(hoped).max())):
+                alarms.append(
+                    f"vehicle {vehicle.name!r}: moved by {rest:.3g} where the model has no noise"
+                )
+        self.squares.append((total, components))
+        return alarms + self._unlikely()
+
+    def _unlikely(self) -> list[str]:
+        """Return an alarm if recent disturbances are too large together."""
+        recent = self.squares[-_RECENT:]
+        total, components = sum(s for s, _ in recent), sum(n for _, n in recent)
+        if not components or total <= 2.0 * float(gammaincinv(0.5 * components, _LIKELY)):
+            return []
+        return [
+            f"the last {len(recent)} disturbances have a χ² of {total:.1f} with {components} "
+            f"degrees of freedom, beyond {_LIKELY}"
+        ]
+
+
+def _scores(covariance: Matrix, deviation: Vector) -> tuple[Vector, float]:
+    """Return independent components in deviations, and what lies where there is no noise."""
+    values, vectors = np.linalg.eigh(covariance)
+    along = vectors.T @ deviation
+    noisy = values > 1e-12 * max(float(values[-1]), 1e-300)
+    rest = float(np.linalg.norm(along[~noisy]))
+    return along[noisy] / np.sqrt(values[noisy]), rest

@@ -1,0 +1,76 @@
+"""A whole mission, flown with a backend."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.flying.mission import Mission
+from radmpc.flying.model import Backend
+from radmpc.flying.tick import Contact, Entry, Tick
+
+__all__ = ["Flight", "fly"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flight:
+    """What became of a mission.
+
+    Attributes
+    ----------
+    ticks : tuple of Tick
+        Every decision.
+    account : tuple of Entry
+        Every change of the account.
+    contacts : tuple of Contact
+        What was hit.
+    states : tuple of tuple of (n,) array
+        Of all vehicles at k = 0..T.
+    effort : float
+        ``Σ weight · ‖u‖₁`` as flown.
+    """
+
+    ticks: tuple[Tick, ...]
+    account: tuple[Entry, ...]
+    contacts: tuple[Contact, ...]
+    states: tuple[tuple[Vector, ...], ...]
+    effort: float
+
+    @property
+    def has_collided(self) -> bool:
+        """Whether anything was hit."""
+        return bool(self.contacts)
+
+
+def fly(mission: Mission, backend: Backend, *, deadline: float | None = None) -> Flight:
+    """Fly a mission to its end, also after a collision.
+
+    Parameters
+    ----------
+    mission : Mission
+        At its beginning.
+    backend : Backend
+        What it is flown with; measured states are taken as exact.
+    deadline : float or None
+        Seconds that each decision may take; None is no limit.
+
+    Returns
+    -------
+    Flight
+        Decisions, account, states and what was hit.
+    """
+    vehicles = mission.scenario.vehicles
+    states, contacts = backend.reset()
+    visited = [tuple(states)]
+    effort = 0.0
+    while True:
+        tick = mission.step(states, deadline=deadline, contacts=contacts)
+        if not tick.segments:
+            break
+        pairs = zip(vehicles, tick.controls, strict=True)
+        effort += sum(v.cost_weight * float(np.abs(u).sum()) for v, u in pairs)
+        states, contacts = backend.advance(tick.segments)
+        visited.append(tuple(states))
+    return Flight(mission.ticks, mission.account, mission.contacts, tuple(visited), effort)

@@ -1,0 +1,243 @@
+"""A leg: what is flown from some step on, and the rows it was bought with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector, as_matrix
+from radmpc.model.dynamics import rollout
+from radmpc.model.obstacle import MovingShape, Obstacle
+from radmpc.model.plan import Plan, Risk, Status, Trajectory
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.referee.claims import cost_of, limit_problems
+from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
+from radmpc.referee.conditional.rows import Witnesses
+
+__all__ = ["Leg", "Outlook", "left_of", "leg_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """What the mean of a leg still comes to.
+
+    Attributes
+    ----------
+    effort : float
+        ``Σ weight · ‖u‖₁`` still to come, feedback on the mean included.
+    miss : float
+        By how much means end outside their goals: the sum over vehicles of meters, and of the
+        excess of speed times a step [m].
+    """
+
+    effort: float
+    miss: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """A plan of the steps that are left, and its rows.
+
+    Attributes
+    ----------
+    began : int
+        The mission's step at which it begins.
+    witnesses : Witnesses
+        What it was certified by; holds the plan.
+    """
+
+    began: int
+    witnesses: Witnesses
+
+    @property
+    def plan(self) -> Plan:
+        """The plan, its step 0 being the step at which the leg begins."""
+        return self.witnesses.plan
+
+    @property
+    def problems(self) -> list[str]:
+        """Limits and goals that its nominal does not keep, one sentence each."""
+        return limit_problems(self.plan, self.witnesses.motion)
+
+    @property
+    def price(self) -> float:
+        """What it costs where it begins: its certificate [-]."""
+        return conditional(self.witnesses, 0, None).total
+
+    def value(self, step: int, states: Sequence[Vector]) -> Conditional:
+        """Return what is left of it.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        states : sequence of (n,) array
+            Measured there.
+        """
+        return conditional(self.witnesses, step - self.began, states)
+
+    def controls(self, step: int, states: Sequence[Vector]) -> tuple[Vector, ...]:
+        """Return ``ū + K (x − x̄)`` of all vehicles, whatever the limits.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        states : sequence of (n,) array
+            Measured there.
+        """
+        k = step - self.began
+        asked = []
+        for i, path in enumerate(self.plan.trajectories):
+            control = path.controls[k]
+            if path.gain is not None:
+                control = control + path.gain @ (states[i] - self.witnesses.motion.states[i][k])
+            asked.append(control)
+        return tuple(asked)
+
+    def expected(
+        self, step: int, states: Sequence[Vector], controls: Sequence[Vector]
+    ) -> tuple[Vector, ...]:
+        """Return the mean states at the next step under the controls that are flown.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        states : sequence of (n,) array
+            Measured there.
+        controls : sequence of (m,) array
+            What is flown over the step.
+        """
+        k = step - self.began
+        means = []
+        for i, vehicle in enumerate(self.plan.scenario.vehicles):
+            nominal = self.witnesses.motion.states[i]
+            pushed = controls[i] - self.plan.trajectories[i].controls[k]
+            off = vehicle.system.A @ (states[i] - nominal[k]) + vehicle.system.B @ pushed
+            means.append(nominal[k + 1] + off)
+        return tuple(means)
+
+    def outlook(self, step: int, states: Sequence[Vector]) -> Outlook:
+        """Return the effort still to come and by how much goals are missed, of the mean.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        states : sequence of (n,) array
+            Measured there.
+        """
+        k = step - self.began
+        effort = miss = 0.0
+        for i, vehicle in enumerate(self.plan.scenario.vehicles):
+            nominal, asked = self.witnesses.motion.states[i], self.plan.trajectories[i].controls[k:]
+            deviation = states[i] - nominal[k]
+            A, B, gain = vehicle.system.A, vehicle.system.B, vehicle.gain
+            loop = A if gain is None else A + B @ gain
+            for control in asked:
+                pushed = control if gain is None else control + gain @ deviation
+                effort += vehicle.cost_weight * float(np.abs(pushed).sum())
+                deviation = loop @ deviation
+            miss += _miss(vehicle, nominal[-1] + deviation, self.plan.scenario.dt)
+        return Outlook(effort, miss)
+
+
+def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
+    """Return the leg that flies some controls.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the steps that are left.
+    controls : sequence of (T, m) array
+        Nominal controls of all vehicles.
+    began : int
+        The mission's step at which it begins.
+
+    Returns
+    -------
+    Leg
+        Everything else in it follows from scenario and controls.
+
+    Raises
+    ------
+    ScenarioError
+        If controls do not fit the scenario, or are not finite.
+    """
+    trajectories = []
+    for i, (vehicle, given) in enumerate(zip(scenario.vehicles, controls, strict=True)):
+        shape = (scenario.horizon, vehicle.system.num_controls)
+        pushed = as_matrix(given, shape, ("vehicles", i, "controls"))
+        means = rollout(vehicle.system, vehicle.start, pushed)
+        spread = vehicle.covariances(scenario.horizon)
+        trajectories.append(Trajectory(vehicle.name, pushed, means, spread, vehicle.gain))
+    plan = Plan(
+        scenario=scenario,
+        planner="under way",
+        seed=None,
+        status=Status.FEASIBLE,
+        cost=None,
+        lower_bound=None,
+        risk=Risk(scenario.risk_bound),
+        sets=(tuple(v.name for v in scenario.vehicles),),
+        trajectories=tuple(trajectories),
+    )
+    return Leg(began, witnesses_of(replace(plan, cost=cost_of(plan))))
+
+
+def left_of(
+    scenario: Scenario, passed: int, states: Sequence[Vector], risk_bound: float
+) -> Scenario:
+    """Return the scenario of the steps that are left, from measured states.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of all steps.
+    passed : int
+        Steps that have been flown, below its horizon.
+    states : sequence of (n,) array
+        Measured states, known without error.
+    risk_bound : float
+        What the rest may risk [-].
+
+    Returns
+    -------
+    Scenario
+        With the same goals, and moving obstacles where they are by then.
+    """
+    vehicles = tuple(
+        replace(v, start=state, initial_covariance=0.0 * v.initial_covariance)
+        for v, state in zip(scenario.vehicles, states, strict=True)
+    )
+    return replace(
+        scenario,
+        horizon=scenario.horizon - passed,
+        risk_bound=risk_bound,
+        vehicles=vehicles,
+        obstacles=tuple(_later(o, passed) for o in scenario.obstacles),
+    )
+
+
+def _later(obstacle: Obstacle, passed: int) -> Obstacle:
+    """Return an obstacle as it is some steps later."""
+    if not isinstance(obstacle.shape, MovingShape):
+        return obstacle
+    shape = MovingShape(obstacle.shape.outlines[passed:])
+    return replace(obstacle, shape=shape, steps=obstacle.steps[passed:])
+
+
+def _miss(vehicle: Vehicle, state: Vector, dt: float) -> float:
+    """Return by how much a state is outside of a goal [m]."""
+    place = state[list(vehicle.system.position)]
+    goal = vehicle.goal
+    outside = np.maximum(np.maximum(goal.lower - place, place - goal.upper), 0.0)
+    total = float(np.linalg.norm(outside))
+    if goal.speed is not None and vehicle.system.velocity is not None:
+        speeds = np.abs(state[list(vehicle.system.velocity)])
+        total += dt * float(np.linalg.norm(np.maximum(speeds - goal.speed, 0.0)))
+    return total

@@ -1,0 +1,74 @@
+"""What is measured, checked before anything is decided by it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arguments import is_number, told
+from radmpc.arrays import Vector, as_vector
+from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.model.scenario import Scenario
+
+__all__ = ["check_number", "measured"]
+
+
+def measured(
+    scenario: Scenario, states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None
+) -> tuple[Vector, ...] | None:
+    """Return measured states in the scenario's order, None where they are no measurement.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the mission.
+    states : mapping, sequence of (n,) array, or None
+        By vehicle, or in the scenario's order; what is not finite is no measurement.
+
+    Raises
+    ------
+    ScenarioError
+        If they are not of the scenario's vehicles.
+    """
+    if states is None:
+        return None
+    vehicles = scenario.vehicles
+    if isinstance(states, Mapping):
+        missing = [v.name for v in vehicles if v.name not in states]
+        if missing:
+            raise ScenarioError(f"must have a state of every vehicle, lacks {missing}", ("states",))
+        states = [states[v.name] for v in vehicles]
+    if len(states) != len(vehicles):
+        raise ScenarioError(f"must be {len(vehicles)} states, got {len(states)}", ("states",))
+    if any(not np.all(np.isfinite(np.asarray(x, dtype=np.float64))) for x in states):
+        return None
+    pairs = zip(states, vehicles, strict=True)
+    return tuple(as_vector(x, v.system.num_states, ("states", i)) for i, (x, v) in enumerate(pairs))
+
+
+def check_number(value: object, name: str, most: float = float("inf")) -> None:
+    """Refuse what is no number at least 0 and at most something.
+
+    Parameters
+    ----------
+    value : object
+        The argument.
+    name : str
+        What it is called.
+    most : float
+        Largest value allowed.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no number.
+    ArgumentError
+        If it is out of the range.
+    """
+    if not is_number(value):
+        raise ArgumentTypeError(f"{name} must be a number, got {told(value)}")
+    if not 0.0 <= value <= most:
+        allowed = "at least 0" if most == float("inf") else f"from 0 to {most:g}"
+        raise ArgumentError(f"{name} must be {allowed}, got {value:.6g}")

@@ -1,0 +1,307 @@
+"""A mission under way: measured states in; controls out, and what was decided and why."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.arguments import check_callable
+from radmpc.arrays import Vector
+from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.flying.account import Account
+from radmpc.flying.alarms import Watcher
+from radmpc.flying.candidates import Planning, planning_with
+from radmpc.flying.deciding import (
+    MISS_PRICE,
+    SHARE,
+    UNKNOWN,
+    Decision,
+    Moment,
+    Rule,
+    Timer,
+    decided,
+    opened,
+)
+from radmpc.flying.leg import Leg
+from radmpc.flying.measuring import check_number, measured
+from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
+from radmpc.model.given import check_plan
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.result import Result
+
+__all__ = ["Mission"]
+
+
+class Mission:
+    """A plan that is flown, and made anew from what is measured as far as its risk bound allows.
+
+    The probability of any collision in the mission is at most Δ, by whatever planner and however
+    often it is planned anew, as long as the model holds, states are measured without error and
+    controls do not saturate (docs/flying.md). At every step the leg in the air, the tail, may be
+    flown on: whatever becomes of a candidate costs nothing.
+
+    Parameters
+    ----------
+    result : Result or Plan
+        What is flown first.
+    planner : str, callable or None
+        A preset's name, or what makes a plan (or a result, or None) of a scenario and of the
+        seconds there are; None never plans anew.
+    share : float
+        φ, what a candidate may cost of the wealth, above 0 and at most 1 [-].
+    miss_price : float
+        Effort that missing goals by a meter is worth, at least 0 [1/m].
+    seed : int
+        Of every plan.
+    clock : callable
+        Returns seconds; only differences count.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If an argument is of another kind.
+    ArgumentError
+        If a number is out of its range.
+    NoPlanError
+        If the result holds no plan.
+    RiskError
+        If the plan's certificate exceeds Δ.
+    """
+
+    def __init__(
+        self,
+        result: Result | Plan,
+        *,
+        planner: str | Planning | None = "certified",
+        share: float = SHARE,
+        miss_price: float = MISS_PRICE,
+        seed: int = 0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        plan = _plan_of(result)
+        check_callable(clock, "clock")
+        if not isinstance(planner, str):
+            check_callable(planner, "planner")
+        planning = planning_with(planner, seed) if isinstance(planner, str) else planner
+        self._rule = Rule(planning, share, miss_price)
+        self._clock = clock
+        self._scenario = plan.scenario
+        self._step = 0
+        self._contacts: list[Contact] = []
+        self._ticks: list[Tick] = []
+        self._entries: list[Entry] = []
+        self._watcher = Watcher(plan.scenario)
+        self._leg, self._account = opened(plan, 0)
+        self._enter("opened", self._account.tail)
+        self._expected: tuple[Vector, ...] = tuple(v.start for v in plan.scenario.vehicles)
+
+    @property
+    def scenario(self) -> Scenario:
+        """What the mission is about."""
+        return self._scenario
+
+    @property
+    def step_number(self) -> int:
+        """The step at which states are measured next."""
+        return self._step
+
+    @property
+    def leg(self) -> Leg:
+        """What is flown."""
+        return self._leg
+
+    @property
+    def balance(self) -> Account:
+        """What is left of Δ."""
+        return self._account
+
+    @property
+    def account(self) -> tuple[Entry, ...]:
+        """Every change of it, in order."""
+        return tuple(self._entries)
+
+    @property
+    def ticks(self) -> tuple[Tick, ...]:
+        """Every decision, in order."""
+        return tuple(self._ticks)
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether anything was hit: from then on the tail is flown, and nothing is promised."""
+        return bool(self._contacts)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """What was hit."""
+        return tuple(self._contacts)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the last step has been measured."""
+        return self._step > self._scenario.horizon
+
+    def step(
+        self,
+        states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None,
+        *,
+        deadline: float | None = None,
+        contacts: Sequence[Contact] = (),
+    ) -> Tick:
+        """Decide what to do until the next step.
+
+        Parameters
+        ----------
+        states : mapping, sequence of (n,) array, or None
+            What is measured, by vehicle or in the scenario's order. None, or what is not finite, is
+            no measurement: the tail is flown from where vehicles are expected.
+        deadline : float or None
+            Seconds from now until which the decision is needed; None plans without a limit.
+        contacts : sequence of Contact
+            What was hit since the last step.
+
+        Returns
+        -------
+        Tick
+            Controls, and what was decided and why.
+
+        Raises
+        ------
+        ArgumentError
+            If the mission is over, or the deadline is no time.
+        ScenarioError
+            If states do not fit the vehicles.
+        """
+        begun = self._clock()
+        if self.is_over:
+            raise ArgumentError(
+                f"the mission of {self._scenario.horizon} steps is over, nothing is left to decide"
+            )
+        if deadline is not None:
+            check_number(deadline, "deadline")
+        self._contacts += contacts
+        given = measured(self._scenario, states)
+        known = self._expected if given is None else given
+        alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
+        if given is not None:
+            alarms = self._watcher.look(self._expected, given, self._step)
+            decision = self._decided(given, alarms, begun, deadline)
+        wealth = self._account.wealth
+        if decision.leg is not None:
+            self._account = self._account.adopted(decision.leg.price)
+            self._leg = decision.leg
+        self._enter("kept" if decision.leg is None else "adopted", decision.price)
+        tick = Tick(
+            self._step,
+            self._commands(known, alarms),
+            "tail" if decision.leg is None else "candidate",
+            decision.reason,
+            decision.value,
+            wealth,
+            decision.price,
+            decision.next_step,
+            tuple(alarms),
+            self._clock() - begun,
+        )
+        self._ticks.append(tick)
+        self._step += 1
+        return tick
+
+    def set_risk_bound(self, risk_bound: float) -> None:
+        """Change Δ under way: more goes to the bank, less is taken from it.
+
+        Parameters
+        ----------
+        risk_bound : float
+            The new Δ of the whole mission [-].
+
+        Raises
+        ------
+        RiskError
+            If the bank does not hold what would be taken.
+        """
+        self._account = self._account.with_risk_bound(risk_bound)
+        self._enter("bound", None)
+
+    def start_again(self, result: Result | Plan) -> None:
+        """Open the account anew, for what the start had no law for: an obstacle that appeared.
+
+        What is promised then is promised from here on, given what has happened: the log says
+        "new grant".
+
+        Parameters
+        ----------
+        result : Result or Plan
+            A plan of the steps that are left, from where the vehicles are.
+
+        Raises
+        ------
+        NoPlanError
+            If the result holds no plan.
+        RiskError
+            If its certificate exceeds its Δ.
+        ScenarioError
+            If it is of another number of steps than are left, or of other vehicles.
+        """
+        plan = _plan_of(result)
+        left = self._scenario.horizon - self._step
+        names = [v.name for v in self._scenario.vehicles]
+        if plan.scenario.horizon != left or [v.name for v in plan.scenario.vehicles] != names:
+            raise ScenarioError(
+                f"must be a plan of {left} steps of {names}, got {plan.scenario.horizon} steps of "
+                f"{[v.name for v in plan.scenario.vehicles]}",
+                ("scenario",),
+            )
+        self._leg, self._account = opened(plan, self._step)
+        self._enter("new grant", self._account.tail)
+
+    def _decided(
+        self,
+        states: tuple[Vector, ...],
+        alarms: list[str],
+        begun: float,
+        deadline: float | None,
+    ) -> Decision:
+        """Value the tail, and decide what is flown."""
+        value = self._leg.value(self._step, states)
+        self._account = self._account.kept(value.least)
+        bound = self._account.risk_bound
+        if value.total > bound:
+            alarms.append(f"what is left risks {value.total:.3g}, more than Δ = {bound:.3g}")
+        if self.has_failed:
+            return Decision(None, "something was hit", value.total, None, value.next_step)
+        moment = Moment(self._step, states, self._leg, value, self._account)
+        left = None if deadline is None else Timer(self._clock, begun + deadline)
+        return decided(self._rule, moment, left)
+
+    def _enter(self, what: str, price: float | None) -> None:
+        """Write a row of the account."""
+        now = self._account
+        self._entries.append(
+            Entry(self._step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
+        )
+
+    def _commands(self, states: tuple[Vector, ...], alarms: list[str]) -> tuple[Segment, ...]:
+        """Return what to do until the next step, and expect what comes of it."""
+        if self._step >= self._scenario.horizon:
+            return ()
+        asked = self._leg.controls(self._step, states)
+        flown = []
+        for vehicle, control in zip(self._scenario.vehicles, asked, strict=True):
+            held = np.clip(control, -vehicle.control_limit, vehicle.control_limit)
+            excess = float(np.abs(control - held).max())
+            if excess > 1e-6:
+                alarms.append(f"vehicle {vehicle.name!r}: its control saturates by {excess:.3g}")
+            flown.append(held)
+        self._expected = self._leg.expected(self._step, states, flown)
+        return segments(self._scenario, states, flown)
+
+
+def _plan_of(result: Result | Plan) -> Plan:
+    """Return the plan of a result, or the plan itself."""
+    plan = result.require() if isinstance(result, Result) else result
+    check_plan(plan, "result")
+    return plan

@@ -1,0 +1,176 @@
+"""The scenario's own model as something to fly in: what `simulate` draws, one mission at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Protocol
+
+import numpy as np
+
+from radmpc.arguments import check_rng
+from radmpc.arrays import Matrix, Vector
+from radmpc.flying.tick import Contact, Segment
+from radmpc.model.given import check_scenario
+from radmpc.model.scenario import Scenario
+from radmpc.referee.simulation.collisions import leaves_workspace, meets_origin, meets_solid
+from radmpc.referee.simulation.sweep import resting, swept
+
+__all__ = ["Backend", "Model"]
+
+
+class Backend(Protocol):
+    """What a mission is flown with: a model, a simulator, vehicles."""
+
+    def reset(self) -> tuple[Sequence[Vector], Sequence[Contact]]:
+        """Begin; return the states at step 0 and what is hit there."""
+        ...
+
+    def advance(self, segments: Sequence[Segment]) -> tuple[Sequence[Vector], Sequence[Contact]]:
+        """Fly one step; return the states after it and what was hit on the way."""
+        ...
+
+
+class Model:
+    """The scenario's dynamics with Gaussian noise; collisions by the referee's exact geometry.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is flown.
+    rng : Generator or int or None
+        Source of the noise, or its seed.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If an argument is of another kind.
+    ArgumentError
+        If the seed is negative.
+    """
+
+    def __init__(self, scenario: Scenario, rng: np.random.Generator | int | None = None) -> None:
+        check_scenario(scenario)
+        check_rng(rng)
+        self._scenario = scenario
+        self._rng = np.random.default_rng(rng)
+        vehicles = scenario.vehicles
+        self._initial = _factors([v.initial_covariance for v in vehicles])
+        self._disturbance = _factors([v.disturbance_covariance for v in vehicles])
+        self._states: tuple[Vector, ...] = tuple(v.start for v in vehicles)
+        self._step = 0
+
+    def reset(self) -> tuple[tuple[Vector, ...], tuple[Contact, ...]]:
+        """Draw where vehicles begin.
+
+        Returns
+        -------
+        states : tuple of (n,) array
+            In the scenario's order.
+        contacts : tuple of Contact
+            What is hit there already.
+        """
+        self._step = 0
+        starts = [v.start for v in self._scenario.vehicles]
+        self._states = _sums(starts, self._drawn(self._initial))
+        if self._scenario.avoidance == "intervals":
+            return self._states, ()
+        return self._states, self._contacts(self._states, self._states, None)
+
+    def advance(
+        self, segments: Sequence[Segment]
+    ) -> tuple[tuple[Vector, ...], tuple[Contact, ...]]:
+        """Fly one step.
+
+        Parameters
+        ----------
+        segments : sequence of Segment
+            What every vehicle does, in the scenario's order.
+
+        Returns
+        -------
+        states : tuple of (n,) array
+            After it.
+        contacts : tuple of Contact
+            What was hit on the way, or under ``steps`` at its end.
+        """
+        controls = [segment.control for segment in segments]
+        pairs = zip(self._scenario.vehicles, self._states, controls, strict=True)
+        pushed = [v.system.A @ x + v.system.B @ u for v, x, u in pairs]
+        before, self._states = self._states, _sums(pushed, self._drawn(self._disturbance))
+        self._step += 1
+        if self._scenario.avoidance == "intervals":
+            return self._states, self._contacts(before, self._states, controls)
+        return self._states, self._contacts(self._states, self._states, None)
+
+    def _drawn(self, factors: Sequence[Matrix]) -> list[Vector]:
+        """Return noise of all vehicles, drawn in one go as `simulate` does."""
+        normals = self._rng.standard_normal(sum(len(f) for f in factors))
+        starts = np.cumsum([0, *(len(f) for f in factors)])
+        return [f @ normals[a : a + len(f)] for f, a in zip(factors, starts, strict=False)]
+
+    def _contacts(
+        self,
+        before: Sequence[Vector],
+        after: Sequence[Vector],
+        controls: Sequence[Vector] | None,
+    ) -> tuple[Contact, ...]:
+        """Return what is hit between two moments, on the path that is flown."""
+        scenario = self._scenario
+        vehicles = scenario.vehicles
+        axes = [list(v.system.position) for v in vehicles]
+        begin = np.array([x[a] for x, a in zip(before, axes, strict=True)])
+        end = np.array([x[a] for x, a in zip(after, axes, strict=True)])
+        sagittas = np.zeros_like(begin)
+        if controls is not None:
+            pairs = zip(vehicles, controls, strict=True)
+            sagittas = np.array([v.system.sagitta @ u for v, u in pairs])
+        radii = np.array([v.radius for v in vehicles])
+        met = []
+        for i, j in combinations(range(len(vehicles)), 2):
+            ours, theirs = slice(i, i + 1), slice(j, j + 1)
+            apart = begin[ours] - begin[theirs], end[ours] - end[theirs]
+            sagitta, reach = sagittas[ours] - sagittas[theirs], radii[ours] + radii[theirs]
+            if meets_origin(*apart, sagitta, reach)[0]:
+                met.append(Contact(self._step, "pair", vehicles[i].name, vehicles[j].name))
+        for number, obstacle in enumerate(scenario.obstacles):
+            hits = self._obstacle_hits(number, (begin, end, sagittas), radii)
+            met += [
+                Contact(self._step, "obstacle", vehicles[i].name, obstacle.name)
+                for i in np.flatnonzero(hits)
+            ]
+        if scenario.workspace is not None:
+            out = leaves_workspace(begin, end, sagittas, scenario.workspace)
+            met += [Contact(self._step, "workspace", vehicles[i].name) for i in np.flatnonzero(out)]
+        return tuple(met)
+
+    def _obstacle_hits(
+        self, number: int, path: tuple[Matrix, Matrix, Matrix], radii: Vector
+    ) -> Vector:
+        """Return who hits an obstacle, (N,) bool."""
+        obstacle = self._scenario.obstacles[number]
+        hits = np.zeros(len(radii), dtype=bool)
+        sweeps = obstacle.is_moving and self._scenario.avoidance == "intervals"
+        first = self._step - 1 if sweeps else self._step
+        for piece, shape in enumerate(obstacle.at(first)):
+            parts = swept(shape, obstacle.at(first + 1)[piece]) if sweeps else resting(shape)
+            hits |= meets_solid(*path, radii, parts)
+        return hits
+
+
+def _factors(covariances: Sequence[Matrix]) -> list[Matrix]:
+    """Return factors ``L Lᵀ`` of covariances that may be singular."""
+    made = []
+    for covariance in covariances:
+        diagonal = np.diag(covariance)
+        if np.array_equal(covariance, np.diag(diagonal)):
+            made.append(np.diag(np.sqrt(diagonal.clip(min=0.0))))
+            continue
+        values, vectors = np.linalg.eigh(covariance)
+        made.append(vectors * np.sqrt(values.clip(min=0.0)))
+    return made
+
+
+def _sums(first: Sequence[Vector], second: Sequence[Vector]) -> tuple[Vector, ...]:
+    """Return sums vehicle by vehicle."""
+    return tuple(a + b for a, b in zip(first, second, strict=True))

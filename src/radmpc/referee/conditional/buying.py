@@ -1,0 +1,232 @@
+"""From a plan to the rows that its certificate charges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.special import ndtr
+
+from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.errors import NoPlanError, ScenarioError
+from radmpc.model.given import check_plan
+from radmpc.model.plan import Cause, Plan
+from radmpc.referee.bound.halfspace import end_margins
+from radmpc.referee.bound.parts import NUM_PARTS, part_sites
+from radmpc.referee.bound.persistence import TELLING, best_shares
+from radmpc.referee.bound.planar import grown_polygon_risks
+from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
+from radmpc.referee.bound.workspace import WORTH, faces_of
+from radmpc.referee.claims import shape_problems
+from radmpc.referee.conditional.choices import Choice, interval_choices
+from radmpc.referee.conditional.compiling import compiled
+from radmpc.referee.conditional.loops import Loops, loops_of, since
+from radmpc.referee.conditional.rows import (
+    HalfspaceRows,
+    IntegralRows,
+    Parties,
+    Witnesses,
+)
+from radmpc.referee.conditional.spreads import deviations_of
+from radmpc.referee.conditional.tables import Moments, all_integrals, at_steps, joined, links
+from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
+from radmpc.referee.gather import gather_obstacles, gather_pairs
+from radmpc.referee.motion import FleetMotion, propagate
+from radmpc.referee.reserve import in_deviations
+
+__all__ = ["witnesses_of"]
+
+
+def witnesses_of(plan: Plan) -> Witnesses:
+    """Return the events that the certificate of a plan charges, as they are at its step 0.
+
+    All encounters are written down, also those so far apart that the certificate charges them
+    unseen: in large fleets this takes memory with the square of the number of vehicles.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories; judged by its scenario and controls alone.
+
+    Returns
+    -------
+    Witnesses
+        Their value before anything is measured is the certificate.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is no plan.
+    NoPlanError
+        If the plan holds no trajectories.
+    ScenarioError
+        If its vehicles or arrays do not fit its scenario, or overflow.
+    """
+    check_plan(plan)
+    problems = shape_problems(plan)
+    if problems:
+        raise (ScenarioError if plan.trajectories else NoPlanError)("; ".join(problems))
+    scenario = plan.scenario
+    motion = propagate(scenario, [t.controls for t in plan.trajectories])
+    if motion.problems:
+        raise ScenarioError("; ".join(motion.problems))
+    intervals = scenario.avoidance == "intervals"
+    always = np.ones(scenario.num_vehicles, dtype=bool)
+    purchase = _Purchase(motion)
+    for gather in (gather_obstacles, gather_pairs):
+        for batch in gather(scenario, motion, intervals=intervals, always=always).batches:
+            for block in blocks(batch):
+                purchase.take(block, intervals=intervals)
+    if scenario.workspace is not None:
+        for normal, batch in faces_of(scenario.workspace, motion):
+            purchase.take_face(normal, batch, intervals=intervals)
+    return purchase.finished(plan)
+
+
+@dataclass(slots=True, eq=False)
+class _Purchase:
+    """Rows bought so far; lives while one plan is looked at."""
+
+    motion: FleetMotion
+    causes: list[Cause] = field(default_factory=list)
+    first: list[Indices] = field(default_factory=list)
+    other: list[Indices] = field(default_factory=list)
+    widths: list[Vector] = field(default_factory=list)
+    tables: list[Moments] = field(default_factory=list)
+    integrals: list[IntegralRows] = field(default_factory=list)
+
+    def take(self, block: Encounters, *, intervals: bool) -> None:
+        """Write down the rows of a block of pairs or obstacles."""
+        numbers = self._enter(block)
+        if not intervals:
+            self._take_steps(block, numbers)
+            return
+        for choice in interval_choices(block, self.motion):
+            self._take_choice(block.take(choice.chosen), numbers[choice.chosen], choice)
+
+    def take_face(self, normal: Vector, batch: Encounters, *, intervals: bool) -> None:
+        """Write down the rows of all vehicles at a face of the workspace."""
+        numbers = self._enter(batch)
+        if not intervals:
+            sites = instant_sites(batch)
+            held = np.broadcast_to(normal, (len(sites.means), normal.size))
+            self.tables.append(at_steps(sites, held, numbers))
+            return
+        sites = interval_sites(batch)
+        count, num_intervals, d = batch.sagittas.shape
+        held = np.broadcast_to(normal, (count, num_intervals, d))
+        margins = end_margins(sites, held.reshape(-1, 1, d), 0.5)[:, 0]
+        variances = np.einsum("d,sedf,f->se", normal, sites.covariances, normal)
+        levels = in_deviations(margins, np.sqrt(variances.clip(min=0.0)))
+        risks = ndtr(-levels).reshape(count, -1).sum(axis=1)
+        near, far = np.flatnonzero(risks > WORTH), np.flatnonzero(risks <= WORTH)
+        begins = np.ones((count, num_intervals), dtype=bool)
+        if far.size:
+            whole = Choice(far, 0, held[far], begins[far])
+            self._take_choice(batch.take(far), numbers[far], whole, shares=0.5)
+        if near.size:
+            parted = Choice(near, NUM_PARTS, np.repeat(held[near], NUM_PARTS, axis=1), begins[near])
+            self._take_choice(batch.take(near), numbers[near], parted)
+
+    def finished(self, plan: Plan) -> Witnesses:
+        """Return all rows; links that the certificate does not use are cut."""
+        none = np.zeros(0, dtype=np.int64)
+        parties = Parties(
+            tuple(self.causes),
+            np.concatenate([none, *self.first]),
+            np.concatenate([none, *self.other]),
+        )
+        d = self.motion.positions.shape[2]
+        loops = loops_of(self.motion)
+        rows = compiled(joined(self.tables, d), parties, loops)
+        widths = np.concatenate([np.zeros(0), *self.widths])
+        rows = _with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
+        return Witnesses(plan, self.motion, parties, rows, all_integrals(self.integrals, d))
+
+    def _enter(self, block: Encounters) -> Indices:
+        """Give the encounters of a block their numbers."""
+        count, begun = len(block.first), len(self.causes)
+        self.causes += [block.kind] * count
+        self.first.append(block.first)
+        self.other.append(block.other)
+        self.widths.append(np.ones(count))
+        return np.arange(begun, begun + count)
+
+    def _take_steps(self, block: Encounters, numbers: Indices) -> None:
+        """Write down half-spaces or integrals, whichever is charged, at each step."""
+        count, steps, d = block.means.shape
+        sites = instant_sites(block)
+        best, risks = best_directions(sites, block.directions, steps)
+        risks = np.minimum(risks, 1.0)
+        worth = np.flatnonzero(risks > NEGLIGIBLE)
+        exact = np.zeros(len(risks), dtype=bool)
+        if d == 2 and worth.size:
+            close = sites.take(worth)
+            found = grown_polygon_risks(
+                close.means[:, 0],
+                close.covariances[:, 0],
+                close.vertices[:, 0],
+                close.radii,
+                best[worth],
+                risks[worth],
+            )
+            exact[worth] = found < risks[worth]
+        self.tables.append(at_steps(sites, best, numbers).take(np.flatnonzero(~exact)))
+        integrated = np.flatnonzero(exact)
+        self.integrals.append(
+            IntegralRows(
+                np.repeat(numbers, steps)[integrated],
+                np.tile(np.arange(steps), count)[integrated],
+                sites.means[integrated, 0],
+                sites.vertices[integrated, 0],
+                sites.radii[integrated],
+                np.repeat(block.directions, steps, axis=0)[integrated],
+            )
+        )
+
+    def _take_choice(
+        self, some: Encounters, numbers: Indices, choice: Choice, shares: float | None = None
+    ) -> None:
+        """Write down half-spaces along intervals."""
+        count, num_intervals, d = some.sagittas.shape
+        parts = max(choice.parts, 1)
+        if choice.parts:
+            sites, _ = part_sites(some, self.motion, choice.parts)
+        else:
+            sites = interval_sites(some)
+        self.widths[-1][choice.chosen] = num_intervals * parts
+        flat = choice.directions.reshape(-1, d)
+        kept: Tensor | float = best_shares(sites, flat)[:, None] if shares is None else shares
+        margins = end_margins(sites, flat[:, None], kept)[:, 0]
+        ends = margins.shape[1]
+        moments = np.tile(np.arange(num_intervals * parts), count)
+        begin = moments % parts / parts
+        at = [begin] * (ends - 1) + [begin + 1.0 / parts]
+        bends = np.array([0.0] * ends)
+        if ends == 3:
+            bends[1] = 1.0 / parts**2
+        before, nested = links(choice, ends)
+        self.tables.append(
+            Moments(
+                encounters=np.repeat(np.repeat(numbers, num_intervals * parts), ends),
+                windows=np.repeat(moments // parts, ends),
+                normals=np.repeat(flat, ends, axis=0),
+                margins=margins.ravel(),
+                shares=np.stack(at, axis=1).ravel(),
+                bends=np.tile(bends, len(flat)),
+                before=before,
+                nested=nested,
+            )
+        )
+
+
+def _with_telling_links(
+    rows: HalfspaceRows, widths: Vector, loops: Loops, parties: Parties, horizon: int
+) -> HalfspaceRows:
+    """Cut the links whose rows the certificate charges whole, because little is gained by them."""
+    spread = deviations_of(rows, parties, since(loops, horizon, 0, is_measured=False))
+    charged = ndtr(-in_deviations(rows.margins, spread))
+    sums = np.bincount(rows.encounters, charged, len(parties.causes))
+    least = (TELLING * sums / widths)[rows.encounters]
+    telling = (charged > least) & (charged[rows.before] > 1e-3 * charged)
+    return replace(rows, before=np.where(telling | rows.nested, rows.before, -1))

@@ -1,0 +1,68 @@
+"""Half-spaces at moments, turned into rows on the deviations of states."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.referee.conditional.loops import Loops
+from radmpc.referee.conditional.rows import HalfspaceRows, Parties
+from radmpc.referee.conditional.tables import Moments
+
+__all__ = ["compiled"]
+
+
+def compiled(moments: Moments, parties: Parties, loops: Loops) -> HalfspaceRows:
+    """Return half-spaces as rows on states, with what they share with the rows before.
+
+    Parameters
+    ----------
+    moments : Moments
+        The half-spaces.
+    parties : Parties
+        The encounters.
+    loops : Loops
+        Of the fleet.
+    """
+    first = parties.first[moments.encounters]
+    is_pair = parties.are_pairs[moments.encounters]
+    other = np.where(is_pair, parties.other[moments.encounters], 0)
+    fresh_of_all = loops.picks @ loops.disturbance @ loops.picks.transpose(0, 2, 1)
+    rows_first = _on_states(moments, first, loops)
+    rows_other = np.where(is_pair[:, None], _on_states(moments, other, loops), 0.0)
+    spread = fresh_of_all[first] + np.where(is_pair[:, None, None], fresh_of_all[other], 0.0)
+    own = np.einsum("ed,edf,ef->e", moments.normals, spread, moments.normals)
+    linked, at = moments.before >= 0, moments.before
+    # The far end of a step's last part stands at the near end of the next one's first.
+    turns = linked & (moments.windows[at] < moments.windows)
+    normals = moments.normals[at]
+    positions = np.einsum("ed,edn->en", normals, loops.picks[first])
+    others = np.einsum("ed,edn->en", normals, loops.picks[other])
+    others = np.where(is_pair[:, None], others, 0.0)
+    crossed = np.einsum("ed,edf,ef->e", normals, spread, moments.normals)
+    crossed = moments.shares[at] * moments.shares * crossed
+    return HalfspaceRows(
+        encounters=moments.encounters,
+        windows=moments.windows,
+        normals=moments.normals,
+        margins=moments.margins,
+        shares=moments.shares,
+        bends=moments.bends,
+        before=moments.before,
+        nested=moments.nested,
+        first=rows_first,
+        other=rows_other,
+        fresh=np.square(moments.shares) * own,
+        link_first=np.where(turns[:, None], positions, rows_first[at]),
+        link_other=np.where(turns[:, None], others, rows_other[at]),
+        link_fresh=np.where(turns | ~linked, 0.0, crossed),
+    )
+
+
+def _on_states(moments: Moments, vehicles: Indices, loops: Loops) -> Matrix:
+    """Return ``n·[(1 − s) P + s P F − s (1 − s) G − β G]`` per row, (E, n)."""
+    s = moments.shares[:, None, None]
+    onward: Tensor = loops.picks @ loops.transitions
+    matrix = (1.0 - s) * loops.picks[vehicles] + s * onward[vehicles]
+    matrix -= (s * (1.0 - s) + moments.bends[:, None, None]) * loops.bends[vehicles]
+    return np.asarray(np.einsum("ed,edn->en", moments.normals, matrix))

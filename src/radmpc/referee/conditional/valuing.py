@@ -1,0 +1,183 @@
+"""The conditional value of rows: of many measurements at once, the same noise still to come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.referee.bound.bivariate import exceeds_alone
+from radmpc.referee.bound.planar import grown_polygon_risks
+from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
+from radmpc.referee.conditional.loops import Loops, Since
+from radmpc.referee.conditional.rows import Flags, HalfspaceRows, IntegralRows, Parties
+from radmpc.referee.conditional.spreads import correlations, deviations_of
+from radmpc.referee.reserve import in_deviations
+from radmpc.referee.sites import Sites
+
+__all__ = ["Values", "halfspace_values", "integral_values"]
+
+_LOOSEST = 1.017
+"""Largest ratio of what a row charged without the one before it is charged to its probability [-]:
+see `radmpc.referee.bound.bivariate`."""
+
+_NOTHING = 1e-15
+"""Probability of a half-space below which it is charged as it is, and nothing from below [-]."""
+
+_INTEGRAL_EXCESS = 1e-4
+"""Largest share of an integral that is added for its error [-]: 6e-5 was measured at worst."""
+
+_FLATTEST = 1e-12
+"""Ratio of variances below which noise in the plane counts as singular [-]: what is charged then
+may be a half-space, which says nothing from below."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Values:
+    """Values of E rows for S measurements.
+
+    Attributes
+    ----------
+    above : (E, S) array
+        Not below their conditional probabilities [-].
+    below : (E, S) array
+        Not above them, up to rounding [-].
+    """
+
+    above: Matrix
+    below: Matrix
+
+
+def halfspace_values(
+    rows: HalfspaceRows, parties: Parties, noise: Since, deviations: Tensor
+) -> Values:
+    """Return the values of half-spaces; rows of windows before the measurement are 0.
+
+    Parameters
+    ----------
+    rows : HalfspaceRows
+        E of them.
+    parties : Parties
+        The encounters.
+    noise : Since
+        Of the steps since the measurement.
+    deviations : (S, N, n) array
+        Measured deviations from the nominal.
+    """
+    spread = deviations_of(rows, parties, noise)
+    shift = np.zeros((len(rows.windows), len(deviations)))
+    coming = rows.windows >= noise.step
+    steps = np.where(coming, rows.windows - noise.step, 0)
+    first, other = parties.first[rows.encounters], parties.other[rows.encounters]
+    are_pairs = parties.are_pairs[rows.encounters]
+    for vehicle in np.flatnonzero(deviations.any(axis=(0, 2))).tolist():
+        measured = deviations[:, vehicle].T
+        for involved, on_state, sign in (
+            (first == vehicle, rows.first, 1.0),
+            (are_pairs & (other == vehicle), rows.other, -1.0),
+        ):
+            at = np.flatnonzero(coming & involved)
+            onward = np.matmul(on_state[at, None], noise.powers[steps[at], vehicle])[:, 0]
+            shift[at] += sign * (onward @ measured)
+    levels = in_deviations(rows.margins[:, None] + shift, spread[:, None])
+    above = np.where(coming[:, None], ndtr(-levels), 0.0)
+    below = above.copy()
+    # The row before counts as long as it is not of the past: what it failed with then hit nothing.
+    linked = np.flatnonzero(coming & (rows.before >= 0) & coming[rows.before])
+    if linked.size:
+        rho = correlations(rows, parties, noise, spread)
+        row, sample = np.nonzero(above[linked] > _NOTHING)
+        below[linked] = 0.0
+        row = linked[row]
+        alone = exceeds_alone(levels[rows.before[row], sample], levels[row, sample], rho[row])
+        above[row, sample] = alone
+        below[row, sample] = alone / np.where(rows.nested[row], 1.0, _LOOSEST)
+    return Values(above, below)
+
+
+def integral_values(
+    rows: IntegralRows, parties: Parties, loops: Loops, noise: Since, deviations: Tensor
+) -> Values:
+    """Return the values of integrals, at steps after the measurement; those before are 0.
+
+    Parameters
+    ----------
+    rows : IntegralRows
+        E of them.
+    parties : Parties
+        The encounters.
+    loops : Loops
+        Of the fleet.
+    noise : Since
+        Of the steps since the measurement.
+    deviations : (S, N, n) array
+        Measured deviations from the nominal.
+    """
+    count, num = len(rows.windows), len(deviations)
+    above, below = np.zeros((count, num)), np.zeros((count, num))
+    coming = np.flatnonzero(rows.windows >= noise.step)
+    if not coming.size:
+        return Values(above, below)
+    means, covariances = _moments(rows, parties, loops, noise, deviations)
+    flat = np.repeat(np.arange(coming.size), num)
+    sites = Sites(
+        means[coming].reshape(-1, 1, 2),
+        covariances[coming][flat][:, None],
+        (True,),
+        np.zeros((flat.size, 2)),
+        rows.radii[coming][flat],
+        rows.vertices[coming][flat][:, None],
+        np.zeros((flat.size, 1)),
+        np.zeros((flat.size, 1, 0, 2, 2)),
+    )
+    found, certain = _integrated(sites, rows.directions[coming][flat])
+    above[coming] = found.reshape(-1, num)
+    below[coming] = np.where(certain, found * (1.0 - _INTEGRAL_EXCESS), 0.0).reshape(-1, num)
+    return Values(above, below)
+
+
+def _moments(
+    rows: IntegralRows, parties: Parties, loops: Loops, noise: Since, deviations: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Return conditional means (E, S, 2) and covariances (E, 2, 2) of relative positions."""
+    steps = np.maximum(rows.windows - noise.step, 0)
+    first, other = parties.first[rows.encounters], parties.other[rows.encounters]
+    are_pairs = parties.are_pairs[rows.encounters]
+    means = np.repeat(rows.means[:, None], len(deviations), axis=1)
+    covariances = np.zeros((len(rows.windows), 2, 2))
+    for vehicles, sign, at in (
+        (first, 1.0, np.arange(len(first))),
+        (other, -1.0, np.flatnonzero(are_pairs)),
+    ):
+        who, when = vehicles[at], steps[at]
+        onward = loops.picks[who] @ noise.powers[when, who]
+        means[at] += sign * np.einsum("edn,sen->esd", onward, deviations[:, who])
+        covariances[at] += (
+            loops.picks[who] @ noise.covariances[when, who] @ loops.picks[who].transpose(0, 2, 1)
+        )
+    return means, covariances
+
+
+def _integrated(sites: Sites, directions: Tensor) -> tuple[Vector, Flags]:
+    """Return the probability of each set, and where it is that and no bound alone.
+
+    Without noise the best half-space is both: it tells whether the mean is in the set.
+    """
+    best, risks = best_directions(sites, directions, 1)
+    found = np.minimum(risks, 1.0)
+    worth = np.flatnonzero(found > NEGLIGIBLE)
+    if worth.size:
+        close = sites.take(worth)
+        found[worth] = grown_polygon_risks(
+            close.means[:, 0],
+            close.covariances[:, 0],
+            close.vertices[:, 0],
+            close.radii,
+            best[worth],
+            found[worth],
+        )
+    values = np.linalg.eigvalsh(sites.covariances[:, 0])
+    is_regular = values[:, 0] > _FLATTEST * values[:, 1]
+    return found, (is_regular & (risks > NEGLIGIBLE)) | (values[:, 1] <= 0.0)

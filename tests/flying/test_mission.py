@@ -1,0 +1,300 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from adversary import beside_a_wall, staking, waiting
+
+import radmpc
+from comparing import differences
+from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, RiskError, ScenarioError
+from radmpc.experiments.families import paper
+from radmpc.flying.account import Account
+from radmpc.flying.flight import Flight, fly
+from radmpc.flying.leg import leg_of
+from radmpc.flying.mission import Mission
+from radmpc.flying.model import Model
+from radmpc.flying.tick import Contact
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.result import Result
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return radmpc.plan(paper(2, seed=1), rng=0)
+
+
+def flown(result: Result | Plan, seed: int = 3, **options: object) -> Flight:
+    deadline = options.pop("deadline", None)
+    mission = Mission(result, **options)  # type: ignore[arg-type]
+    return fly(mission, Model(mission.scenario, seed), deadline=deadline)  # type: ignore[arg-type]
+
+
+def test_without_a_planner_the_plan_is_flown_and_the_bank_stays(result: Result) -> None:
+    flight = flown(result, planner=None)
+    assert [t.choice for t in flight.ticks] == ["tail"] * 11
+    assert len({e.bank for e in flight.account}) == 1
+    plan = result.require()
+    for tick, *controls in zip(
+        flight.ticks, *(p.controls for p in plan.trajectories), strict=False
+    ):
+        assert all(np.array_equal(a, b) for a, b in zip(tick.controls, controls, strict=False))
+
+
+def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(result: Result) -> None:
+    scenario = result.record.scenario
+    kept, replanned = flown(result, planner=None), flown(result)
+
+    def misses(flight: Flight) -> float:
+        pairs = zip(scenario.vehicles, flight.states[-1], strict=True)
+        return sum(float(np.linalg.norm(x[:2] - v.goal.center)) for v, x in pairs)
+
+    assert misses(replanned) < 0.5 * misses(kept)
+    assert sum(t.choice == "candidate" for t in replanned.ticks) >= 7
+    assert not replanned.contacts
+
+
+def test_the_account_of_a_flight_adds_up(result: Result) -> None:
+    flight = flown(result)
+    bound = result.record.scenario.risk_bound
+    assert flight.account[0].what == "opened"
+    assert flight.account[0].bank == pytest.approx(bound - result.certificate.certified)
+    for tick, before, after in zip(flight.ticks, flight.account, flight.account[1:], strict=False):
+        assert after.step == tick.step
+        if tick.choice == "tail":
+            assert after.bank == before.bank
+        else:
+            assert after.price == tick.price
+            assert after.bank + after.price <= tick.wealth
+            assert after.bank == pytest.approx(tick.wealth - after.price, rel=1e-5)
+
+
+def raises(scenario: Scenario, seconds: float | None) -> Plan:
+    raise RuntimeError("the planner broke\nwith more to say")
+
+
+def finds_nothing(scenario: Scenario, seconds: float | None) -> None:
+    return None
+
+
+def answers_rubbish(scenario: Scenario, seconds: float | None) -> Plan:
+    return "a plan"  # type: ignore[return-value]
+
+
+def answers_for_others(scenario: Scenario, seconds: float | None) -> Plan:
+    return staking(beside_a_wall())
+
+
+def too_short(scenario: Scenario, seconds: float | None) -> Plan:
+    controls = [np.zeros((scenario.horizon, 2)) for _ in scenario.vehicles]
+    plan = leg_of(scenario, controls, 0).plan
+    cut = tuple(replace(t, controls=t.controls[:-1]) for t in plan.trajectories)
+    return replace(plan, trajectories=cut)
+
+
+def misses_its_goal(scenario: Scenario, seconds: float | None) -> Plan:
+    controls = [np.zeros((scenario.horizon, 2)) for _ in scenario.vehicles]
+    return leg_of(scenario, controls, 0).plan
+
+
+def breaks_its_limits(scenario: Scenario, seconds: float | None) -> Plan:
+    controls = [np.full((scenario.horizon, 2), 1e3) for _ in scenario.vehicles]
+    return leg_of(scenario, controls, 0).plan
+
+
+@pytest.mark.parametrize(
+    ("planner", "reason"),
+    [
+        (raises, "planning failed: RuntimeError: the planner broke"),
+        (finds_nothing, "no plan was found from here"),
+        (answers_rubbish, "planning returned str, no plan"),
+        (answers_for_others, "the plan lacks vehicle"),
+        (too_short, "the plan cannot be flown: vehicles[0].controls: must have shape"),
+        (misses_its_goal, "the plan does not hold: vehicle"),
+        (breaks_its_limits, "the plan does not hold: vehicle"),
+    ],
+)
+def test_whatever_a_planner_does_costs_nothing(
+    result: Result, planner: Callable[..., Plan], reason: str
+) -> None:
+    kept, tried = flown(result, planner=None), flown(result, planner=planner)
+    assert all(t.reason.startswith(reason) for t in tried.ticks[:10])
+    assert "\n" not in tried.ticks[0].reason
+    assert differences(kept.states, tried.states) == []
+    assert [e.bank for e in kept.account] == [e.bank for e in tried.account]
+
+
+def test_a_candidate_that_comes_too_late_costs_nothing(result: Result) -> None:
+    seconds = [0.0]
+
+    def slow(scenario: Scenario, granted: float | None) -> Result:
+        assert granted == pytest.approx(0.8 * 0.5)
+        seconds[0] += 0.6
+        return radmpc.plan(scenario, rng=0)
+
+    late = flown(result, planner=slow, deadline=0.5, clock=lambda: seconds[0])
+    assert {t.reason for t in late.ticks[:10]} == {"the candidate came too late"}
+    assert [t.seconds for t in late.ticks[:10]] == pytest.approx([0.6] * 10)
+    assert differences(late.states, flown(result, planner=None).states) == []
+
+
+def test_the_same_seed_is_the_same_flight(result: Result) -> None:
+    first, second = (flown(result, clock=lambda: 0.0) for _ in range(2))
+    assert differences(first, second) == []
+    assert differences(first, flown(result, seed=4, clock=lambda: 0.0)) != []
+
+
+def hits_beside_a_wall(missions: int) -> int:
+    scenario = beside_a_wall()
+    count = 0
+    for seed in range(missions):
+        mission = Mission(waiting(scenario), planner=staking, share=1.0, clock=lambda: 0.0)
+        count += bool(fly(mission, Model(scenario, seed)).contacts)
+    return count
+
+
+@pytest.mark.slow
+def test_an_adversary_does_not_get_a_mission_above_its_bound() -> None:
+    assert hits_beside_a_wall(75) <= 10
+
+
+@pytest.mark.slow
+def test_an_adversary_does_where_the_bound_is_granted_anew_each_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Account, "wealth", property(lambda self: self.risk_bound))
+    assert hits_beside_a_wall(75) >= 20
+
+
+def test_what_is_not_measured_is_flown_on(result: Result) -> None:
+    mission = Mission(result)
+    tick = mission.step(None)
+    assert (tick.choice, tick.value, tick.reason) == ("tail", None, "nothing was measured")
+    assert tick.alarms == ("no measurement: the tail flies on as expected",)
+    states = [np.full(4, np.nan) for _ in range(2)]
+    assert mission.step(states).alarms == tick.alarms
+    assert mission.account[-1].bank == mission.account[0].bank
+
+
+def test_states_by_name_are_states_in_order(result: Result) -> None:
+    starts = {v.name: v.start for v in result.record.scenario.vehicles}
+    by_name, in_order = Mission(result, planner=None), Mission(result, planner=None)
+    turned = dict(reversed(starts.items()))
+    assert differences(by_name.step(turned).value, in_order.step([*starts.values()]).value) == []
+    with pytest.raises(ScenarioError, match=r"must have a state of every vehicle, lacks \['v2'\]"):
+        by_name.step({"v1": starts["v1"]})
+
+
+def test_disturbances_beyond_the_model_are_alarms(result: Result) -> None:
+    mission = Mission(result, planner=None)
+    states = [v.start for v in result.record.scenario.vehicles]
+    assert mission.step(states).alarms == ()
+    expected = [x.copy() for x in mission._expected]
+    expected[1][0] += 1.0
+    alarms = mission.step(expected).alarms
+    assert any("vehicle 'v2': a disturbance of" in alarm for alarm in alarms)
+    assert any("have a χ² of" in alarm for alarm in alarms)
+
+
+def test_small_disturbances_in_a_row_are_an_alarm_together(result: Result) -> None:
+    mission = Mission(result, planner=None)
+    states = [v.start for v in result.record.scenario.vehicles]
+    found = []
+    for _ in range(6):
+        found.append(mission.step(states).alarms)
+        states = [
+            x + 2.5 * np.sqrt(np.diag(v.disturbance_covariance))
+            for x, v in zip(mission._expected, result.record.scenario.vehicles, strict=True)
+        ]
+    assert found[0] == ()
+    assert any("the last 5 disturbances" in alarm for alarm in found[-1])
+    assert not any("a disturbance of" in alarm for alarms in found for alarm in alarms)
+
+
+def test_controls_that_saturate_are_an_alarm_and_are_cut_off() -> None:
+    scenario = beside_a_wall()
+    (vehicle,) = scenario.vehicles
+    tight = replace(vehicle, control_limit=0.1, gain=-0.5 * np.eye(2), control_sigmas=0.0)
+    scenario = replace(scenario, vehicles=(tight,))
+    mission = Mission(leg_of(scenario, [np.zeros((10, 2))], 0).plan, planner=None)
+    tick = mission.step([tight.start + np.array([1.0, 0.0])])
+    assert tick.controls[0] == pytest.approx([-0.1, 0.0])
+    assert any("its control saturates by 0.4" in alarm for alarm in tick.alarms)
+
+
+def test_a_tail_above_the_bound_is_an_alarm_and_any_safer_candidate_is_taken() -> None:
+    scenario = beside_a_wall()
+    start = replace(scenario.vehicles[0], start=[0.0, 0.4])
+    scenario = replace(scenario, vehicles=(start,))
+    plan = leg_of(scenario, [np.vstack([[0.0, 3.0], np.zeros((9, 2))])], 0).plan
+
+    def onward(left: Scenario, seconds: float | None) -> Plan:
+        controls = np.zeros((left.horizon, 2))
+        controls[0] = [0.0, 9.0]
+        return leg_of(left, [controls], 0).plan
+
+    mission = Mission(plan, planner=onward, miss_price=0.0)
+    assert "the tail is better" in mission.step([np.array([0.0, 0.4])]).reason
+    tick = mission.step([np.array([0.0, 0.15])])
+    assert tick.value > scenario.risk_bound
+    assert any("what is left risks" in alarm for alarm in tick.alarms)
+    assert tick.choice == "candidate"
+    assert tick.price < 1e-6
+
+
+def test_after_a_collision_the_tail_is_flown(result: Result) -> None:
+    mission = Mission(result)
+    states = [v.start for v in result.record.scenario.vehicles]
+    hit = Contact(0, "obstacle", "v1", "square")
+    tick = mission.step(states, contacts=[hit])
+    assert (tick.choice, tick.reason) == ("tail", "something was hit")
+    assert mission.contacts == (hit,)
+
+
+def test_the_bound_can_be_moved_under_way(result: Result) -> None:
+    mission = Mission(result, planner=None)
+    mission.step([v.start for v in result.record.scenario.vehicles])
+    mission.set_risk_bound(0.06)
+    assert mission.account[-1].what == "bound"
+    assert mission.account[-1].bank == pytest.approx(mission.account[0].bank + 0.01)
+    with pytest.raises(RiskError, match="the rest is with the leg in the air"):
+        mission.set_risk_bound(0.0024)
+
+
+def test_what_nobody_could_know_opens_the_account_anew(result: Result) -> None:
+    mission = Mission(result, planner=None)
+    mission.step([v.start for v in result.record.scenario.vehicles])
+    left = replace(result.record.scenario, horizon=9)
+    mission.start_again(radmpc.plan(left, rng=0))
+    assert mission.account[-1].what == "new grant"
+    assert mission.account[-1].step == 1
+    assert mission.step([v.start for v in left.vehicles]).choice == "tail"
+    with pytest.raises(ScenarioError, match="must be a plan of 8 steps"):
+        mission.start_again(result)
+
+
+def test_a_mission_ends(result: Result) -> None:
+    mission = Mission(result, planner=None)
+    fly(mission, Model(mission.scenario, 0))
+    assert mission.is_over
+    with pytest.raises(ArgumentError, match="the mission of 10 steps is over"):
+        mission.step(None)
+
+
+def test_what_is_no_mission_is_refused(result: Result) -> None:
+    nothing = Result(replace(result.record, trajectories=()), None)
+    with pytest.raises(NoPlanError):
+        Mission(nothing)
+    with pytest.raises(ArgumentTypeError, match="result must be a Plan"):
+        Mission(result.record.scenario)  # type: ignore[arg-type]
+    with pytest.raises(ArgumentError, match=r"share must be from 0 to 1, got 1\.5"):
+        Mission(result, share=1.5)
+    with pytest.raises(ArgumentTypeError, match="planner must be a function or None"):
+        Mission(result, planner=3)  # type: ignore[arg-type]
+    with pytest.raises(RiskError, match="price must be at most the risk bound"):
+        Mission(
+            replace(result.require(), scenario=replace(result.record.scenario, risk_bound=1e-3))
+        )
