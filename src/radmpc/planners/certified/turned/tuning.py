@@ -25,9 +25,15 @@ class Tuning:
         machine.
     most_work : float
         The same for pivots times rows and columns of their programs [-]; 4e8 take some 7 s.
+    work_each : float
+        What they may take per vehicle where that is more [-]: `fleet(256)` ends by itself after 7
+        rounds and 2e8.
     most_together : int
         Vehicles up to which the whole fleet shares one linear program [-]. One of 20 vehicles in
         space takes 30 ms, by sets of their own the same plans are 0.1 % dearer.
+    side_by_side : int
+        Vehicles of small sets that share one in larger fleets [-]: on `fleet(64)` a round takes
+        0.21, 0.11, 0.09, 0.07 and 0.06 s with sets one by one, and up to 4, 8, 16 and 32 vehicles.
     spacing, finer, least_spacing : float
         Between clearances at which risk is interpolated around the latest: at first, its factor
         from round to round, and at least [standard deviations]. At 0.12 `empty_20agents_3` is
@@ -152,8 +158,10 @@ class Tuning:
     rounds: int = 30
     most_solves: int = 400
     most_work: float = 4e8
+    work_each: float = 2e6
     least_rounds: int = 2
     most_together: int = 48
+    side_by_side: int = 12
     spacing: float = 0.12
     finer: float = 0.7
     least_spacing: float = 0.01

@@ -129,10 +129,23 @@ def _task(fleet: Fleet, judge: Judge) -> Task:
     return Task(fleet.programs.hazards, judge, fleet.limits, fleet.gap, risk_bound)
 
 
-def _parts(members: Members) -> tuple[Members, ...]:
-    """Return a set, or its vehicles one by one where it is large."""
-    is_small = len(members) <= TUNING.most_together
-    return (members,) if is_small else tuple((i,) for i in members)
+def _groups(sets: tuple[Members, ...], count: int) -> tuple[Members, ...]:
+    """Return who shares a linear program: everyone in a small fleet, else sets side by side.
+
+    A solve takes HiGHS and numpy about as long for a dozen vehicles as for one. The vehicles of
+    sets too large for that are spread over several programs.
+    """
+    if count <= TUNING.most_together:
+        return (tuple(range(count)),)
+    groups: list[Members] = []
+    for members in sets:
+        is_small = len(members) <= TUNING.most_together
+        for part in (members,) if is_small else [(i,) for i in members]:
+            if groups and len(groups[-1]) + len(part) <= TUNING.side_by_side:
+                groups[-1] = tuple(sorted(groups[-1] + part))
+            else:
+                groups.append(tuple(sorted(part)))
+    return tuple(groups)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,7 +193,7 @@ class Turning:
     successive : SuccessiveLp
         The latest paths, and what improves them.
     groups : tuple of tuple of int
-        Who shares a linear program: everyone in a small fleet, else the sets.
+        Who shares a linear program: everyone in a small fleet, else sets side by side.
     risk : float
         What the half-spaces' risks sum to in the last round [-].
     num_solves : int
@@ -198,11 +211,7 @@ class Turning:
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
-        count = self.task.hazards.count
-        together = count <= TUNING.most_together
-        self.groups = (tuple(range(count)),)
-        if not together:
-            self.groups = tuple(group for members in self.sets for group in _parts(members))
+        self.groups = _groups(self.sets, self.task.hazards.count)
         self.successive = SuccessiveLp(self.task.hazards, self.task.limits)
 
     def run(self, rounds: int) -> FleetIncumbent:
@@ -241,8 +250,8 @@ class Turning:
     @property
     def _has_spent(self) -> bool:
         """Whether it took all the work that turning may take."""
-        is_spent = self.successive.work >= TUNING.most_work
-        return is_spent or self.num_solves >= TUNING.most_solves
+        most_work = max(TUNING.most_work, TUNING.work_each * self.task.hazards.count)
+        return self.successive.work >= most_work or self.num_solves >= TUNING.most_solves
 
     def _turn(self, spacing: float) -> None:
         """Plan every group once."""
