@@ -122,13 +122,24 @@ def _order(
         fleet.unit,
         unit_price,
         _TUNED.gap_share * fleet.gap,
-        unit_price,
+        _scale(fleet, members, unit_price),
         target - spent,
         sum(fleet.base[i] for i in members),
         _bounds_of_parts(state, members, unit_price),
         state.hint(fleet, members),
         is_rough,
     )
+
+
+def _scale(fleet: Fleet, members: Members, unit_price: float) -> float:
+    """Return the value below which a set's gap is taken of this instead.
+
+    A large fleet has few sets of several vehicles: what these leave open is little beside the
+    whole, however much it is beside themselves.
+    """
+    if not fleet.is_large or len(members) <= _SMALL:
+        return unit_price
+    return max(unit_price, _TUNED.fleet_share * sum(fleet.base))
 
 
 def _bounds_of_parts(
