@@ -1,4 +1,4 @@
-"""Who shares a linear program while half-spaces are turned."""
+"""Who shares a linear program while half-spaces are turned, and who has anything to gain by it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import fleet
+from radmpc.model.dynamics import double_integrator
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.turned.sides import on_other_sides
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.verdict import Verdict
@@ -55,3 +60,66 @@ def test_the_vehicles_of_a_set_too_large_for_one_program_are_spread_over_several
 
     assert sorted(i for group in groups for i in group) == list(range(count))
     assert max(len(group) for group in groups) == TUNING.side_by_side
+
+
+def vehicle(name: str, start: list[float]) -> Vehicle:
+    return Vehicle(
+        name=name,
+        system=double_integrator(1.0, 2),
+        start=start,
+        goal=Goal(np.full(2, -50.0), np.full(2, 50.0), None),
+        radius=0.4,
+        control_limit=1.0,
+        initial_covariance=np.diag([0.04, 0.04, 1e-6, 1e-6]),
+        disturbance_covariance=1e-6 * np.eye(4),
+    )
+
+
+def passing(other: str) -> Scenario:
+    """A vehicle on its way past a box, or past another that stays in the same place."""
+    hovering = [0.0, 0.0, 0.0, 0.0] if other == "vehicle" else [0.0, 40.0, 0.0, 0.0]
+    box = Obstacle.box("box", np.full(2, -0.5), np.full(2, 0.5))
+    return Scenario(
+        name="s",
+        dt=1.0,
+        horizon=10,
+        risk_bound=0.1,
+        vehicles=(vehicle("a", [-5.0, 0.0, 1.0, 0.0]), vehicle("b", hovering)),
+        obstacles=(box,) if other == "box" else (),
+        avoidance="steps",
+    )
+
+
+def flown(bend: float) -> list[np.ndarray]:
+    """Controls by which the first vehicle has come aside by 4.5 bends when it passes the origin."""
+    controls = np.zeros((10, 2))
+    controls[0, 1] = bend
+    return [controls, np.zeros((10, 2))]
+
+
+@pytest.mark.parametrize(("other", "who"), [("box", {0}), ("vehicle", {0, 1})])
+def test_who_passes_on_another_side_is_told_from_who_only_moves(other: str, who: set[int]) -> None:
+    scenario = passing(other)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    left, further, right = flown(0.3), flown(0.36), flown(-0.3)
+
+    assert on_other_sides(hazards, left, further) == frozenset()
+    assert on_other_sides(hazards, left, right) == who
+    assert on_other_sides(hazards, right, left) == who
+
+
+def test_who_comes_near_nothing_has_no_other_side() -> None:
+    scenario = passing("box")
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+
+    assert on_other_sides(hazards, flown(0.9), flown(-0.9)) == frozenset()
+
+
+def test_sets_without_a_vehicle_that_has_anything_to_gain_are_held_where_they_are(
+    sets: tuple[tuple[int, ...], ...],
+) -> None:
+    held = turning(60, sets)
+    held.hold_all_but(frozenset({7, 50}))
+
+    assert held.is_partial
+    assert sorted(i for group in held.groups for i in group) == [0, 2, 7, 30, 40, 50]

@@ -108,6 +108,8 @@ class Tuning:
         ones, where few meet, searching them one by one is as quick.
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].
+    same_side : float
+        Cosine between the half-spaces of two plans above which they pass on the same side [-].
     aim : float
         Share of Δ that the certificate is to come to at the next price [-].
     most_rise, most_fall : float
@@ -196,6 +198,7 @@ class Tuning:
     crowd: float = 0.125
     few: int = 24
     compared: float = 6.5
+    same_side: float = 0.3
     aim: float = 0.985
     most_rise: float = 30.0
     most_fall: float = 6.0

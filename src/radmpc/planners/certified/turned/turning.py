@@ -14,7 +14,9 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.turned.groups import groups_of
 from radmpc.planners.certified.turned.price_control import PriceControl
+from radmpc.planners.certified.turned.sides import on_other_sides
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
@@ -66,6 +68,9 @@ def turn_to(
 ) -> SearchState:
     """Turn half-spaces to another plan than the incumbent, certified or nearly.
 
+    In a large fleet those sets alone that pass anything on another side: all others stay where the
+    incumbent has them.
+
     Parameters
     ----------
     fleet : Fleet
@@ -84,7 +89,16 @@ def turn_to(
     SearchState
         With a cheaper plan where there is one.
     """
-    turning = Turning(_task(fleet, judge), state.incumbent, state.incumbent.sets, price)
+    incumbent, task = state.incumbent, _task(fleet, judge)
+    turning = Turning(task, incumbent, incumbent.sets, price)
+    if task.hazards.count > TUNING.most_together:
+        others = on_other_sides(task.hazards, incumbent.controls, controls)
+        if not others:
+            return state
+        turning.hold_all_but(others)
+        moving = {i for group in turning.groups for i in group}
+        both = zip(incumbent.controls, controls, strict=True)
+        controls = tuple(b if i in moving else a for i, (a, b) in enumerate(both))
     turning.successive.begin(controls)
     return replace(state, incumbent=turning.run(TUNING.rounds))
 
@@ -127,25 +141,6 @@ def _task(fleet: Fleet, judge: Judge) -> Task:
     """Return what turning is asked of a fleet."""
     risk_bound = fleet.scenario.risk_bound
     return Task(fleet.programs.hazards, judge, fleet.limits, fleet.gap, risk_bound)
-
-
-def _groups(sets: tuple[Members, ...], count: int) -> tuple[Members, ...]:
-    """Return who shares a linear program: everyone in a small fleet, else sets side by side.
-
-    A solve takes HiGHS and numpy about as long for a dozen vehicles as for one. The vehicles of
-    sets too large for that are spread over several programs.
-    """
-    if count <= TUNING.most_together:
-        return (tuple(range(count)),)
-    groups: list[Members] = []
-    for members in sets:
-        is_small = len(members) <= TUNING.most_together
-        for part in (members,) if is_small else [(i,) for i in members]:
-            if groups and len(groups[-1]) + len(part) <= TUNING.side_by_side:
-                groups[-1] = tuple(sorted(groups[-1] + part))
-            else:
-                groups.append(tuple(sorted(part)))
-    return tuple(groups)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -198,6 +193,8 @@ class Turning:
         What the half-spaces' risks sum to in the last round [-].
     num_solves : int
         Solves of groups so far.
+    is_partial : bool
+        Whether some vehicles are held where they are.
     """
 
     task: Task
@@ -208,11 +205,24 @@ class Turning:
     groups: tuple[Members, ...] = field(init=False)
     risk: float = 0.0
     num_solves: int = 0
+    is_partial: bool = False
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
-        self.groups = _groups(self.sets, self.task.hazards.count)
+        self.groups = groups_of(self.sets, self.task.hazards.count)
         self.successive = SuccessiveLp(self.task.hazards, self.task.limits)
+
+    def hold_all_but(self, vehicles: frozenset[int]) -> None:
+        """Turn only the sets that hold any of these vehicles.
+
+        Parameters
+        ----------
+        vehicles : frozenset of int
+            Their numbers.
+        """
+        moving = tuple(members for members in self.sets if vehicles.intersection(members))
+        self.groups = groups_of(moving, self.task.hazards.count)
+        self.is_partial = len(moving) < len(self.sets)
 
     def run(self, rounds: int) -> FleetIncumbent:
         """Turn half-spaces to the latest paths and plan again, until little is gained.
@@ -268,14 +278,17 @@ class Turning:
         controls = tuple(paths.controls)
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
-            price = self.price * self.risk / max(certified, _NOTHING)
+            price = self.price * self.risk / max(certified, _NOTHING) or None
+            if self.is_partial:
+                # What most vehicles would still pay for risk is what they paid before.
+                price = self.incumbent.turned_price
             self.incumbent = replace(
                 self.incumbent,
                 controls=controls,
                 cost=cost,
                 certified=certified,
                 sets=self.sets,
-                turned_price=price if self.risk else None,
+                turned_price=price,
             )
             self.task.found(cost)
         return certified
