@@ -11,6 +11,8 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.turned.idle import not_idle
+from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.sides import on_other_sides
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
@@ -121,5 +123,22 @@ def test_sets_without_a_vehicle_that_has_anything_to_gain_are_held_where_they_ar
     held = turning(60, sets)
     held.hold_all_but(frozenset({7, 50}))
 
-    assert held.is_partial
     assert sorted(i for group in held.groups for i in group) == [0, 2, 7, 30, 40, 50]
+
+
+def test_who_neither_goes_out_of_the_way_nor_risks_anything_is_idle() -> None:
+    scenario = passing("vehicle")
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    close, far, straight = Paths(hazards), Paths(hazards), Paths(hazards)
+    for paths, bend in ((close, 0.3), (far, 0.9), (straight, 0.0)):
+        for i, controls in enumerate(flown(bend)):
+            paths.fly(i, controls)
+
+    # Both risk something where one passes close to the other.
+    assert not_idle(hazards, close, (0.3, 0.0), 10.0, 1e-3) == {0, 1}
+    assert not_idle(hazards, straight, (0.0, 0.0), 10.0, 1e-3) == {0, 1}
+    assert not_idle(hazards, far, (0.9, 0.0), 10.0, 1e-3) == frozenset()
+    # The detour costs more than the straight way would.
+    assert not_idle(hazards, far, (0.0, 0.0), 10.0, 1e-3) == {0}
+    # Risk that costs nothing is nothing to gain by.
+    assert not_idle(hazards, close, (0.3, 0.0), 0.0, 1e-3) == frozenset()

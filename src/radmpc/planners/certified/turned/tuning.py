@@ -108,6 +108,9 @@ class Tuning:
         ones, where few meet, searching them one by one is as quick.
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].
+    idle : float
+        Share of the gap that the vehicles of a large fleet that are left as they are could gain in
+        all at most [-].
     same_side : float
         Cosine between the half-spaces of two plans above which they pass on the same side [-].
     aim : float
@@ -198,6 +201,7 @@ class Tuning:
     crowd: float = 0.125
     few: int = 24
     compared: float = 6.5
+    idle: float = 0.01
     same_side: float = 0.3
     aim: float = 0.985
     most_rise: float = 30.0

@@ -15,6 +15,7 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.turned.groups import groups_of
+from radmpc.planners.certified.turned.idle import not_idle
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.sides import on_other_sides
 from radmpc.planners.certified.turned.successive import SuccessiveLp
@@ -56,6 +57,9 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
     turning = Turning(_task(fleet, judge), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
+    if turning.task.hazards.count > TUNING.most_together:
+        paths, task = turning.successive.paths, turning.task
+        turning.hold_all_but(not_idle(task.hazards, paths, fleet.base, price, task.gap))
     return replace(state, incumbent=turning.run(TUNING.rounds))
 
 
@@ -96,6 +100,7 @@ def turn_to(
         if not others:
             return state
         turning.hold_all_but(others)
+        turning.is_partial = True
         moving = {i for group in turning.groups for i in group}
         both = zip(incumbent.controls, controls, strict=True)
         controls = tuple(b if i in moving else a for i, (a, b) in enumerate(both))
@@ -194,7 +199,7 @@ class Turning:
     num_solves : int
         Solves of groups so far.
     is_partial : bool
-        Whether some vehicles are held where they are.
+        Whether vehicles are held that pay for risk where they are.
     """
 
     task: Task
@@ -222,7 +227,6 @@ class Turning:
         """
         moving = tuple(members for members in self.sets if vehicles.intersection(members))
         self.groups = groups_of(moving, self.task.hazards.count)
-        self.is_partial = len(moving) < len(self.sets)
 
     def run(self, rounds: int) -> FleetIncumbent:
         """Turn half-spaces to the latest paths and plan again, until little is gained.
@@ -239,6 +243,7 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         control = PriceControl(self.price, task.risk_bound, task.gap)
+        self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
             has_spent = number >= TUNING.least_rounds and self._has_spent
