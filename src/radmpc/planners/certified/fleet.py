@@ -151,6 +151,11 @@ class Fleet:
         return replace(self, limits=limits)
 
     @property
+    def is_large(self) -> bool:
+        """Whether it has so many vehicles that no single set matters much."""
+        return self.scenario.num_vehicles > TUNING.sets.many
+
+    @property
     def singles(self) -> tuple[Members, ...]:
         """The partition in which every vehicle is alone."""
         return tuple((i,) for i in range(self.scenario.num_vehicles))

@@ -72,12 +72,15 @@ def run_round(fleet: Fleet, state: SearchState) -> tuple[SearchState, Round | No
         With the states of all sets that were met.
     found : Round or None
         None where a set has no plan, or a limit was reached before all had one. The first time
-        that a set proves hard, the initial plan of the whole fleet.
+        that a set proves hard, the initial plan of the whole fleet: of a large one, what short
+        searches found.
     """
     sets: tuple[Members, ...] = fleet.singles
     while True:
         state = solve_sets(fleet, state, sets, state.unit_price, state.effort)
-        if not state.has_tried_initial_plan and state.is_hard(fleet, sets):
+        is_hard = not state.has_tried_initial_plan and state.is_hard(fleet, sets)
+        is_trial = is_hard and fleet.is_large and state.is_planned(sets)
+        if is_hard and not is_trial:
             state, initial = _initial_round(
                 fleet, replace(state, has_tried_initial_plan=True), sets
             )
@@ -93,14 +96,12 @@ def run_round(fleet: Fleet, state: SearchState) -> tuple[SearchState, Round | No
         allowed = _allowed_inter_set_risk(fleet, state, plans)
         rejected = state.merging.to_merge(sets)
         if inter_set_risk <= allowed and not rejected:
-            return state, _round(fleet, state, sets, inter_set_risk)
-        ranked = _worst_first(by_sets(rejected, owners_of(sets)))
-        for pair, risk in _worst_first(set_risks):
-            if inter_set_risk <= allowed:
-                break
-            inter_set_risk -= risk
-            ranked.append((pair, risk))
-        merged = _merged_two_by_two(sets, [pair for pair, _ in ranked])
+            found = _round(fleet, state, sets, inter_set_risk)
+            if is_trial and found.open_gap > fleet.gap * (found.least + found.open_gap):
+                # Searching at length begins with these sets, at a price that suits them.
+                return replace(state, has_tried_initial_plan=True), replace(found, is_initial=True)
+            return state, found
+        merged = _merged(sets, set_risks, by_sets(rejected, owners_of(sets)), allowed)
         merging = state.merging.remember(sets, merged, pair_risks | rejected)
         state = replace(state, merging=merging)
         sets = merged
@@ -156,6 +157,23 @@ def _allowed_inter_set_risk(fleet: Fleet, state: SearchState, plans: Sequence[In
             _TUNED.inter_set_budget_share * state.budget,
         ),
     )
+
+
+def _merged(
+    sets: tuple[Members, ...],
+    set_risks: dict[tuple[int, int], float],
+    rejected: dict[tuple[int, int], float],
+    allowed: float,
+) -> tuple[Members, ...]:
+    """Merge the sets that are to be, and the worst others until little is left between sets."""
+    ranked = _worst_first(rejected)
+    left = sum(set_risks.values())
+    for pair, risk in _worst_first(set_risks):
+        if left <= allowed:
+            break
+        left -= risk
+        ranked.append((pair, risk))
+    return _merged_two_by_two(sets, [pair for pair, _ in ranked])
 
 
 def _worst_first(risks: dict[tuple[int, int], float]) -> list[tuple[tuple[int, int], float]]:

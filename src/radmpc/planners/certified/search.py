@@ -91,7 +91,7 @@ class PriceSearch:
             accepted = accept_round(fleet, state, candidate, self.judge)
             seconds = time.perf_counter() - began
             state = _recorded(fleet, accepted.state, candidate, seconds)
-            if fleet.limits.reached or _is_closed(fleet, state):
+            if fleet.limits.reached or _is_closed(fleet, state, candidate):
                 return state
             if accepted.has_merged:
                 # What other sets risked says little of these.
@@ -132,10 +132,12 @@ class PriceSearch:
         return state, False
 
 
-def _is_closed(fleet: Fleet, state: SearchState) -> bool:
+def _is_closed(fleet: Fleet, state: SearchState, candidate: Round) -> bool:
     """Whether the gap is closed, to plans within the same budget or to all within Δ."""
     open_gap = relative_gap(state.incumbent.cost, bound_on_cost(fleet, state))
     if open_gap <= fleet.gap:
+        return True
+    if fleet.is_large and not candidate.is_initial and open_gap <= _TUNED.coarse_gap:
         return True
     is_fine = open_gap <= max(fleet.gap, _TUNED.fine_gap)
     # No plan within Δ by union bounds is cheaper; what a larger budget could still gain is

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -26,6 +26,10 @@ _CHUNKS = 16
 
 _SMALL = 2
 """Vehicles of the largest sets that are handed out together [-]."""
+
+
+_Parts = Mapping[int, Sequence[tuple[Members, float]]]
+"""Sets with lower bounds on their values at some price, by their first vehicles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,9 +91,9 @@ def solve_sets(
         if state.has_plan:
             fleet.found(state.incumbent.cost, reported_bound(fleet, state, fleet.gap))
 
-    searches = []
+    searches, parts = [], _known_parts(state, unit_price)
     for members in sets:
-        order = _order(fleet, state, members, unit_price, effort, is_rough=is_rough)
+        order = _order(fleet, state, members, unit_price, effort, parts, is_rough=is_rough)
         if order is not None:
             problem, alone = fleet.programs.problem(members), fleet.programs.alone(members)
             searches.append(SetSearch(problem, alone, state.set_states.get(members), order))
@@ -104,6 +108,7 @@ def _order(
     members: Members,
     unit_price: float,
     effort: int,
+    parts: _Parts,
     *,
     is_rough: bool,
 ) -> Order | None:
@@ -122,26 +127,45 @@ def _order(
         fleet.unit,
         unit_price,
         _TUNED.gap_share * fleet.gap,
-        unit_price,
+        _scale(fleet, members, unit_price),
         target - spent,
         sum(fleet.base[i] for i in members),
-        _bounds_of_parts(state, members, unit_price),
+        _bounds_of_parts(parts, members),
         state.hint(fleet, members),
         is_rough,
     )
 
 
-def _bounds_of_parts(
-    state: SearchState, members: Members, unit_price: float
-) -> tuple[SetBound, ...]:
-    """Return the lower bounds proven for subsets of a set at this price."""
+def _scale(fleet: Fleet, members: Members, unit_price: float) -> float:
+    """Return the value below which a set's gap is taken of this instead.
+
+    A large fleet has few sets of several vehicles: what these leave open is little beside the
+    whole, however much it is beside themselves.
+    """
+    if not fleet.is_large or len(members) <= _SMALL:
+        return unit_price
+    return max(unit_price, _TUNED.fleet_share * sum(fleet.base))
+
+
+def _known_parts(state: SearchState, unit_price: float) -> _Parts:
+    """Return the sets searched at a price, with their bounds, by their first vehicles."""
+    parts: dict[int, list[tuple[Members, float]]] = {}
+    for members, known in state.set_states.items():
+        if known.unit_price == unit_price:
+            parts.setdefault(members[0], []).append((members, known.bound))
+    return parts
+
+
+def _bounds_of_parts(parts: _Parts, members: Members) -> tuple[SetBound, ...]:
+    """Return the lower bounds proven for subsets of a set."""
     if len(members) == 1:
         return ()
     whole = set(members)
     return tuple(
-        SetBound(frozenset(members.index(i) for i in part), known.bound)
-        for part, known in state.set_states.items()
-        if len(part) < len(members) and known.unit_price == unit_price and whole.issuperset(part)
+        SetBound(frozenset(members.index(i) for i in part), bound)
+        for first in members
+        for part, bound in parts.get(first, ())
+        if len(part) < len(members) and whole.issuperset(part)
     )
 
 

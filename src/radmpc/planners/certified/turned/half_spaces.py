@@ -21,13 +21,11 @@ from radmpc.planners.certified.turned.directions import (
 )
 from radmpc.planners.certified.turned.encounter import Encounter
 from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 
 __all__ = ["HalfSpaces", "half_spaces"]
-
-_MANY_PAIRS = 20_000
-"""Pairs from which on those far from each other are left out by a search tree [-]."""
 
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
@@ -100,29 +98,13 @@ def half_spaces(
     """
     ahead = paths if ahead is None else ahead
     both, members = (paths, ahead), np.asarray(group)
-    found = [_between(hazards, both, _pairs(hazards, paths, members, near), near)]
+    found = [_between(hazards, both, near_vehicles(hazards, paths, members, near), near)]
     if hazards.shapes.count:
         found.append(_around(hazards, both, members, near))
     if hazards.workspace is not None:
         found.append(_inside(hazards, paths, members, near))
     names = [field.name for field in fields(HalfSpaces)]
     return HalfSpaces(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
-
-
-def _pairs(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> tuple[Indices, Indices]:
-    """Return every pair of members, and of a member and another, once; of many, those near ever."""
-    is_member = np.zeros(hazards.count, dtype=bool)
-    is_member[members] = True
-    if members.size * hazards.count > _MANY_PAIRS:
-        one, two = paths.near_pairs(near.clearance, near.reach)
-        is_swapped = ~is_member[one]
-        one, two = np.where(is_swapped, two, one), np.where(is_swapped, one, two)
-        kept = is_member[one]
-    else:
-        one, two = np.divmod(np.arange(members.size * hazards.count), hazards.count)
-        one = members[one]
-        kept = (two > one) | ~is_member[two]
-    return one[kept], two[kept]
 
 
 def _between(
@@ -176,13 +158,15 @@ def _around(
     paths, ahead = both
     shapes, path = hazards.shapes, paths.means[members]
     begin = path[:, :-1] if hazards.intervals else path[:, 1:]
-    lower = np.minimum(begin, path[:, 1:])[:, None]
-    upper = np.maximum(begin, path[:, 1:])[:, None]
-    gaps = np.maximum(np.maximum(shapes.lower - upper, lower - shapes.upper), 0.0)
+    places, pieces = near_pieces(hazards, path, members, near)
+    lower = np.minimum(begin[places], path[places, 1:])
+    upper = np.maximum(begin[places], path[places, 1:])
+    gaps = np.maximum(shapes.lower[pieces] - upper, lower - shapes.upper[pieces])
+    gaps = np.maximum(gaps, 0.0)
     spread = np.sqrt(hazards.variances[members])
     limit = hazards.radii[members][:, None] + near.clearance * spread + near.reach
-    is_near = np.einsum("mowd,mowd->mow", gaps, gaps) < np.square(limit)[:, None]
-    place, piece, window = np.nonzero(is_near)
+    number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < np.square(limit)[places])
+    place, piece = places[number], pieces[number]
     first, radius = members[place], hazards.radii[members[place]][:, None]
     corners = (
         shapes.vertices[piece, window + (0 if hazards.intervals else 1)],

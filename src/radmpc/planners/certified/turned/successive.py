@@ -28,8 +28,8 @@ __all__ = ["SuccessiveLp"]
 _MISSED = 1e-7
 """What half-spaces may be missed by in all [m]."""
 
-_WARM = 128
-"""Linear programs that are kept warm at most [-]: each takes half a megabyte."""
+_WARM = 256
+"""Vehicles of linear programs that are kept warm at most [-]: 0.3 to 0.5 MB for each of them."""
 
 _ASKED = 16
 """Vehicles planned between two looks at the clock [-]: one takes 1 to 20 ms."""
@@ -210,12 +210,27 @@ class SuccessiveLp:
         return not bool(np.isin(close, spaces.keys).all())
 
     def _program(self, group: Group) -> GroupLp:
-        """Return a group's linear program, kept warm."""
-        if group not in self._programs:
-            if len(self._programs) >= _WARM:
-                self._programs.clear()
-            self._programs[group] = GroupLp(self.hazards, group)
-        return self._programs[group]
+        """Return a group's linear program, kept warm if there is room.
+
+        Groups are asked for in turn: to give up those asked for longest ago would leave none.
+        """
+        if group in self._programs:
+            return self._programs[group]
+        program = GroupLp(self.hazards, group)
+        if len(group) + sum(len(known) for known in self._programs) <= _WARM:
+            self._programs[group] = program
+        return program
+
+    def forget_all_but(self, groups: Sequence[Group]) -> None:
+        """Give up the linear programs of groups that will not be planned again.
+
+        Parameters
+        ----------
+        groups : sequence of tuple of int
+            Those that will.
+        """
+        kept = set(groups)
+        self._programs = {g: program for g, program in self._programs.items() if g in kept}
 
 
 def _risk(spaces: HalfSpaces) -> float:

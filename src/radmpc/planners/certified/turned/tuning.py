@@ -25,9 +25,15 @@ class Tuning:
         machine.
     most_work : float
         The same for pivots times rows and columns of their programs [-]; 4e8 take some 7 s.
+    work_each : float
+        What they may take per vehicle where that is more [-]: `fleet(256)` ends by itself after 7
+        rounds and 2e8.
     most_together : int
         Vehicles up to which the whole fleet shares one linear program [-]. One of 20 vehicles in
         space takes 30 ms, by sets of their own the same plans are 0.1 % dearer.
+    side_by_side : int
+        Vehicles of small sets that share one in larger fleets [-]: on `fleet(64)` a round takes
+        0.21, 0.11, 0.09, 0.07 and 0.06 s with sets one by one, and up to 4, 8, 16 and 32 vehicles.
     spacing, finer, least_spacing : float
         Between clearances at which risk is interpolated around the latest: at first, its factor
         from round to round, and at least [standard deviations]. At 0.12 `empty_20agents_3` is
@@ -102,6 +108,11 @@ class Tuning:
         ones, where few meet, searching them one by one is as quick.
     compared : float
         Clearance up to which windows count as near at a price of risk [standard deviations].
+    idle : float
+        Share of the gap that the vehicles of a large fleet that are left as they are could gain in
+        all at most [-].
+    same_side : float
+        Cosine between the half-spaces of two plans above which they pass on the same side [-].
     aim : float
         Share of Δ that the certificate is to come to at the next price [-].
     most_rise, most_fall : float
@@ -152,8 +163,10 @@ class Tuning:
     rounds: int = 30
     most_solves: int = 400
     most_work: float = 4e8
+    work_each: float = 2e6
     least_rounds: int = 2
     most_together: int = 48
+    side_by_side: int = 12
     spacing: float = 0.12
     finer: float = 0.7
     least_spacing: float = 0.01
@@ -188,6 +201,8 @@ class Tuning:
     crowd: float = 0.125
     few: int = 24
     compared: float = 6.5
+    idle: float = 0.01
+    same_side: float = 0.3
     aim: float = 0.985
     most_rise: float = 30.0
     most_fall: float = 6.0

@@ -14,7 +14,10 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.turned.groups import groups_of
+from radmpc.planners.certified.turned.idle import not_idle
 from radmpc.planners.certified.turned.price_control import PriceControl
+from radmpc.planners.certified.turned.sides import on_other_sides
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
@@ -54,6 +57,9 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
     turning = Turning(_task(fleet, judge), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
+    if turning.task.hazards.count > TUNING.most_together:
+        paths, task = turning.successive.paths, turning.task
+        turning.hold_all_but(not_idle(task.hazards, paths, fleet.base, price, task.gap))
     return replace(state, incumbent=turning.run(TUNING.rounds))
 
 
@@ -65,6 +71,9 @@ def turn_to(
     price: float,
 ) -> SearchState:
     """Turn half-spaces to another plan than the incumbent, certified or nearly.
+
+    In a large fleet those sets alone that pass anything on another side: all others stay where the
+    incumbent has them.
 
     Parameters
     ----------
@@ -84,7 +93,17 @@ def turn_to(
     SearchState
         With a cheaper plan where there is one.
     """
-    turning = Turning(_task(fleet, judge), state.incumbent, state.incumbent.sets, price)
+    incumbent, task = state.incumbent, _task(fleet, judge)
+    turning = Turning(task, incumbent, incumbent.sets, price)
+    if task.hazards.count > TUNING.most_together:
+        others = on_other_sides(task.hazards, incumbent.controls, controls)
+        if not others:
+            return state
+        turning.hold_all_but(others)
+        turning.is_partial = True
+        moving = {i for group in turning.groups for i in group}
+        both = zip(incumbent.controls, controls, strict=True)
+        controls = tuple(b if i in moving else a for i, (a, b) in enumerate(both))
     turning.successive.begin(controls)
     return replace(state, incumbent=turning.run(TUNING.rounds))
 
@@ -127,12 +146,6 @@ def _task(fleet: Fleet, judge: Judge) -> Task:
     """Return what turning is asked of a fleet."""
     risk_bound = fleet.scenario.risk_bound
     return Task(fleet.programs.hazards, judge, fleet.limits, fleet.gap, risk_bound)
-
-
-def _parts(members: Members) -> tuple[Members, ...]:
-    """Return a set, or its vehicles one by one where it is large."""
-    is_small = len(members) <= TUNING.most_together
-    return (members,) if is_small else tuple((i,) for i in members)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,11 +193,13 @@ class Turning:
     successive : SuccessiveLp
         The latest paths, and what improves them.
     groups : tuple of tuple of int
-        Who shares a linear program: everyone in a small fleet, else the sets.
+        Who shares a linear program: everyone in a small fleet, else sets side by side.
     risk : float
         What the half-spaces' risks sum to in the last round [-].
     num_solves : int
         Solves of groups so far.
+    is_partial : bool
+        Whether vehicles are held that pay for risk where they are.
     """
 
     task: Task
@@ -195,15 +210,23 @@ class Turning:
     groups: tuple[Members, ...] = field(init=False)
     risk: float = 0.0
     num_solves: int = 0
+    is_partial: bool = False
 
     def __post_init__(self) -> None:
         """Choose who shares a linear program."""
-        count = self.task.hazards.count
-        together = count <= TUNING.most_together
-        self.groups = (tuple(range(count)),)
-        if not together:
-            self.groups = tuple(group for members in self.sets for group in _parts(members))
+        self.groups = groups_of(self.sets, self.task.hazards.count)
         self.successive = SuccessiveLp(self.task.hazards, self.task.limits)
+
+    def hold_all_but(self, vehicles: frozenset[int]) -> None:
+        """Turn only the sets that hold any of these vehicles.
+
+        Parameters
+        ----------
+        vehicles : frozenset of int
+            Their numbers.
+        """
+        moving = tuple(members for members in self.sets if vehicles.intersection(members))
+        self.groups = groups_of(moving, self.task.hazards.count)
 
     def run(self, rounds: int) -> FleetIncumbent:
         """Turn half-spaces to the latest paths and plan again, until little is gained.
@@ -220,6 +243,7 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         control = PriceControl(self.price, task.risk_bound, task.gap)
+        self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
             has_spent = number >= TUNING.least_rounds and self._has_spent
@@ -241,8 +265,8 @@ class Turning:
     @property
     def _has_spent(self) -> bool:
         """Whether it took all the work that turning may take."""
-        is_spent = self.successive.work >= TUNING.most_work
-        return is_spent or self.num_solves >= TUNING.most_solves
+        most_work = max(TUNING.most_work, TUNING.work_each * self.task.hazards.count)
+        return self.successive.work >= most_work or self.num_solves >= TUNING.most_solves
 
     def _turn(self, spacing: float) -> None:
         """Plan every group once."""
@@ -259,14 +283,17 @@ class Turning:
         controls = tuple(paths.controls)
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
-            price = self.price * self.risk / max(certified, _NOTHING)
+            price = self.price * self.risk / max(certified, _NOTHING) or None
+            if self.is_partial:
+                # What most vehicles would still pay for risk is what they paid before.
+                price = self.incumbent.turned_price
             self.incumbent = replace(
                 self.incumbent,
                 controls=controls,
                 cost=cost,
                 certified=certified,
                 sets=self.sets,
-                turned_price=price if self.risk else None,
+                turned_price=price,
             )
             self.task.found(cost)
         return certified

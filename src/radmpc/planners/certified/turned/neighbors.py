@@ -1,0 +1,94 @@
+"""What vehicles may come near at all: a first look, by boxes around whole paths."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.paths import Paths
+from radmpc.program.hazards import Hazards
+
+__all__ = ["near_pieces", "near_vehicles"]
+
+_MANY_PAIRS = 200_000
+"""Pairs from which on those far from each other are left out by a search tree [-]."""
+
+_ROUNDING = 1e-9
+"""Share by which this look is more generous than the one window by window that follows [-]."""
+
+
+def near_vehicles(
+    hazards: Hazards, paths: Paths, members: Indices, near: Near
+) -> tuple[Indices, Indices]:
+    """Return pairs of members, and of a member and another, once each, that may come near.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    paths : Paths
+        Everyone's paths.
+    members : (m,) int array
+        Vehicles, ascending.
+    near : Near
+        What counts as near.
+
+    Returns
+    -------
+    one, two : (p,) int array
+        The member, and whom it may come near.
+    """
+    is_member = np.zeros(hazards.count, dtype=bool)
+    is_member[members] = True
+    if members.size * hazards.count > _MANY_PAIRS:
+        one, two = paths.near_pairs(near.clearance, near.reach)
+        is_swapped = ~is_member[one]
+        one, two = np.where(is_swapped, two, one), np.where(is_swapped, one, two)
+        kept = is_member[one]
+        return one[kept], two[kept]
+    low, high = paths.means.min(axis=1), paths.means.max(axis=1)
+    most = hazards.variances.max(axis=1)
+    spread = np.sqrt(most[members, None] + most)
+    limit = hazards.radii[members, None] + hazards.radii + near.clearance * spread + near.reach
+    one, two = np.nonzero(_closer((low[members], high[members]), (low, high), limit))
+    one = members[one]
+    kept = (two > one) | ~is_member[two]
+    return one[kept], two[kept]
+
+
+def near_pieces(
+    hazards: Hazards, path: Tensor, members: Indices, near: Near
+) -> tuple[Indices, Indices]:
+    """Return the pieces of obstacles that members may come near.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    path : (m, T+1, d) array
+        Paths of the members [m].
+    members : (m,) int array
+        Vehicles.
+    near : Near
+        What counts as near.
+
+    Returns
+    -------
+    places, pieces : (p,) int array
+        The place among the members, and the number of the piece.
+    """
+    shapes = hazards.shapes
+    spread = np.sqrt(hazards.variances[members].max(axis=1))
+    limit = hazards.radii[members] + near.clearance * spread + near.reach
+    pieces = shapes.lower.min(axis=1), shapes.upper.max(axis=1)
+    return np.nonzero(_closer((path.min(axis=1), path.max(axis=1)), pieces, limit[:, None]))
+
+
+def _closer(
+    ones: tuple[Matrix, Matrix], others: tuple[Matrix, Matrix], limit: Matrix
+) -> np.ndarray:
+    """Return which boxes, (n, d) corners each, are closer to which others than a limit, (n, k)."""
+    gaps = np.maximum(others[0] - ones[1][:, None], ones[0][:, None] - others[1])
+    squares = np.square(np.maximum(gaps, 0.0)).sum(axis=2)
+    return np.asarray(squares < np.square((1.0 + _ROUNDING) * limit))

@@ -1,0 +1,63 @@
+"""Who passes anything on another side in one plan than in another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.paths import Paths
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.program.hazards import Hazards
+
+__all__ = ["on_other_sides"]
+
+
+def on_other_sides(
+    hazards: Hazards, one: Sequence[Matrix], other: Sequence[Matrix]
+) -> frozenset[int]:
+    """Return the vehicles that pass something on another side in the second of two plans.
+
+    Half-spaces turned to paths on the same sides lead to the same paths in the end.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    one, other : sequence of (T, m) array
+        Controls of all vehicles in either plan.
+
+    Returns
+    -------
+    frozenset of int
+        Their numbers.
+    """
+    first, second = _near(hazards, one), _near(hazards, other)
+    return _apart(first, second) | _apart(second, first)
+
+
+def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
+    """Return half-spaces wherever something is near, or could be after a step more."""
+    paths = Paths(hazards)
+    for i, each in enumerate(controls):
+        paths.fly(i, each)
+    near = Near(TUNING.compared, float(hazards.moves.max()), is_refined=False)
+    return half_spaces(hazards, paths, tuple(range(hazards.count)), near)
+
+
+def _apart(spaces: HalfSpaces, others: HalfSpaces) -> frozenset[int]:
+    """Return who is near something in one plan, and far from it or beyond it in the other."""
+    close = np.flatnonzero(spaces.clearances.min(axis=1) < TUNING.compared)
+    order = np.argsort(others.keys)
+    place = np.searchsorted(others.keys, spaces.keys[close], sorter=order)
+    found = order[np.minimum(place, order.size - 1)] if order.size else np.zeros(0, dtype=np.int64)
+    is_near = np.zeros(close.size, dtype=bool)
+    if order.size:
+        along = np.einsum("wd,wd->w", spaces.normals[close], others.normals[found])
+        is_near = (others.keys[found] == spaces.keys[close]) & (along > TUNING.same_side)
+    apart = close[~is_near]
+    who = np.concatenate([spaces.first[apart], spaces.second[apart]])
+    return frozenset(who[who >= 0].tolist())
