@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.priced.row_tangents import RowTangents
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.selection import alternative_table, possible_alternatives
 
@@ -64,6 +66,7 @@ class Rater:
 
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
         self.program = program
+        self.unit = unit
         deviations = program.rows.deviations
         noisy = deviations > 0.0
         self._inverse = np.where(noisy, 1.0 / np.where(noisy, deviations, 1.0), 0.0)
@@ -138,6 +141,11 @@ class Rater:
             return float(cheapest.sum()), float(cheapest.max())
         by_event = self.program.event_risks(z, selection)
         return float(by_event.sum()), float(by_event.max(initial=0.0))
+
+    @cached_property
+    def tangents(self) -> RowTangents:
+        """The tangents of its rows, shared by all searches at this unit."""
+        return RowTangents(self.program, self.unit)
 
     @property
     def _is_distinct(self) -> bool:

@@ -97,9 +97,8 @@ class Tangents:
         rating : Rating
             Of the point.
         """
-        added = False
-        for row in rows.tolist():
-            clearance = float(rating.clearances[row])
-            if clearance < self._flat:
-                added |= lp.add_tangent(row, max(clearance, lp.floor))
-        return added
+        clearances = rating.clearances[rows]
+        near = clearances < self._flat
+        if not near.any():
+            return False
+        return lp.add_tangents(rows[near].tolist(), np.maximum(clearances[near], lp.floor))

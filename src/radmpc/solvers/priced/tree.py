@@ -113,7 +113,9 @@ class RiskTree:
     def lp(self) -> RiskLp:
         """The linear program, loaded when first needed."""
         if self._lp is None:
-            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds)
+            # A rater for another unit, as of the whole budget, has other tangents.
+            tangents = self.rater.tangents if self.rater.unit == self.unit else None
+            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds, tangents)
         return self._lp
 
     @property
