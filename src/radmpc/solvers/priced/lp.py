@@ -94,8 +94,6 @@ class RiskLp:
         self.row_cap, self.floor = self._tangents.row_cap, self._tangents.floor
         self._row_scale = 1.0 if price <= _DEAR else _DEAR / price
         self.dropped_solves = 0
-        self._is_noisy = (program.rows.deviations > 0.0).tolist()
-        self._events = program.rows.events.tolist()
         self._bounds = tuple(sorted(bounds, key=lambda b: (len(b.blocks), sorted(b.blocks))))
         self._start()
 
@@ -161,7 +159,7 @@ class RiskLp:
     def _add(self, row: int) -> None:
         """Append a chance row, switched on."""
         self._rows[row] = _Row([], [], [])
-        if self._is_noisy[row]:
+        if self._tangents.is_noisy[row]:
             column = self._risk_column(row)
             self._append(row, self._tangents.first, self._tangents.beginning(row, column))
             return
@@ -173,7 +171,7 @@ class RiskLp:
 
     def _risk_column(self, row: int) -> int:
         """Return the column of a row's event, appended if it has none yet."""
-        event = self._events[row]
+        event = self._tangents.events[row]
         known = self._risk_columns.get(event)
         if known is not None:
             return known
@@ -215,9 +213,7 @@ class RiskLp:
                 added = True
         return added
 
-    def _append(
-        self, row: int, touching: Touching, rows: tuple[Numbers, Matrix, Vector]
-    ) -> None:
+    def _append(self, row: int, touching: Touching, rows: tuple[Numbers, Matrix, Vector]) -> None:
         """Append tangents to a row, switched on."""
         columns, entries, lowers = rows
         first = self._lp.add_dense_rows(columns, entries, lowers)
@@ -249,5 +245,5 @@ class RiskLp:
         (k,) array
             Probabilities; rows of one event share a column.
         """
-        columns = [self._risk_columns[self._events[row]] for row in rows.tolist()]
+        columns = [self._risk_columns[self._tangents.events[row]] for row in rows.tolist()]
         return self.unit * point[columns]

@@ -62,6 +62,8 @@ class Rater:
         Most that one row may risk.
     floor : (r,) array
         The margin of each row that this leaves [m].
+    unit : float
+        The risk budget.
     """
 
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
@@ -82,6 +84,7 @@ class Rater:
         )
         self.table = alternative_table(program, self.possible)
         self._blank = self.table < 0
+        self._beyond = np.where(self._blank, np.inf, 0.0)
         self._every = np.arange(program.num_avoidances)
         starts = program.alternative_starts
         self._starts = starts[:-1]
@@ -127,8 +130,8 @@ class Rater:
                 by_event = np.maximum.reduceat(by_event, self._event_starts)
             by_alternative = np.add.reduceat(by_event, self._starts_of_events)[self.table]
             short = np.maximum.reduceat(misses[members], self._starts)[self.table]
-        by_alternative = np.where(self._blank, np.inf, by_alternative)
-        short = np.where(self._blank, np.inf, short)
+        by_alternative += self._beyond
+        short += self._beyond
         places = by_alternative.argmin(axis=1)
         cheapest = by_alternative[self._every, places]
         selection = self.table[self._every, places]
@@ -141,6 +144,10 @@ class Rater:
             return float(cheapest.sum()), float(cheapest.max())
         by_event = self.program.event_risks(z, selection)
         return float(by_event.sum()), float(by_event.max(initial=0.0))
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave out what other processes compute sooner than they receive it."""
+        return {name: value for name, value in vars(self).items() if name != "tangents"}
 
     @cached_property
     def tangents(self) -> RowTangents:

@@ -1,8 +1,9 @@
-"""The rows of a linear program that tangents to the risk of chance rows are."""
+"""The rows that tangents to the risk of chance rows are in a linear program."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -56,6 +57,12 @@ class RowTangents:
         Right sides of the chance rows over the decision variables [m].
     first : Touching
         The tangents that a row begins with.
+    is_noisy : list of bool
+        Whether each row has noise; without it has no tangents.
+    events : list of int
+        The event of each row.
+    rows_of : list of list of int
+        The rows of each alternative.
     """
 
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
@@ -66,6 +73,10 @@ class RowTangents:
         self.right: Vector = rows.offsets - rows.normals @ program.constant
         at = (self.floor, *(q for q in TUNING.first_tangents if q > self.floor + 0.2))
         self.first = Touching.at(np.array(at), unit)
+        self.is_noisy: list[bool] = (rows.deviations > 0.0).tolist()
+        self.events: list[int] = rows.events.tolist()
+        starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
+        self.rows_of: list[list[int]] = [members[a:b] for a, b in pairwise(starts)]
         self._coefficients: dict[int, tuple[Numbers, Vector]] = {}
         self._beginnings: dict[int, tuple[Numbers, Matrix, Vector]] = {}
 
