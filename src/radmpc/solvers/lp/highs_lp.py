@@ -66,6 +66,9 @@ _FRESH = 10
 """Factor on this limit for a fresh HiGHS [-]: it starts cold."""
 
 _Status = highspy.HighsModelStatus
+_INFEASIBLE = (_Status.kInfeasible, _Status.kUnboundedOrInfeasible)
+_ERROR = highspy.HighsStatus.kError
+_INF = float("inf")
 
 
 class LpOutcome(Enum):
@@ -128,8 +131,8 @@ class HighsLp:
         self.num_rows += int(matrix.shape[0])
         return first
 
-    def add_dense_rows(self, columns: Numbers, values: Matrix, lower: Vector | None) -> int:
-        """Append rows of equal length; return the number of the first.
+    def add_dense_rows(self, columns: Numbers, values: Matrix, lower: Vector) -> int:
+        """Append rows of equal length without upper bounds; return the number of the first.
 
         Parameters
         ----------
@@ -137,13 +140,12 @@ class HighsLp:
             Columns of each row's entries.
         values : (k, w) array
             Its coefficients.
-        lower : (k,) array or None
-            Lower bounds; None leaves the rows free.
+        lower : (k,) array
+            Lower bounds.
         """
         count, width = values.shape
-        infinite = np.full(count, np.inf)
-        lower = -infinite if lower is None else lower
         starts = np.arange(0, (count + 1) * width, width, dtype=np.int32)
+        infinite = np.full(count, _INF)
         flat = columns.ravel(), values.ravel()
         _check(self._highs.addRows(count, lower, infinite, count * width, starts[:-1], *flat))
         self._record.add_rows(starts, *flat, lower, infinite)
@@ -259,7 +261,7 @@ class HighsLp:
         self.solves += 1
         highs.run()
         status = highs.getModelStatus()
-        if status in {_Status.kInfeasible, _Status.kUnboundedOrInfeasible}:
+        if status in _INFEASIBLE:
             _, has_ray, ray = highs.getDualRay()
             if has_ray and self._record.has_no_point(np.asarray(ray)):
                 return LpOutcome.INFEASIBLE, float("inf"), float("inf")
@@ -267,9 +269,9 @@ class HighsLp:
         solution = highs.getSolution()
         bound = -float("inf")
         if solution.dual_valid:
-            bound = self._record.least(np.array(solution.row_dual))
+            bound = self._record.least(_array(solution.row_dual))
         if status == _Status.kOptimal:
-            self._point = np.array(solution.col_value)
+            self._point = _array(solution.col_value)
             return LpOutcome.OPTIMAL, bound, self._record.cost_at(self._point)
         if bound >= cutoff:
             return LpOutcome.CUTOFF, bound, bound
@@ -284,7 +286,12 @@ class HighsLp:
         return self._point
 
 
+def _array(values: list[float]) -> Vector:
+    """Return what HiGHS hands out as a list; `np.array` takes twice as long to see its type."""
+    return np.fromiter(values, np.float64, len(values))
+
+
 def _check(status: highspy.HighsStatus) -> None:
     """Turn a failed call into an error."""
-    if status == highspy.HighsStatus.kError:
+    if status == _ERROR:
         raise SolverError("HiGHS refused a row, a column or a bound")

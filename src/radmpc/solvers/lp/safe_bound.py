@@ -46,6 +46,10 @@ class _Growing:
         self._data[self.size : last] = values
         self.size = last
 
+    def at(self, places: Indices) -> np.ndarray:
+        """Return a copy of what is at some places that were appended."""
+        return self._data.take(places)
+
     @property
     def all(self) -> np.ndarray:
         """What was appended so far, as a writable view."""
@@ -161,11 +165,13 @@ class LpRecord:
 
     def _proven(self, duals: Vector, cost: Vector, cost_weight: float) -> float:
         """Evaluate the bound, rounded down."""
-        used = np.flatnonzero(duals)
+        (used,) = duals.nonzero()
         chosen = duals[used]
-        bounds = np.where(chosen > 0.0, self._row_lower.all[used], self._row_upper.all[used])
+        is_lower = chosen > 0.0
+        bounds = np.where(is_lower, self._row_lower.at(used), self._row_upper.at(used))
         by_rows = chosen * bounds
-        if not np.isfinite(by_rows.sum()):
+        from_rows = float(by_rows.sum())
+        if not isfinite(from_rows):
             # A dual value on an infinite bound proves nothing: leave it out.
             left = np.zeros(duals.size)
             left[used] = np.where(np.isfinite(by_rows), chosen, 0.0)
@@ -176,22 +182,27 @@ class LpRecord:
         # No sum below, nor any in `reduced`, has more terms than this, and none of their terms
         # add up to more than `size`: twice what rounding can do.
         count = used.size + cost.size + 8
-        size = cost_weight + float(np.abs(terms) @ self._largest.all[columns])
+        size = cost_weight + float(np.abs(terms) @ self._largest.at(columns))
         size += float(np.abs(by_rows).sum())
-        value = float(by_rows.sum() + by_columns.sum()) - count * _ULP * size
+        value = from_rows + float(by_columns.sum()) - count * _ULP * size
         return value if isfinite(value) else -np.inf
 
     def _terms(self, used: Indices, chosen: Vector, duals: Vector) -> tuple[Indices, Vector]:
         """Return entries times their row's dual value, of rows that have one, by column."""
-        sizes = self._sizes.all[used]
+        sizes = self._sizes.at(used)
         ends = sizes.cumsum()
-        places = np.arange(int(sizes.sum()))
-        places += np.repeat(self._starts.all[used] - ends + sizes, sizes)
-        columns = self._columns.all[places]
-        terms = self._values.all[places] * np.repeat(chosen, sizes)
+        starts = self._starts.at(used) - ends
+        starts += sizes
+        places = starts.repeat(sizes)
+        places += np.arange(places.size)
+        columns = self._columns.at(places)
+        terms = self._values.at(places)
+        terms *= chosen.repeat(sizes)
         late = duals[self._late_rows.all]
         if not late.any():
             return columns, terms
         late *= self._late_values.all
-        late_columns = self._late_columns.all
-        return np.concatenate([columns, late_columns]), np.concatenate([terms, late])
+        return (
+            np.concatenate([columns, self._late_columns.all]),
+            np.concatenate([terms, late]),
+        )

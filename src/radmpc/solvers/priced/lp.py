@@ -18,10 +18,10 @@ from itertools import combinations
 
 import numpy as np
 
-from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability, tail_slope
+from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome, Numbers
+from radmpc.solvers.priced.row_tangents import RowTangents, Touching
 from radmpc.solvers.priced.tuning import TUNING
 
 __all__ = ["RiskLp", "SetBound"]
@@ -75,6 +75,8 @@ class RiskLp:
         Cost of one unit of risk: the Lagrange multiplier of the risk bound.
     bounds : sequence of SetBound
         Proven lower bounds of parts, at this price.
+    tangents : RowTangents or None
+        The tangents of the program's rows for this unit, if at hand.
     """
 
     def __init__(
@@ -83,18 +85,15 @@ class RiskLp:
         unit: float,
         price: float,
         bounds: Sequence[SetBound] = (),
+        tangents: RowTangents | None = None,
     ) -> None:
         self.program = program
         self.unit = unit
         self.price = price
-        self.row_cap = min(unit, CONVEX_RISK)
-        self.floor = float(clearance_for(self.row_cap))
+        self._tangents = RowTangents(program, unit) if tangents is None else tangents
+        self.row_cap, self.floor = self._tangents.row_cap, self._tangents.floor
         self._row_scale = 1.0 if price <= _DEAR else _DEAR / price
         self.dropped_solves = 0
-        rows = program.rows
-        self._right = rows.offsets - rows.normals @ program.constant
-        self._coefficients: dict[int, tuple[Numbers, Vector]] = {}
-        self._tangents = (self.floor, *(q for q in TUNING.first_tangents if q > self.floor + 0.2))
         self._bounds = tuple(sorted(bounds, key=lambda b: (len(b.blocks), sorted(b.blocks))))
         self._start()
 
@@ -142,88 +141,86 @@ class RiskLp:
             # Rows switched off still cost time in every pivot: begin again without them.
             self.dropped_solves += self._lp.solves
             self._start()
-        for row in sorted(target - self._rows.keys()):
-            self._add(row)
+        new = sorted(target - self._rows.keys())
         numbers: list[int] = []
         lowers: list[float] = []
         for row in self._active - target:
             numbers += self._rows[row].numbers
             lowers += [-_INF] * len(self._rows[row].numbers)
         for row in target - self._active:
-            numbers += self._rows[row].numbers
-            lowers += self._rows[row].lowers
+            if row in self._rows:
+                numbers += self._rows[row].numbers
+                lowers += self._rows[row].lowers
         self._lp.bound_rows(numbers, np.array(lowers), np.full(len(lowers), _INF))
+        for row in new:
+            self._add(row)
         self._active = target
 
     def _add(self, row: int) -> None:
-        """Append a chance row, switched off."""
+        """Append a chance row, switched on."""
         self._rows[row] = _Row([], [], [])
-        if self.program.rows.deviations[row] > 0.0:
-            self._add_risk_column(row)
-            self._add_tangents(row, self._tangents, is_active=False)
+        if self._tangents.is_noisy[row]:
+            column = self._risk_column(row)
+            self._append(row, self._tangents.first, self._tangents.beginning(row, column))
             return
-        columns, values = self._row_coefficients(row)
-        number = self._lp.add_row(columns, -values, -_INF, _INF)
+        columns, values = self._tangents.coefficients(row)
+        lower = -float(self._tangents.right[row])
+        number = self._lp.add_row(columns, -values, lower, _INF)
         self._rows[row].numbers.append(number)
-        self._rows[row].lowers.append(-float(self._right[row]))
+        self._rows[row].lowers.append(lower)
 
-    def _add_risk_column(self, row: int) -> None:
-        """Append the column of a row's event, if it has none yet."""
-        event = int(self.program.rows.events[row])
-        if event in self._risk_columns:
-            return
-        touched = frozenset(
-            int(b) for b in np.unique(self.program.blocks[self._row_coefficients(row)[0]])
-        )
+    def _risk_column(self, row: int) -> int:
+        """Return the column of a row's event, appended if it has none yet."""
+        event = self._tangents.events[row]
+        known = self._risk_columns.get(event)
+        if known is not None:
+            return known
+        touched: frozenset[int] = frozenset()
+        if self._bound_rows:
+            columns, _ = self._tangents.coefficients(row)
+            touched = frozenset(int(b) for b in np.unique(self.program.blocks[columns]))
         rows = [number for blocks, number in self._bound_rows if touched <= blocks]
         values = [self._row_scale * self.price] * len(rows)
         rows.append(self._budget_row)
         values.append(1.0)
-        self._risk_columns[event] = self._lp.add_column(
+        column = self._lp.add_column(
             self.price, self.row_cap / self.unit, np.array(rows, dtype=np.int32), np.array(values)
         )
+        self._risk_columns[event] = column
+        return column
 
-    def add_tangent(self, row: int, clearance: float) -> bool:
-        """Add an active row's tangent, unless it has one close by; return whether it was added.
+    def add_tangents(self, rows: list[int], clearances: Vector) -> bool:
+        """Add one tangent to each of some active rows, unless it has one close by.
 
         Parameters
         ----------
-        row : int
-            A row with noise.
-        clearance : float
+        rows : (k,) list of int
+            Rows with noise.
+        clearances : (k,) array
             Where, >= 0 [standard deviations].
+
+        Returns
+        -------
+        bool
+            Whether any was added.
         """
-        is_new = min(abs(clearance - q) for q in self._rows[row].clearances) > _APART
-        if is_new:
-            self._add_tangents(row, (clearance,), is_active=True)
-        return is_new
+        added = False
+        for i, (row, at) in enumerate(zip(rows, clearances.tolist(), strict=True)):
+            if min(abs(at - q) for q in self._rows[row].clearances) > _APART:
+                touching = Touching.at(clearances[i : i + 1], self.unit)
+                column = self._risk_column(row)
+                self._append(row, touching, self._tangents.tangents(row, touching, column))
+                added = True
+        return added
 
-    def _add_tangents(self, row: int, at: tuple[float, ...], *, is_active: bool) -> None:
-        """Append tangents at some clearances."""
-        columns, values = self._row_coefficients(row)
-        clearances = np.array(at)
-        slopes = -tail_slope(clearances) / self.unit
-        steepness = slopes / float(self.program.rows.deviations[row])
-        lowers = tail_probability(clearances) / self.unit + slopes * clearances
-        lowers = lowers - steepness * float(self._right[row])
-        count, width = len(at), columns.size + 1
-        entries = np.ones((count, width))
-        entries[:, :-1] = -steepness[:, None] * values
-        where = np.empty((count, width), dtype=np.int32)
-        where[:, :-1] = columns
-        where[:, -1] = self._risk_columns[int(self.program.rows.events[row])]
-        first = self._lp.add_dense_rows(where, entries, lowers if is_active else None)
+    def _append(self, row: int, touching: Touching, rows: tuple[Numbers, Matrix, Vector]) -> None:
+        """Append tangents to a row, switched on."""
+        columns, entries, lowers = rows
+        first = self._lp.add_dense_rows(columns, entries, lowers)
         added = self._rows[row]
-        added.numbers.extend(range(first, first + count))
+        added.numbers.extend(range(first, first + lowers.size))
         added.lowers.extend(lowers.tolist())
-        added.clearances.extend(at)
-
-    def _row_coefficients(self, row: int) -> tuple[Numbers, Vector]:
-        """Return a chance row over the decision variables."""
-        cached = self._coefficients.get(row)
-        if cached is None:
-            cached = self._coefficients[row] = self.program.column_row(row)
-        return cached
+        added.clearances.extend(touching.clearances.tolist())
 
     def solve(self, cutoff: float = _INF) -> tuple[LpOutcome, float]:
         """Minimize over the active rows; see `HighsLp.solve`."""
@@ -248,6 +245,5 @@ class RiskLp:
         (k,) array
             Probabilities; rows of one event share a column.
         """
-        events = self.program.rows.events[rows]
-        columns = [self._risk_columns[int(e)] for e in events]
+        columns = [self._risk_columns[self._tangents.events[row]] for row in rows.tolist()]
         return self.unit * point[columns]

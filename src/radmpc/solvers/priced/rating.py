@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.priced.row_tangents import RowTangents
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.selection import alternative_table, possible_alternatives
 
@@ -60,10 +62,13 @@ class Rater:
         Most that one row may risk.
     floor : (r,) array
         The margin of each row that this leaves [m].
+    unit : float
+        The risk budget.
     """
 
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
         self.program = program
+        self.unit = unit
         deviations = program.rows.deviations
         noisy = deviations > 0.0
         self._inverse = np.where(noisy, 1.0 / np.where(noisy, deviations, 1.0), 0.0)
@@ -79,6 +84,7 @@ class Rater:
         )
         self.table = alternative_table(program, self.possible)
         self._blank = self.table < 0
+        self._beyond = np.where(self._blank, np.inf, 0.0)
         self._every = np.arange(program.num_avoidances)
         starts = program.alternative_starts
         self._starts = starts[:-1]
@@ -124,8 +130,8 @@ class Rater:
                 by_event = np.maximum.reduceat(by_event, self._event_starts)
             by_alternative = np.add.reduceat(by_event, self._starts_of_events)[self.table]
             short = np.maximum.reduceat(misses[members], self._starts)[self.table]
-        by_alternative = np.where(self._blank, np.inf, by_alternative)
-        short = np.where(self._blank, np.inf, short)
+        by_alternative += self._beyond
+        short += self._beyond
         places = by_alternative.argmin(axis=1)
         cheapest = by_alternative[self._every, places]
         selection = self.table[self._every, places]
@@ -138,6 +144,15 @@ class Rater:
             return float(cheapest.sum()), float(cheapest.max())
         by_event = self.program.event_risks(z, selection)
         return float(by_event.sum()), float(by_event.max(initial=0.0))
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave out what other processes compute sooner than they receive it."""
+        return {name: value for name, value in vars(self).items() if name != "tangents"}
+
+    @cached_property
+    def tangents(self) -> RowTangents:
+        """The tangents of its rows, shared by all searches at this unit."""
+        return RowTangents(self.program, self.unit)
 
     @property
     def _is_distinct(self) -> bool:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import clearance_for
-from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.priced.lp import RiskLp
 from radmpc.solvers.priced.rating import Rating
+from radmpc.solvers.priced.row_tangents import RowTangents
 
 __all__ = ["Tangents"]
 
@@ -20,22 +19,21 @@ _FLAT = 1e-7
 
 
 class Tangents:
-    """The rows of alternatives, and tangents to their risks.
+    """Which rows of chosen alternatives need more tangents.
 
     Parameters
     ----------
-    program : DisjunctiveProgram
-        The program.
+    rows : RowTangents
+        The rows of the program.
     unit : float
         Risk budget: the risk that a column's 1 stands for.
     """
 
-    def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
+    def __init__(self, rows: RowTangents, unit: float) -> None:
         self._unit = unit
         self._flat = float(clearance_for(_FLAT * unit))
-        self._noisy = program.rows.deviations > 0.0
-        starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()
-        self._rows_of = [members[a:b] for a, b in pairwise(starts)]
+        self._is_noisy, self._rows_of = rows.is_noisy, rows.rows_of
+        self._latest: tuple[Sequence[int], Indices] = ((), np.zeros(0, dtype=np.int64))
 
     def rows(self, alternatives: Sequence[int]) -> list[int]:
         """Return the rows of alternatives."""
@@ -43,8 +41,10 @@ class Tangents:
 
     def noisy_rows(self, alternatives: Sequence[int]) -> Indices:
         """Return the distinct rows with noise of alternatives."""
-        rows = np.unique(np.array(self.rows(alternatives), dtype=np.int64))
-        return np.asarray(rows[self._noisy[rows]])
+        if self._latest[0] is not alternatives:
+            rows = {row for row in self.rows(alternatives) if self._is_noisy[row]}
+            self._latest = alternatives, np.array(sorted(rows), dtype=np.int64)
+        return self._latest[1]
 
     def refine(
         self,
@@ -97,9 +97,8 @@ class Tangents:
         rating : Rating
             Of the point.
         """
-        added = False
-        for row in rows.tolist():
-            clearance = float(rating.clearances[row])
-            if clearance < self._flat:
-                added |= lp.add_tangent(row, max(clearance, lp.floor))
-        return added
+        clearances = rating.clearances[rows]
+        near = clearances < self._flat
+        if not near.any():
+            return False
+        return lp.add_tangents(rows[near].tolist(), np.maximum(clearances[near], lp.floor))

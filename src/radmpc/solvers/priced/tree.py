@@ -23,6 +23,7 @@ from radmpc.solvers.priced.branching import BranchingChoice
 from radmpc.solvers.priced.lp import RiskLp, SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent, Node
 from radmpc.solvers.priced.rating import Rater, Rating
+from radmpc.solvers.priced.row_tangents import RowTangents
 from radmpc.solvers.priced.tangents import Tangents
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.priced.value import negligible_difference, priced_value
@@ -96,7 +97,10 @@ class RiskTree:
         self.nodes = 0
         self.is_limited = False
         self.rater = Rater(program, unit) if rater is None else rater
-        self._tangents = Tangents(program, unit)
+        # A rater made for another unit or program has other tangents.
+        is_same = self.rater.unit == unit and self.rater.program.rows is program.rows
+        self._rows = self.rater.tangents if is_same else RowTangents(program, unit)
+        self._tangents = Tangents(self._rows, unit)
         self._bounds = tuple(bounds)
         self._lp: RiskLp | None = None
         self._open: Dives[Node] = Dives(TUNING.patience)
@@ -113,7 +117,7 @@ class RiskTree:
     def lp(self) -> RiskLp:
         """The linear program, loaded when first needed."""
         if self._lp is None:
-            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds)
+            self._lp = RiskLp(self.program, self.unit, self.price, self._bounds, self._rows)
         return self._lp
 
     @property
