@@ -76,12 +76,9 @@ __all__ = [
     "ImportedScenario",
     "LedgerRow",
     "LinearSystem",
-<<<<<<< HEAD
     "Measurement",
-=======
     "Mission",
     "Model",
->>>>>>> account
     "NoPlanError",
     "Obstacle",
     "Plan",
