@@ -172,7 +172,7 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
     for i, (vehicle, given) in enumerate(zip(scenario.vehicles, controls, strict=True)):
         shape = (scenario.horizon, vehicle.system.num_controls)
         pushed = as_matrix(given, shape, ("vehicles", i, "controls"))
-        means = rollout(vehicle.system, vehicle.start, pushed)
+        means = rollout(vehicle.system, vehicle.start, pushed, vehicle.drift)
         spread = vehicle.covariances(scenario.horizon)
         trajectories.append(Trajectory(vehicle.name, pushed, means, spread, vehicle.gain))
     plan = Plan(

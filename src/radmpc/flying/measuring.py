@@ -12,7 +12,7 @@ from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.model.scenario import Scenario
 
-__all__ = ["check_number", "measured"]
+__all__ = ["check_memory", "check_number", "measured"]
 
 
 def measured(
@@ -46,6 +46,31 @@ def measured(
         return None
     pairs = zip(states, vehicles, strict=True)
     return tuple(as_vector(x, v.system.num_states, ("states", i)) for i, (x, v) in enumerate(pairs))
+
+
+def check_memory(scenario: Scenario) -> None:
+    """Refuse vehicles of which a measured state does not tell all that is known of what is to come.
+
+    The account conditions on states that are known exactly, under noise that is new at every step.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        To be flown.
+
+    Raises
+    ------
+    ScenarioError
+        If a vehicle's disturbances last longer than a step, or its state is measured with noise.
+    """
+    for i, vehicle in enumerate(scenario.vehicles):
+        if vehicle.has_memory:
+            key = "disturbance_correlation" if vehicle.measurement is None else "measurement"
+            message = (
+                f"{vehicle.name!r} cannot be flown under way: a mission takes states known "
+                "exactly and noise that is new at every step"
+            )
+            raise ScenarioError(message, ("vehicles", i, key))
 
 
 def check_number(value: object, name: str, most: float = float("inf")) -> None:

@@ -26,7 +26,7 @@ from radmpc.flying.deciding import (
     opened,
 )
 from radmpc.flying.leg import Leg
-from radmpc.flying.measuring import check_number, measured
+from radmpc.flying.measuring import check_memory, check_number, measured
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
@@ -70,6 +70,8 @@ class Mission:
         If the result holds no plan.
     RiskError
         If the plan's certificate exceeds Δ.
+    ScenarioError
+        If disturbances last longer than a step, or states are measured with noise.
     """
 
     def __init__(
@@ -89,6 +91,7 @@ class Mission:
         planning = planning_with(planner, seed) if isinstance(planner, str) else planner
         self._rule = Rule(planning, share, miss_price)
         self._clock = clock
+        check_memory(plan.scenario)
         self._scenario = plan.scenario
         self._step = 0
         self._contacts: list[Contact] = []

@@ -10,9 +10,11 @@ import numpy as np
 
 from radmpc.arguments import check_rng
 from radmpc.arrays import Matrix, Vector
+from radmpc.flying.measuring import check_memory
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.referee.simulation.collisions import leaves_workspace, meets_origin, meets_solid
 from radmpc.referee.simulation.sweep import resting, swept
 
@@ -47,10 +49,13 @@ class Model:
         If an argument is of another kind.
     ArgumentError
         If the seed is negative.
+    ScenarioError
+        If disturbances last longer than a step, or states are measured with noise.
     """
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator | int | None = None) -> None:
         check_scenario(scenario)
+        check_memory(scenario)
         check_rng(rng)
         self._scenario = scenario
         self._rng = np.random.default_rng(rng)
@@ -96,7 +101,7 @@ class Model:
         """
         controls = [segment.control for segment in segments]
         pairs = zip(self._scenario.vehicles, self._states, controls, strict=True)
-        pushed = [v.system.A @ x + v.system.B @ u for v, x, u in pairs]
+        pushed = [_moved(v, x, u) for v, x, u in pairs]
         before, self._states = self._states, _sums(pushed, self._drawn(self._disturbance))
         self._step += 1
         if self._scenario.avoidance == "intervals":
@@ -174,3 +179,9 @@ def _factors(covariances: Sequence[Matrix]) -> list[Matrix]:
 def _sums(first: Sequence[Vector], second: Sequence[Vector]) -> tuple[Vector, ...]:
     """Return sums vehicle by vehicle."""
     return tuple(a + b for a, b in zip(first, second, strict=True))
+
+
+def _moved(vehicle: Vehicle, state: Vector, control: Vector) -> Vector:
+    """Return the state after a step without noise."""
+    moved = vehicle.system.A @ state + vehicle.system.B @ control
+    return moved if vehicle.drift is None else moved + vehicle.drift

@@ -85,10 +85,12 @@ class Pace:
         Returns
         -------
         Pace or None
-            None for other dynamics, and where axes share controls.
+            None for other dynamics, under a drift, and where axes share controls.
         """
         rates = vehicle.system.rates
-        if rates is None or vehicle.system.velocity not in {None, rates[0]}:
+        if rates is None or vehicle.drift is not None:
+            return None
+        if vehicle.system.velocity not in {None, rates[0]}:
             return None
         velocity, dt = list(rates[0]), rates[1]
         pushes = np.abs(vehicle.system.B[velocity])

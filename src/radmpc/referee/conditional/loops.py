@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.errors import ArgumentError
+from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["Loops", "Since", "loops_of", "since"]
@@ -62,17 +62,28 @@ def loops_of(motion: FleetMotion) -> Loops:
     ----------
     motion : FleetMotion
         Of the fleet.
+
+    Raises
+    ------
+    ScenarioError
+        If a loop remembers more than its vehicle's state, which alone is measured.
     """
     count, _, d = motion.positions.shape
     n = max(len(states[0]) for states in motion.states)
+    if any(
+        group.transitions.shape[-1] > n or group.transitions.shape[1] > 1 for group in motion.groups
+    ):
+        raise ScenarioError(
+            "what is left of a plan is valued under noise that is new at every step"
+        )
     square = (count, n, n)
     transitions, initial, disturbance = np.zeros(square), np.zeros(square), np.zeros(square)
     picks, bends = np.zeros((count, d, n)), np.zeros((count, d, n))
     for group in motion.groups:
-        size = group.transitions.shape[1]
+        size = group.transitions.shape[-1]
         at = np.ix_(group.members, np.arange(size), np.arange(size))
-        transitions[at], initial[at] = group.transitions, group.initial
-        disturbance[at] = group.disturbance
+        transitions[at], initial[at] = group.transitions[:, 0], group.initial
+        disturbance[at] = group.disturbances[:, 0]
         for member, axes in zip(group.members.tolist(), group.position.tolist(), strict=True):
             picks[member, np.arange(d), axes] = 1.0
             bend = motion.bends[member]
