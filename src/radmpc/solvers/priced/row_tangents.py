@@ -67,7 +67,7 @@ class RowTangents:
 
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
         rows = program.rows
-        self._program, self._unit = program, unit
+        self._program = program
         self.row_cap = min(unit, CONVEX_RISK)
         self.floor = float(clearance_for(self.row_cap))
         self.right: Vector = rows.offsets - rows.normals @ program.constant
