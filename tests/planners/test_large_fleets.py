@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from radmpc.experiments.families import fleet
@@ -68,3 +70,16 @@ def test_a_set_of_a_large_fleet_may_leave_open_what_matters_little_to_the_fleet(
     start = replace(SearchState.of(own), has_tried_initial_plan=True)
     alone = solve_sets(own, start, [everyone], known.unit_price, 1).set_states[everyone]
     assert alone.nodes > known.nodes
+
+
+@pytest.mark.slow
+def test_other_processes_search_a_large_fleet_to_the_same_end(large, rounds):
+    here = rounds[0][1]
+    with ProcessPoolExecutor(2) as pool:
+        elsewhere = replace(large, executor=pool)
+        alone = price_alone(elsewhere, SearchState.of(elsewhere))
+        there = run_round(elsewhere, alone)[1]
+
+    assert there.sets == here.sets
+    for one, other in zip(there.plans, here.plans, strict=True):
+        np.testing.assert_array_equal(one.z, other.z)

@@ -81,8 +81,10 @@ def near_pieces(
     shapes = hazards.shapes
     spread = np.sqrt(hazards.variances[members].max(axis=1))
     limit = hazards.radii[members] + near.clearance * spread + near.reach
-    pieces = shapes.lower.min(axis=1), shapes.upper.max(axis=1)
-    return np.nonzero(_closer((path.min(axis=1), path.max(axis=1)), pieces, limit[:, None]))
+    boxes = shapes.lower.min(axis=1), shapes.upper.max(axis=1)
+    is_near = _closer((path.min(axis=1), path.max(axis=1)), boxes, limit[:, None])
+    places, pieces = np.nonzero(is_near)
+    return places, pieces
 
 
 def _closer(

@@ -243,7 +243,8 @@ class Turning:
         """
         task, paths = self.task, self.successive.paths
         control = PriceControl(self.price, task.risk_bound, task.gap)
-        self.successive.forget_all_but(self.groups)
+        if len(self.groups) > 1:
+            self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
             has_spent = number >= TUNING.least_rounds and self._has_spent
