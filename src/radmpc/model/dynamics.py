@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import check_kind, field_integer, field_number, field_parts
-from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
+from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.integrator import integrator_rates
 
@@ -61,9 +61,8 @@ class LinearSystem(Frozen):
         object.__setattr__(self, "A", as_matrix(A, (n, n), ("A",)))
         object.__setattr__(self, "B", as_matrix(self.B, (n, None), ("B",)))
         for name, indices in (("position", self.position), ("velocity", self.velocity)):
-            if indices is None and name == "velocity":
-                continue
-            object.__setattr__(self, name, _as_indices(indices, n, name))
+            if indices is not None or name == "position":
+                object.__setattr__(self, name, _as_indices(indices, n, name))
         if len(self.position) not in (2, 3):
             raise ScenarioError(f"must name 2 or 3 axes, got {len(self.position)}", ("position",))
         if self.velocity is not None and len(self.velocity) != len(self.position):
@@ -230,10 +229,7 @@ def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
 
 
 def rollout(
-    system: LinearSystem,
-    start: npt.ArrayLike,
-    controls: npt.ArrayLike,
-    drift: npt.ArrayLike | None = None,
+    system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike, drift: Vector | None = None
 ) -> Matrix:
     """Return the mean states under nominal controls.
 
@@ -263,9 +259,8 @@ def rollout(
     means = np.empty((len(steps) + 1, system.num_states))
     means[0] = as_vector(start, system.num_states, ("start",))
     for k, control in enumerate(steps):
-        means[k + 1] = system.A @ means[k] + system.B @ control
-        if drift is not None:
-            means[k + 1] += drift
+        moved = system.A @ means[k] + system.B @ control
+        means[k + 1] = moved if drift is None else moved + drift
     return means
 
 

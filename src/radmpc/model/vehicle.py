@@ -23,9 +23,11 @@ from radmpc.arrays import (
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
-from radmpc.model.noise.measurement import Measurement
-from radmpc.model.noise.spread import Noise, Spread, spread_of
 from radmpc.model.numbers import check_correlation, check_positive, check_vehicle_numbers
+
+if TYPE_CHECKING:
+    from radmpc.model.noise.measurement import Measurement
+    from radmpc.model.noise.spread import Spread
 
 __all__ = ["Goal", "Vehicle"]
 
@@ -156,11 +158,14 @@ class Vehicle(Frozen):
     def _check_kinds(self) -> None:
         """Refuse parts of another kind, and make numbers Python's."""
         field_text(self.name, ("name",))
-        kinds = (("system", LinearSystem), ("goal", Goal), ("measurement", Measurement))
-        for name, kind in kinds:
+        kinds: dict[str, type] = {"system": LinearSystem, "goal": Goal}
+        if self.measurement is not None:
+            from radmpc.model.noise.measurement import Measurement  # noqa: PLC0415 - few measure
+
+            kinds["measurement"] = Measurement
+        for name, kind in kinds.items():
             part = getattr(self, name)
-            is_absent = part is None and name == "measurement"
-            if not (is_absent or isinstance(part, kind)):
+            if not isinstance(part, kind):
                 raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
         numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
         for name in numbers:
@@ -184,6 +189,8 @@ class Vehicle(Frozen):
         horizon : int
             Number of steps T.
         """
+        from radmpc.model.noise.spread import Noise, spread_of  # noqa: PLC0415 - few need it
+
         noise = Noise(
             self.initial_covariance,
             self.disturbance_covariance,

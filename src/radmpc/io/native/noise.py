@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,7 +11,9 @@ from radmpc.arrays import Matrix, Vector, as_covariance, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.io.native.schema import DriftSpec, MeasurementSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem
-from radmpc.model.noise.measurement import Measurement
+
+if TYPE_CHECKING:
+    from radmpc.model.noise.measurement import Measurement
 
 __all__ = [
     "build_disturbance",
@@ -159,6 +162,8 @@ def build_measurement(spec: MeasurementSpec | None, num_states: int) -> Measurem
     """
     if spec is None:
         return None
+    from radmpc.model.noise.measurement import Measurement  # noqa: PLC0415 - few measure
+
     try:
         if spec.of is not None and spec.matrix is None:
             return Measurement.of(spec.of, num_states, spec.covariance)
