@@ -175,6 +175,8 @@ def test_json_is_one_object_with_nothing_beside(run: Run, tmp_path: Path) -> Non
             ("wind.csv", "--scenario", "fleet.yaml", "-o", "n.yaml", "--dt", "1"),
             "--dt is 1 s, and the scenario's is 0.5 s",
         ),
+        (("wind.csv", "wind.csv"), "wind.csv: is named twice, and would count twice"),
+        (("wind.csv", "--plot", "wind.csv"), "a figure must end in"),
         ((), "Missing argument 'LOG...'"),
     ],
 )
