@@ -8,7 +8,7 @@ import pytest
 
 from radmpc.console.commands.identifying import parse_columns
 from radmpc.errors import ScenarioError
-from radmpc.importing.logs.block import KEYS
+from radmpc.importing.logs.block import KEYS, reordered
 from radmpc.io.native.scenario_file import decode_scenario, load_scenario
 from radmpc.io.text.document import read_document
 from simulator import Truth, as_csv, fly
@@ -175,6 +175,8 @@ def test_json_is_one_object_with_nothing_beside(run: Run, tmp_path: Path) -> Non
             ("wind.csv", "--scenario", "fleet.yaml", "-o", "n.yaml", "--dt", "1"),
             "--dt is 1 s, and the scenario's is 0.5 s",
         ),
+        (("wind.csv", "wind.csv"), "wind.csv: is named twice, and would count twice"),
+        (("wind.csv", "--plot", "wind.csv"), "a figure must end in"),
         ((), "Missing argument 'LOG...'"),
     ],
 )
@@ -231,3 +233,26 @@ def test_every_key_that_is_called_known_is_taken_by_scenarios() -> None:
                "control_limit": 1.0, **fields}  # fmt: skip
     head = {"format": "radmpc/scenario/1", "name": "n", "dt": 1.0, "horizon": 5, "risk_bound": 0.1}
     assert decode_scenario({**head, "vehicles": [vehicle], **top}).vehicles[0].name == "a"
+
+
+def test_every_field_follows_the_order_of_the_state() -> None:
+    rows = np.arange(16.0).reshape(4, 4)
+    fields = {
+        "disturbance_covariance": rows.tolist(),
+        "disturbance": {"covariance": rows.tolist(), "time_constant": 2.0},
+        "feedback": {"gain": rows[:2].tolist()},
+        "drift": {"state": [1.0, 2.0, 3.0, 4.0]},
+        "measurement": {"of": [0, 3], "covariance": [1.0, 2.0]},
+        "covariance_samples": 7,
+    }
+    # Positions stand second and fourth, velocities first and third.
+    found = reordered(fields, [1, 3, 0, 2])
+    turned = np.array(found["disturbance_covariance"])
+    assert turned[1, 1] == rows[0, 0]
+    assert turned[3, 0] == rows[1, 2]
+    assert found["disturbance"] == {"covariance": turned.tolist(), "time_constant": 2.0}
+    assert np.array(found["feedback"]["gain"])[:, [1, 3, 0, 2]].tolist() == rows[:2].tolist()
+    assert found["drift"] == {"state": [3.0, 1.0, 4.0, 2.0]}
+    assert found["measurement"] == {"of": [1, 2], "covariance": [1.0, 2.0]}
+    assert found["covariance_samples"] == 7
+    assert reordered(fields, [0, 1, 2, 3]) == fields

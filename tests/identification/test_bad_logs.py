@@ -35,6 +35,14 @@ def test_a_gap_is_not_bridged() -> None:
     assert any("a gap of 20.5 s" in line for line in found.warnings)
 
 
+def test_a_clock_that_is_set_during_a_log_is_a_gap() -> None:
+    track = flight()
+    times = np.concatenate([track.times[:50], 1.76e9 + track.times[50:]])
+    found = identify([track.changed({}, times)])
+    assert found.pooled.num_steps == 49 + 250
+    assert any("has a gap of 1.76e+09 s" in line for line in found.warnings)
+
+
 def test_a_jump_is_left_out_and_told() -> None:
     track = flight()
     jumped = np.array(track.positions)

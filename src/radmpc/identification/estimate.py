@@ -11,12 +11,13 @@ from scipy.special import chdtrc
 from radmpc.arrays import Matrix, Vector
 from radmpc.identification.intervals import Interval, covariance_interval, normal_interval
 from radmpc.identification.measurement import by_another_sensor, by_spectrum
+from radmpc.identification.model import Model
 from radmpc.identification.regression import Fit, fit
 from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
 from radmpc.identification.tails import Tails, tails
 from radmpc.identification.whiteness import Autocorrelation, autocorrelation, whitened
 
-__all__ = ["Estimate", "Model", "estimate"]
+__all__ = ["Estimate", "estimate"]
 
 SURE = 2.58
 """Standard deviations [-] beyond which color, drift and the like are taken for real: 1 % by
@@ -25,44 +26,6 @@ chance."""
 _LEAST_COLOR = 0.05
 """Autocorrelation [-] from step to step below which noise counts as white, however sure it is:
 variances after many steps change by a tenth."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Model:
-    """Dynamics without feedback: a double integrator, without velocities a single one.
-
-    Attributes
-    ----------
-    dt : float
-        Step [s].
-    dimension : int
-        Number of axes d.
-    has_velocity : bool
-        Whether velocities are part of the state.
-    """
-
-    dt: float
-    dimension: int
-    has_velocity: bool
-
-    @property
-    def A(self) -> Matrix:  # noqa: N802 - the field's name
-        """State matrix, (n, n)."""
-        eye, zero = np.eye(self.dimension), np.zeros((self.dimension, self.dimension))
-        return np.block([[eye, self.dt * eye], [zero, eye]]) if self.has_velocity else eye
-
-    @property
-    def B(self) -> Matrix:  # noqa: N802 - the field's name
-        """Control matrix, (n, d)."""
-        eye = np.eye(self.dimension)
-        if not self.has_velocity:
-            return self.dt * eye
-        return np.vstack([0.5 * self.dt**2 * eye, self.dt * eye])
-
-    @property
-    def num_states(self) -> int:
-        """Length n of the state."""
-        return 2 * self.dimension if self.has_velocity else self.dimension
 
 
 @dataclass(frozen=True, slots=True, eq=False)

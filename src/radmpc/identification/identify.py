@@ -11,7 +11,8 @@ from scipy.special import chdtrc
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.identification.cleaning import clean
 from radmpc.identification.commands import command_warning
-from radmpc.identification.estimate import Estimate, Model, estimate
+from radmpc.identification.estimate import Estimate, estimate
+from radmpc.identification.model import Model
 from radmpc.identification.sampling import Samples, native_period, sample
 from radmpc.identification.segments import Evidence, Transitions, segments, without_jumps
 from radmpc.identification.sharing import Shared, shared_part

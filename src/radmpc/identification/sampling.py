@@ -94,9 +94,9 @@ def sample(track: Track, dt: float, start: float) -> tuple[Samples, tuple[str, .
             f"--dt must be at least {period:.4g}"
         )
     warnings: list[str] = []
-    wanted = np.arange(
-        np.ceil((track.times[0] - start) / dt - 0.5), np.floor((track.times[-1] - start) / dt) + 1.5
-    )
+    # Only steps beside samples: a clock that is set during a log would make billions of others.
+    exact = (track.times - start) / dt
+    wanted = np.unique(np.concatenate([np.floor(exact), np.ceil(exact)]))
     places = start + wanted * dt
     nearest = _nearest(track.times, places)
     offset = np.abs(track.times[nearest] - places)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.identification.estimate import Estimate, Model
+from radmpc.identification.estimate import Estimate
+from radmpc.identification.model import Model
 from radmpc.identification.segments import Evidence
 from radmpc.identification.sharing import Shared
 

@@ -106,7 +106,11 @@ def _check(request: IdentifyRequest) -> None:
         raise ScenarioError("--scenario needs -o: the scenario with the noise is written there")
     check_output(request.output)
     check_picture(request.plot)
-    check_separate(request.scenario, *request.logs, request.output, request.plot)
+    check_separate(request.scenario, request.output, request.plot)
+    for i, path in enumerate(request.logs):
+        check_separate(path, request.output, request.plot)
+        if path.resolve() in {other.resolve() for other in request.logs[:i]}:
+            raise FileFormatError(f"{path}: is named twice, and would count twice")
     output = request.output
     if output is not None and request.scenario is None and output.suffix not in {".yaml", ".yml"}:
         raise FileFormatError(f"{output}: noise is written as .yaml")
