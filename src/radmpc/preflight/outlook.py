@@ -151,7 +151,7 @@ def _vehicle(
     if pace is None:
         least, least_kept, controls, reach = _by_programs(scenario, vehicle)
     else:
-        least, least_kept = _least_times(scenario, vehicle, pace)
+        least, least_kept = _least_times(scenario, vehicle, pace, bounds)
         left = np.maximum(bounds, 0.0)
         controls, reach = pace.cheapest(left), pace.reach(left)
     is_able = controls is not None and bool(np.all(bounds >= 0.0))
@@ -177,7 +177,9 @@ def _vehicle(
     )
 
 
-def _least_times(scenario: Scenario, vehicle: Vehicle, pace: Pace) -> tuple[int | None, int | None]:
+def _least_times(
+    scenario: Scenario, vehicle: Vehicle, pace: Pace, bounds: Matrix
+) -> tuple[int | None, int | None]:
     """Return the fewest steps with the whole control limit, and with what feedback leaves."""
     most = _MOST_TIMES * scenario.horizon
     whole = np.tile(vehicle.control_limit, (most, 1))
@@ -185,10 +187,9 @@ def _least_times(scenario: Scenario, vehicle: Vehicle, pace: Pace) -> tuple[int 
     least = _least(lambda steps: pace.arrives(whole[:steps]), scenario.horizon, is_resting)
     if vehicle.gain is None or least is None:
         return least, least
-    near = vehicle.covariances(scenario.horizon)
-    # Past the horizon the deviations go on as they are by then, or grow: see `_MOST_TIMES`.
-    bounds = vehicle.control_bounds(near)
-    left = np.maximum(np.vstack([bounds, np.repeat(bounds[-1:], most - len(bounds), axis=0)]), 0.0)
+    # By the horizon the deviations under feedback have settled: what is left stays as it is.
+    later = np.repeat(bounds[-1:], most - len(bounds), axis=0)
+    left = np.maximum(np.vstack([bounds, later]), 0.0)
     return least, _least(lambda steps: pace.arrives(left[:steps]), scenario.horizon, is_resting)
 
 
