@@ -154,9 +154,10 @@ def _vehicle(
         least, least_kept = _least_times(scenario, vehicle, pace, bounds)
         left = np.maximum(bounds, 0.0)
         controls, reach = pace.cheapest(left), pace.reach(left)
-    is_able = controls is not None and bool(np.all(bounds >= 0.0))
     narrowest: Narrowest | Passage = Passage.UNKNOWN
-    if is_able:
+    saturation = None
+    if controls is not None and np.all(bounds >= 0.0):
+        saturation = expected_saturation(vehicle, covariances, controls)
         goal = (vehicle.goal.lower, vehicle.goal.upper)
         traveler = Traveler(scenario, vehicle.radius, vehicle.start_position, goal, places, reach)
         narrowest = narrowest_place(traveler, work)
@@ -166,11 +167,7 @@ def _vehicle(
         least_steps_with_feedback=least_kept,
         end_deviation=float(np.sqrt(max(np.linalg.eigvalsh(places[-1])[-1], 0.0))),
         reserve=reserve_of(vehicle, bounds),
-        saturation=(
-            expected_saturation(vehicle, covariances, controls)
-            if is_able and controls is not None
-            else None
-        ),
+        saturation=saturation,
         start_risk=risks[0],
         goal_risk=risks[1],
         narrowest=narrowest,
