@@ -113,6 +113,15 @@ def test_only_an_obstacle_that_is_not_convex_needs_shapely(
 
 
 @pytest.mark.slow
+def test_a_check_loads_scipy_only_where_something_is_near_a_start_or_a_goal(
+    with_rock: Callable[[str], Path],
+) -> None:
+    modules = loaded("check", with_rock("  - {name: rock, min: [0.2, 5.6], max: [1.4, 6]}"))
+    assert {"scipy.special", "radmpc.planners.endpoint_risk"} <= modules
+    assert modules & (NEVER | {"highspy", "shapely", "radmpc.solvers.lp"}) == set()
+
+
+@pytest.mark.slow
 def test_of_scipy_only_what_small_scenarios_need_is_loaded(
     with_rock: Callable[[str], Path],
 ) -> None:

@@ -178,6 +178,26 @@ def test_other_dynamics_have_a_narrowest_place_too() -> None:
     assert narrowest(scenario).clearance == pytest.approx(0.25, abs=0.03)
 
 
+def test_other_dynamics_saturate_at_what_the_cheapest_way_leaves() -> None:
+    system = LinearSystem(np.eye(2), np.eye(2), (0, 1), None)
+    walker = Vehicle(
+        "walker", system, [0.0, 0.0], Goal.at([19.0, 0.0], 0.0, None), 0.5, 2.0,
+        0.0, 0.04 * np.eye(2), gain=-0.5 * np.eye(2), control_sigmas=0.0,
+    )  # fmt: skip
+    seen = outlook_of(replace(past(horizon=10), vehicles=(walker,))).vehicles[0]
+    assert (seen.least_steps, seen.least_steps_with_feedback) == (10, 10)
+    # Nine of ten steps are flown at the limit, and all but the first under feedback.
+    assert seen.saturation == 1.0
+    slow = replace(walker, control_sigmas=3.0)
+    kept = outlook_of(replace(past(horizon=40), vehicles=(slow,))).vehicles[0]
+    assert kept.least_steps == 10
+    assert kept.least_steps_with_feedback is not None
+    assert 11 <= kept.least_steps_with_feedback <= 13
+    assert kept.saturation is not None
+    assert 1e-3 < kept.saturation < 0.05
+    assert kept.reserve.share == pytest.approx(3 * 0.5 * 0.2 * np.sqrt(4 / 3) / 2.0, rel=1e-3)
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 6])
 def test_distances_in_the_plane_are_those_of_another_library(count: int) -> None:
     rng = np.random.default_rng(count)

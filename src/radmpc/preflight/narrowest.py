@@ -155,7 +155,8 @@ def _search(traveler: Traveler, grid: Grid) -> Narrowest | Passage:
         return Passage.WIDE
     ends = np.full(grid.shape, -np.inf, dtype=np.float32)
     ends[box] = fields[-1][box]
-    tick, cell = _traced(fields, np.unravel_index(int(ends.argmax()), grid.shape))
+    last = np.unravel_index(int(ends.argmax()), grid.shape)
+    tick, cell = _traced(fields, tuple(int(i) for i in last))
     return _measured(traveler, grid, centers[np.ravel_multi_index(cell, grid.shape)], tick)
 
 

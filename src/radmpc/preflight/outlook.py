@@ -151,12 +151,13 @@ def _vehicle(
     if pace is None:
         least, least_kept, controls, reach = _by_programs(scenario, vehicle)
     else:
-        least, least_kept = _least_times(scenario, vehicle, pace)
+        least, least_kept = _least_times(scenario, vehicle, pace, bounds)
         left = np.maximum(bounds, 0.0)
         controls, reach = pace.cheapest(left), pace.reach(left)
-    is_able = controls is not None and bool(np.all(bounds >= 0.0))
     narrowest: Narrowest | Passage = Passage.UNKNOWN
-    if is_able:
+    saturation = None
+    if controls is not None and np.all(bounds >= 0.0):
+        saturation = expected_saturation(vehicle, covariances, controls)
         goal = (vehicle.goal.lower, vehicle.goal.upper)
         traveler = Traveler(scenario, vehicle.radius, vehicle.start_position, goal, places, reach)
         narrowest = narrowest_place(traveler, work)
@@ -166,18 +167,16 @@ def _vehicle(
         least_steps_with_feedback=least_kept,
         end_deviation=float(np.sqrt(max(np.linalg.eigvalsh(places[-1])[-1], 0.0))),
         reserve=reserve_of(vehicle, bounds),
-        saturation=(
-            expected_saturation(vehicle, covariances, controls)
-            if is_able and controls is not None
-            else None
-        ),
+        saturation=saturation,
         start_risk=risks[0],
         goal_risk=risks[1],
         narrowest=narrowest,
     )
 
 
-def _least_times(scenario: Scenario, vehicle: Vehicle, pace: Pace) -> tuple[int | None, int | None]:
+def _least_times(
+    scenario: Scenario, vehicle: Vehicle, pace: Pace, bounds: Matrix
+) -> tuple[int | None, int | None]:
     """Return the fewest steps with the whole control limit, and with what feedback leaves."""
     most = _MOST_TIMES * scenario.horizon
     whole = np.tile(vehicle.control_limit, (most, 1))
@@ -185,10 +184,9 @@ def _least_times(scenario: Scenario, vehicle: Vehicle, pace: Pace) -> tuple[int 
     least = _least(lambda steps: pace.arrives(whole[:steps]), scenario.horizon, is_resting)
     if vehicle.gain is None or least is None:
         return least, least
-    near = vehicle.covariances(scenario.horizon)
-    # Past the horizon the deviations go on as they are by then, or grow: see `_MOST_TIMES`.
-    bounds = vehicle.control_bounds(near)
-    left = np.maximum(np.vstack([bounds, np.repeat(bounds[-1:], most - len(bounds), axis=0)]), 0.0)
+    # By the horizon the deviations under feedback have settled: what is left stays as it is.
+    later = np.repeat(bounds[-1:], most - len(bounds), axis=0)
+    left = np.maximum(np.vstack([bounds, later]), 0.0)
     return least, _least(lambda steps: pace.arrives(left[:steps]), scenario.horizon, is_resting)
 
 
