@@ -9,9 +9,8 @@ candidate was adopted, the share of ticks with wealth below 1e-4, and what a tic
 milliseconds of processor.
 
 `kept` flies the first plan to its end, `plus` is the rule of `radmpc.Mission`; `all` lets
-candidates cost all of the wealth and begins without a bank. `anew` grants Δ at each tick. `pool`
-
-larger of the tail and of what a pool still holds from which every step's risk was taken.
+candidates cost all of the wealth and begins without a bank; `anew` grants Δ at each tick; `pool`
+takes the larger of the tail and of what a pool still holds from which every step's risk was taken.
 """
 
 from __future__ import annotations

@@ -44,6 +44,7 @@ def test_without_a_planner_the_plan_is_flown_and_the_bank_stays(result: Result) 
         assert all(np.array_equal(a, b) for a, b in zip(tick.controls, controls, strict=False))
 
 
+@pytest.mark.slow
 def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(result: Result) -> None:
     scenario = result.record.scenario
     kept, replanned = flown(result, planner=None), flown(result)
@@ -57,6 +58,7 @@ def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(result
     assert not replanned.contacts
 
 
+@pytest.mark.slow
 def test_the_account_of_a_flight_adds_up(result: Result) -> None:
     flight = flown(result)
     bound = result.record.scenario.risk_bound
@@ -105,6 +107,7 @@ def breaks_its_limits(scenario: Scenario, seconds: float | None) -> Plan:
     return leg_of(scenario, controls, 0).plan
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("planner", "reason"),
     [
@@ -141,6 +144,7 @@ def test_a_candidate_that_comes_too_late_costs_nothing(result: Result) -> None:
     assert differences(late.states, flown(result, planner=None).states) == []
 
 
+@pytest.mark.slow
 def test_the_same_seed_is_the_same_flight(result: Result) -> None:
     first, second = (flown(result, clock=lambda: 0.0) for _ in range(2))
     assert differences(first, second) == []
@@ -176,6 +180,11 @@ def test_what_is_not_measured_is_flown_on(result: Result) -> None:
     assert tick.alarms == ("no measurement: the tail flies on as expected",)
     states = [np.full(4, np.nan) for _ in range(2)]
     assert mission.step(states).alarms == tick.alarms
+    off = [
+        x + 5.0 * np.sqrt(np.diag(result.record.scenario.vehicles[0].disturbance_covariance))
+        for x in mission._expected
+    ]
+    assert mission.step(off).alarms == ()
     assert mission.account[-1].bank == mission.account[0].bank
 
 

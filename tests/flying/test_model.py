@@ -34,11 +34,11 @@ def test_the_model_meets_what_simulation_meets_mission_by_mission(
 ) -> None:
     plan = roomy(crowded(dimension, avoidance, gain=gain, noise=noise))
     simulated = prepare(plan)
-    seeds = np.random.SeedSequence(5).spawn(60)
+    seeds = np.random.SeedSequence(5).spawn(40)
     theirs = [bool(simulated.count(1, seed)[0]) for seed in seeds]
     ours = []
     for seed in seeds:
         mission = Mission(plan, planner=None)
         ours.append(fly(mission, Model(plan.scenario, np.random.default_rng(seed))).has_collided)
-    assert 3 <= sum(theirs) <= 57
+    assert 3 <= sum(theirs) <= 37
     assert ours == theirs

@@ -198,6 +198,7 @@ def measured(witnesses: Witnesses, step: int, seed: int) -> list[np.ndarray]:
     return [nominal[i][step] + path[step][0] for i, path in enumerate(missions.states)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gain", [True, False])
 def test_integrals_are_valued_as_the_plan_that_is_left_is_certified(gain: bool) -> None:
     witnesses = scene(2, "steps", gain)
@@ -227,6 +228,7 @@ def test_a_face_is_valued_as_the_plan_that_is_left_is_certified() -> None:
         assert value == pytest.approx(anew, rel=0.1)
 
 
+@pytest.mark.slow
 def test_rows_of_old_are_never_better_than_the_best_there_are() -> None:
     for dimension, avoidance, gain in SCENES[:5]:
         witnesses = scene(dimension, avoidance, gain)
@@ -236,6 +238,7 @@ def test_rows_of_old_are_never_better_than_the_best_there_are() -> None:
             assert conditional(witnesses, 1, states).total >= 0.95 * anew
 
 
+@pytest.mark.slow
 def test_the_next_step_is_a_part_of_what_is_left() -> None:
     for dimension, avoidance, gain in SCENES:
         witnesses = scene(dimension, avoidance, gain)

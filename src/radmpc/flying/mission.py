@@ -25,7 +25,6 @@ from radmpc.flying.deciding import (
     decided,
     opened,
 )
-from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import check_memory, check_number, measured
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
 from radmpc.model.given import check_plan
@@ -108,16 +107,6 @@ class Mission:
         return self._scenario
 
     @property
-    def step_number(self) -> int:
-        """The step at which states are measured next."""
-        return self._step
-
-    @property
-    def leg(self) -> Leg:
-        """What is flown."""
-        return self._leg
-
-    @property
     def balance(self) -> Account:
         """What is left of Δ."""
         return self._account
@@ -180,9 +169,7 @@ class Mission:
         """
         begun = self._clock()
         if self.is_over:
-            raise ArgumentError(
-                f"the mission of {self._scenario.horizon} steps is over, nothing is left to decide"
-            )
+            raise ArgumentError(f"the mission of {self._scenario.horizon} steps is over")
         if deadline is not None:
             check_number(deadline, "deadline")
         self._contacts += contacts
@@ -190,13 +177,16 @@ class Mission:
         known = self._expected if given is None else given
         alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
         if given is not None:
-            alarms = self._watcher.look(self._expected, given, self._step)
+            # What was not measured at the last step may be off by the noise of two.
+            is_certain = not self._ticks or self._ticks[-1].value is not None
+            alarms = self._watcher.look(self._expected, given, self._step) if is_certain else []
             decision = self._decided(given, alarms, begun, deadline)
         wealth = self._account.wealth
-        if decision.leg is not None:
-            self._account = self._account.adopted(decision.leg.price)
-            self._leg = decision.leg
-        self._enter("kept" if decision.leg is None else "adopted", decision.price)
+        if decision.leg is None or decision.price is None:
+            self._enter("kept", None)
+        else:
+            self._account, self._leg = self._account.adopted(decision.price), decision.leg
+            self._enter("adopted", decision.price)
         tick = Tick(
             self._step,
             self._commands(known, alarms),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Tensor
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.referee.motion import FleetMotion
 
@@ -119,11 +119,3 @@ def since(loops: Loops, horizon: int, step: int, *, is_measured: bool) -> Since:
         powers[k + 1] = loops.transitions @ powers[k]
         covariances[k + 1] = loops.transitions @ covariances[k] @ turned + loops.disturbance
     return Since(step, powers, 0.5 * (covariances + covariances.transpose(0, 1, 3, 2)))
-
-
-def stacked(vectors: tuple[Vector, ...] | list[Vector], size: int) -> Matrix:
-    """Return vectors padded with zeros to one length, (N, n)."""
-    result = np.zeros((len(vectors), size))
-    for row, vector in zip(result, vectors, strict=True):
-        row[: len(vector)] = vector
-    return result
