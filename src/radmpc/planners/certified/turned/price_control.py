@@ -41,6 +41,11 @@ class PriceControl:
     _last_cost: float = float("inf")
     _last_certified: float = float("inf")
     _safe: tuple[SavedPaths, float] | None = None
+    _most: float = float("inf")
+
+    def __post_init__(self) -> None:
+        """Bound the price: risk that costs so much more than effort is stuck, whatever it costs."""
+        self._most = TUNING.dearest * self.price
 
     def begin(self, certified: float, cost: float, paths: SavedPaths) -> None:
         """Take note of the paths that rounds begin with.
@@ -82,6 +87,7 @@ class PriceControl:
         if is_over and self._safe is None:
             # The longer nothing is certified, the less it may cost to wait.
             self.price *= TUNING.impatience ** (self._num_over - 1)
+        self.price = min(self.price, self._most)
         return None
 
     def _back(self, paths: SavedPaths, price: float) -> SavedPaths:

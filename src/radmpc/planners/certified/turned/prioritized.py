@@ -85,7 +85,8 @@ def prioritized_ticks(
         for i in order:
             if is_stopped():
                 return {}, ticks
-            found = _place(hazards, grid, (starts[i], goals[i]), i, placed, ticks)
+            around = _blocked(hazards, grid, i, placed, ticks * hazards.horizon)
+            found = _place(hazards, grid, (starts[i], goals[i]), i, around, is_stopped)
             if found is None:
                 order.remove(i)
                 order.insert(0, i)
@@ -101,23 +102,23 @@ def _place(
     grid: Grid,
     ends: tuple[Vector, Vector],
     i: int,
-    placed: Places,
-    ticks: int,
+    blocked: Tensor,
+    is_stopped: Callable[[], bool],
 ) -> Matrix | None:
-    """Return the shortest way of a vehicle around those placed before, tick by tick."""
-    count = ticks * hazards.horizon
+    """Return the shortest way of a vehicle around what is blocked, tick by tick."""
     spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
     is_open = grid.distances >= hazards.radii[i] + _CLEAR * spread
     start, goal = (grid.nearest(end, is_open) for end in ends)
     if start < 0:
         return None
-    blocked = _blocked(hazards, grid, i, placed, count)
     moves = _moves(grid.shape)
     cost = np.full(grid.shape, np.inf)
     cost.flat[start] = 0.0
-    before = np.zeros((count, *grid.shape), dtype=np.uint8)
+    before = np.zeros((len(blocked), *grid.shape), dtype=np.uint8)
     closed = ~is_open.reshape(grid.shape)
-    for tick in range(count):
+    for tick in range(len(blocked)):
+        if is_stopped():
+            return None
         best = np.full(grid.shape, np.inf)
         for number, (length, begin, end) in enumerate(moves):
             reached = cost[begin] + length
@@ -172,11 +173,14 @@ def _blocked(hazards: Hazards, grid: Grid, i: int, placed: Places, count: int) -
         apart += _APART * float(np.sqrt(variance / hazards.dimension))
         # Vehicles are on points of the grid: what is too near is the same around each.
         reach = apart / grid.spacing
-        around = np.array(list(np.ndindex(*(2 * int(reach) + 1,) * len(grid.shape)))) - int(reach)
-        around = around[np.einsum("rd,rd->r", around, around) < reach**2]
+        size = int(reach)
+        square = np.ogrid[(slice(-size, size + 1),) * len(grid.shape)]
+        ball = sum(np.square(along) for along in square) < reach**2
         cells = np.rint((path[1:] - grid.points[0]) / grid.spacing).astype(np.int64)
-        reached = cells[:, None] + around
-        inside = ((reached >= 0) & (reached < np.array(grid.shape))).all(axis=2)
-        tick, which = np.nonzero(inside)
-        blocked[(tick, *reached[tick, which].T)] = True
+        lower = np.maximum(cells - size, 0)
+        upper = np.minimum(cells + size + 1, grid.shape)
+        skipped = lower - (cells - size)
+        for place, low, high, skip in zip(blocked, lower, upper, skipped, strict=True):
+            there = tuple(map(slice, low, high))
+            place[there] |= ball[tuple(map(slice, skip, skip + high - low))]
     return blocked

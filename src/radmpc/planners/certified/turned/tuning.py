@@ -129,6 +129,8 @@ class Tuning:
         Factor on the price when going back [-].
     most_backs : int
         Times of going back at most [-].
+    dearest : float
+        Multiple of the first price that no price exceeds [-].
     damping : float
         Power of the ratio of certificate to aim that the price follows [-]: risk falls a little
         faster than in proportion.
@@ -211,6 +213,7 @@ class Tuning:
     most_over: int = 5
     dearer: float = 4.0
     most_backs: int = 6
+    dearest: float = 1e15
     damping: float = 0.8
     enough: float = 0.2
     spent: float = 0.5

@@ -28,6 +28,10 @@ __all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
 
 _LOG = logging.getLogger(__name__)
 
+_MOST_RATIO = 1e3
+"""What half-spaces' risks may sum to at most, in certificates, to tell a price by [-]: 1 to 10 where
+risk limits the plan."""
+
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
 
@@ -284,7 +288,7 @@ class Turning:
         controls = tuple(paths.controls)
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
-            price = self.price * self.risk / max(certified, _NOTHING) or None
+            price = self.price * min(self.risk / max(certified, _NOTHING), _MOST_RATIO) or None
             if self.is_partial:
                 # What most vehicles would still pay for risk is what they paid before.
                 price = self.incumbent.turned_price
