@@ -104,7 +104,8 @@ class Certified(Decomposition):
             fleet = fleet.with_limits(fleet.limits.within(self.proof_seconds))
         else:
             searched = sum(known.all_nodes for known in state.set_states.values())
-            least = PROOF_TUNING.least_nodes * fleet.scenario.num_vehicles
+            few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
+            least = PROOF_TUNING.least_nodes * few
             most_nodes = max(least, PROOF_TUNING.node_share * searched)
         return bound_on_any(fleet, state.incumbent, price, most_nodes)
 
