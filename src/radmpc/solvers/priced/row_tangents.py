@@ -32,7 +32,15 @@ class Touching:
 
     @classmethod
     def at(cls, clearances: Vector, unit: float) -> Touching:
-        """Return the tangents at some clearances."""
+        """Return the tangents at some clearances.
+
+        Parameters
+        ----------
+        clearances : (k,) array
+            Where they touch, >= 0 [standard deviations].
+        unit : float
+            The risk that a column's 1 stands for.
+        """
         slopes = -tail_slope(clearances) / unit
         return cls(clearances, slopes, tail_probability(clearances) / unit + slopes * clearances)
 
@@ -111,7 +119,17 @@ class RowTangents:
     def tangents(
         self, row: int, touching: Touching, risk_column: int
     ) -> tuple[Numbers, Matrix, Vector]:
-        """Return tangents of a row with noise, as `beginning` does."""
+        """Return tangents of a row with noise, as `beginning` does.
+
+        Parameters
+        ----------
+        row : int
+            The row.
+        touching : Touching
+            The tangents.
+        risk_column : int
+            The column of its risk.
+        """
         columns, entries, lowers = self._tangents(row, touching)
         columns[:, -1] = risk_column
         return columns, entries, lowers
