@@ -174,7 +174,10 @@ def test_commands_that_are_not_followed_are_told() -> None:
     track = flight()
     found = identify([track.changed({"controls": 9.81 * track.controls})])
     assert any("of what commands ask for" in line for line in found.warnings)
-    assert not any("of what commands ask for" in line for line in identify([track]).warnings)
+    # Feedback against a gust that lasts looks like a weak response, and is none.
+    for truth in (Truth(steps=300), Truth(steps=300, color=0.7)):
+        followed = identify(fly(truth, 1))
+        assert not any("of what commands ask for" in line for line in followed.warnings)
 
 
 def test_commands_that_never_change_are_told() -> None:

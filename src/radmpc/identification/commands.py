@@ -9,11 +9,12 @@ from radmpc.identification.segments import Evidence
 
 __all__ = ["command_warning"]
 
-_OFF = 0.2
-"""Share [-] by which a response to commands may be off before it is told: an engine's lag is."""
+_LEAST, _MOST = 0.25, 1.5
+"""Responses [-] to commands beyond which it is told. Feedback that opposes a lasting disturbance
+makes them look weak: 0.53 at a time constant of three steps; nothing makes them look strong."""
 
 _SURE = 3.0
-"""Standard deviations [-] by which it must be off besides."""
+"""Standard deviations [-] by which it must be beyond."""
 
 
 def command_warning(samples: Samples, evidence: Evidence) -> tuple[str, ...]:
@@ -44,7 +45,8 @@ def command_warning(samples: Samples, evidence: Evidence) -> tuple[str, ...]:
     response = float(np.sum(asked * gained)) / size
     rest = gained - response * asked
     deviation = float(np.sqrt(np.sum(asked**2 * rest**2))) / size
-    if abs(response - 1.0) <= max(_OFF, _SURE * deviation):
+    width = _SURE * deviation
+    if _LEAST - width <= response <= _MOST + width:
         return ()
     return (
         f"{samples.track.where}: gains {100 * response:.0f} % of what commands ask for: are they "
