@@ -247,6 +247,19 @@ def test_a_cell_is_crossed_in_a_tick_at_full_speed_and_no_faster() -> None:
         assert grid.centers.min() <= 0.5 * grid.size.max()
 
 
+@pytest.mark.parametrize("radius", [1e-6, 0.3, 0.5, 0.9, 1.6, 7.0, 40.0, 1e6])
+def test_cells_grow_until_there_are_few_enough_and_no_further_than_the_hull(radius: float) -> None:
+    room, step = np.full(2, 400.0), np.full(2, 2.0)
+    sizes = []
+    for work in (1e9, 1e7, 1e5, 10.0):
+        grid = grid_of(np.zeros(2), room, step, radius, 100, work)
+        if grid is not None:
+            sizes.append(float(grid.size.max()))
+            assert np.prod(grid.shape) * (len(grid.steps) - 1) <= work
+    assert sizes == sorted(sizes)
+    assert all(size <= 1.4 * radius + 2.0 for size in sizes)
+
+
 def test_fields_widen_by_one_cell_along_each_axis() -> None:
     field = np.zeros((5, 6, 4), dtype=np.float32)
     field[2, 0, 3] = 1.0

@@ -191,6 +191,8 @@ def _narrow(scenario: Scenario, seen: VehicleOutlook, place: Narrowest) -> Itera
     """Yield what is to be said of the narrowest place."""
     if place.step in {0, scenario.horizon} and place.clearance >= 0.0:
         return  # it is the start or the goal, of which more is said elsewhere
+    if max(seen.start_risk, seen.goal_risk) > scenario.risk_bound:
+        return  # what is around those has to be changed first
     where = f"{_between(place)} near ({', '.join(f'{x:.4g}' for x in place.position)})"
     cure = "widen it, lengthen the horizon for a way around, or reduce the noise"
     if place.clearance < 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil
 
@@ -120,23 +121,36 @@ def grid_of(
     # Along an axis on which it does not move one cell is enough.
     step = np.maximum(step, 1e-9 * radius)
     longest, extent = float(step.max()), upper - lower
-    share = _FINE * radius / longest
-    while True:
-        # So many ticks to a step, or so many steps to a tick.
-        share = 1.0 / ceil(1.0 / share) if share < 1.0 else float(int(share))
+    for share in _shares(_FINE * radius / longest, _COARSE * radius / longest):
         counts = np.floor(extent / (share * step)) + 2.0
         num_ticks = ceil(horizon / share - 1e-9)
         if float(np.prod(counts)) * num_ticks <= work:
             break
-        share = share * 1.25 if share < 0.5 else (1.0 if share < 1.0 else share + 1.0)
-        if share * longest > _COARSE * radius:
-            return None
+    else:
+        return None
     size = share * step
     times = share * np.arange(num_ticks + 1)
     steps = np.minimum(np.floor(times + 1e-9), horizon).astype(np.int64)
     is_step = (np.diff(steps, prepend=-1) > 0) | (share >= 1.0)
     shape = tuple(int(n) for n in counts)
     return Grid(lower + 0.5 * (extent - size * (counts - 1.0)), size, shape, steps, is_step)
+
+
+def _shares(finest: float, coarsest: float) -> Iterator[float]:
+    """Yield steps per tick, or parts of a step, from about the finest to the coarsest."""
+    if finest < 1.0:
+        fewest = max(ceil(1.0 / coarsest - 1e-9), 1)
+        # By a quarter each, or by one tick a step.
+        num = ceil(1.0 / finest)
+        while num > fewest:
+            yield 1.0 / num
+            num = min(num - 1, ceil(num / 1.25))
+        yield 1.0 / fewest
+        finest = 2.0
+    share = max(int(finest), 1)
+    while share <= coarsest:
+        yield float(share)
+        share = max(share + 1, int(1.25 * share))
 
 
 def widened(field: Field) -> Field:

@@ -184,7 +184,7 @@ def _least_times(
     least = _least(lambda steps: pace.arrives(whole[:steps]), scenario.horizon, is_resting)
     if vehicle.gain is None or least is None:
         return least, least
-    # By the horizon the deviations under feedback have settled: what is left stays as it is.
+    # By the horizon the deviations under feedback are steady: what is left stays as it is.
     later = np.repeat(bounds[-1:], most - len(bounds), axis=0)
     left = np.maximum(np.vstack([bounds, later]), 0.0)
     return least, _least(lambda steps: pace.arrives(left[:steps]), scenario.horizon, is_resting)
