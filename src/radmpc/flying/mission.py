@@ -69,6 +69,8 @@ class Mission:
         If the result holds no plan.
     RiskError
         If the plan's certificate exceeds Δ.
+    ScenarioError
+        If there is no such planner.
     """
 
     def __init__(
