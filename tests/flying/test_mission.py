@@ -301,6 +301,8 @@ def test_what_is_no_mission_is_refused(result: Result) -> None:
         Mission(result.record.scenario)  # type: ignore[arg-type]
     with pytest.raises(ArgumentError, match=r"share must be from 0 to 1, got 1\.5"):
         Mission(result, share=1.5)
+    with pytest.raises(ScenarioError, match="certifed"):
+        Mission(result, planner="certifed")
     with pytest.raises(ArgumentTypeError, match="planner must be a function or None"):
         Mission(result, planner=3)  # type: ignore[arg-type]
     with pytest.raises(RiskError, match="price must be at most the risk bound"):

@@ -12,6 +12,7 @@ from radmpc.errors import RadmpcError
 from radmpc.flying.leg import Leg, left_of, leg_of
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.result import Result
 
@@ -49,10 +50,16 @@ def planning_with(planner: str, seed: int) -> Planning:
         A preset's name.
     seed : int
         Of every plan.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such planner.
     """
+    record = parse_planner(planner)
 
     def run(scenario: Scenario, seconds: float | None) -> Result:
-        return plan(scenario, planner, rng=seed, time_limit=seconds)
+        return plan(scenario, record, rng=seed, time_limit=seconds)
 
     return run
 

@@ -70,7 +70,8 @@ class Mission:
     RiskError
         If the plan's certificate exceeds Δ.
     ScenarioError
-        If disturbances last longer than a step, or states are measured with noise.
+        If there is no such planner, if disturbances last longer than a step, or if states are
+        measured with noise.
     """
 
     def __init__(
