@@ -74,15 +74,16 @@ def test_more_time_for_the_proof_never_lowers_the_bound() -> None:
 
 def relaxed_up_to(most: float) -> tuple[Fleet, RelaxedSet, Vector]:
     """A vehicle among boxes, its relaxation up to a value, and the point of a plan."""
-    scenario = replace(clutter(1, 60, 3), avoidance="steps")
-    result = plan(scenario, time_limit=20.0)
+    scenario = replace(clutter(1, 40, 2), avoidance="steps")
+    made = plan(scenario, time_limit=20.0).plan
+    assert made is not None
     fleet = Fleet.of(scenario, 1e-3, Limits())
     model, program = fleet.programs.models[0], fleet.programs.problem((0,)).program
     tails = tails_of(scenario.risk_bound, are_integrated=True)
     if np.isfinite(most):
         model = within_tube(model, program, most, Limits())
     relaxed = RelaxedSet.of(fleet, (0,), [model], tails, 16, most)
-    return fleet, relaxed, point_of([result.trajectories[0].controls])
+    return fleet, relaxed, point_of([made.trajectories[0].controls])
 
 
 def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
