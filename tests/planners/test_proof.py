@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import clutter, paper
 from radmpc.planners import Branch, Certified, Optimal, Planner
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planning import plan
-from radmpc.program.build import build_program, condensed_models
+from radmpc.program.build import build_program, condensed_models, point_of
+from radmpc.program.relaxed.tails import tails_of
 from radmpc.solvers.solution import Limits
 
 
@@ -66,6 +70,44 @@ def test_more_time_for_the_proof_never_lowers_the_bound() -> None:
         bounds.append(result.certified_lower_bound)
         assert result.certified_lower_bound <= result.cost
     assert bounds[0] < bounds[1]
+
+
+def relaxed_up_to(most: float) -> tuple[Fleet, RelaxedSet, Vector]:
+    """A vehicle among boxes, its relaxation up to a value, and the point of a plan."""
+    scenario = replace(clutter(1, 40, 2), avoidance="steps")
+    made = plan(scenario, time_limit=20.0).plan
+    assert made is not None
+    fleet = Fleet.of(scenario, 1e-3, Limits())
+    model, program = fleet.programs.models[0], fleet.programs.problem((0,)).program
+    tails = tails_of(scenario.risk_bound, are_integrated=True)
+    if np.isfinite(most):
+        model = within_tube(model, program, most, Limits())
+    relaxed = RelaxedSet.of(fleet, (0,), [model], tails, 16, most)
+    return fleet, relaxed, point_of([made.trajectories[0].controls])
+
+
+def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
+    fleet, whole, hint = relaxed_up_to(np.inf)
+    price, gap = 2.0, 1e-3
+    found = whole.searched(fleet, price, (), gap, 4000, hint)
+    assert found.value - found.bound <= 2.0 * gap * found.value
+    assert found.base < 0.98 * found.value
+    for share in (0.3, 0.7, 1.5):
+        most = found.base + share * (found.value - found.base)
+        narrow = relaxed_up_to(most)[1].searched(fleet, price, (), gap, 4000, hint)
+        assert narrow.bound <= min(most, found.value) * (1.0 + 1e-9)
+        assert narrow.bound >= min(most, found.bound) * (1.0 - 2.0 * gap)
+        assert narrow.program.num_avoidances <= found.program.num_avoidances
+
+
+def test_what_is_proven_at_one_price_is_carried_to_others_within_their_values() -> None:
+    fleet, whole, hint = relaxed_up_to(np.inf)
+    before = whole.searched(fleet, 4.0, (), 1e-3, 4000, hint)
+    for price in (1.0, 8.0):
+        value = whole.searched(fleet, price, (), 1e-3, 4000, hint).value
+        carried = whole.continued(before).searched(fleet, price, (), 1e-3, 1, hint)
+        assert carried.widenings == 1
+        assert carried.base < carried.bound <= value * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), "2"])

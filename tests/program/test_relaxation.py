@@ -21,6 +21,7 @@ from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planning import plan
 from radmpc.program.build import condensed_models
 from radmpc.program.builder import ProgramBuilder
+from radmpc.program.relaxed.arcs import face_arcs
 from radmpc.program.relaxed.build import build_relaxation
 from radmpc.program.relaxed.cones import Cones, Outline, cones_around
 from radmpc.program.relaxed.cones_in_space import cones_in_space
@@ -144,6 +145,27 @@ def test_cones_around_a_box_are_exact_along_its_faces() -> None:
     best = max(clearances_of(cones, mean)[chain[0]] for chain in chains(cones))
     # Three deviations, and what half-planes collect more than a disc of 150 deviations.
     assert 3.0 <= best <= 3.01
+
+
+@pytest.mark.parametrize(
+    ("faces", "beside"), [(3, 2), (4, 1), (5, 1), (6, 1), (7, 0), (8, 0), (20, 0)]
+)
+def test_wide_arcs_are_made_of_the_narrow_ones_within_them(faces: int, beside: int) -> None:
+    count = faces * (4 * beside + 4)
+    arcs = face_arcs(count, beside)
+    held = [
+        {k % count for k in range(first, last if last > first else last + count)}
+        for first, last in zip(arcs.firsts.tolist(), arcs.lasts.tolist(), strict=True)
+    ]
+    assert held[:count] == [{k} for k in range(count)]
+    for arc, parent in enumerate(arcs.parents.tolist()):
+        assert parent == -1 or (parent > arc and held[arc] <= held[parent])
+    widest = [held[arc] for arc in np.flatnonzero(arcs.parents < 0)]
+    assert sum(map(len, widest)) == count
+    assert set.union(*widest) == set(range(count))
+    for wide in np.unique(arcs.parents[arcs.parents >= 0]):
+        parts = [held[arc] for arc in np.flatnonzero(arcs.parents == wide)]
+        assert set.union(*parts) == held[wide]
 
 
 def test_without_noise_a_cone_begins_at_the_outline() -> None:

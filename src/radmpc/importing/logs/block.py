@@ -19,9 +19,9 @@ KEYS: Mapping[str, bool] = {
     "dynamics": True,
     "feedback": True,
     "disturbance_covariance": True,
-    "disturbance": False,  # {covariance, time_constant}
-    "drift": False,  # {velocity} or {state}
-    "measurement": False,  # {of, covariance}
+    "disturbance": True,  # {covariance, time_constant}
+    "drift": True,  # {velocity} or {state}
+    "measurement": True,  # {of, covariance}
     "covariance_samples": False,
     "shared_disturbances": False,  # beside `vehicles`, not in them
 }

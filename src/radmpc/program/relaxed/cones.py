@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.program.relaxed.arcs import even_arcs, face_arcs
+from radmpc.program.relaxed.normals import chosen_normals, roots_of
 from radmpc.program.relaxed.tails import Tails
 
 __all__ = ["Cones", "Outline", "cones_around"]
-
-_NEAR_FACE = 0.4
-"""Share of the angle between directions within which one gives way to a face's normal [-]."""
 
 _SAME = 1e-9
 """Length below which two points of a level curve are one [m]."""
@@ -23,9 +22,6 @@ _TWIN = 1e-6
 _LINE = 1e-6
 """Share of the larger deviation up to which noise counts as along a line [-]: directions cannot be
 parted in its metric, and nothing is asked."""
-
-_QUARTERS, _HALVES = 4, 8
-"""Wide cones around a hazard, and those that each wide one is made of first [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,19 +125,12 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
     Cones
         At most twice as many narrow ones as directions and faces together.
     """
-    curve, is_void = _level_curve(outline, covariances, tails, directions)
+    chosen = chosen_normals(outline.faces, roots_of(covariances), directions)
+    curve, is_void = _level_curve(outline, covariances, tails, chosen.normals)
     count = curve.points.shape[1]
-    halves = np.linspace(0, count, _HALVES + 1).round().astype(np.int64)
-    quarters = halves[:: _HALVES // _QUARTERS]
-    firsts = np.concatenate([np.arange(count), halves[:-1], quarters[:-1]])
-    lasts = np.concatenate([np.arange(count) + 1, halves[1:], quarters[1:]]) % count
-    parents = np.concatenate(
-        [
-            count + np.searchsorted(halves, np.arange(count), side="right") - 1,
-            count + _HALVES + np.arange(_HALVES) // (_HALVES // _QUARTERS),
-            np.full(_QUARTERS, -1),
-        ]
-    )
+    beside = chosen.beside_faces
+    arcs = even_arcs(count) if beside is None else face_arcs(count, beside)
+    firsts, lasts, parents = arcs.firsts, arcs.lasts, arcs.parents
     normals, offsets, deviations, is_cone, is_wide = _spanned(curve, firsts, lasts)
     is_flat = (deviations < 1e-6 * curve.sizes[:, None]) & (curve.sizes > 0.0)[:, None]
     is_narrow = np.arange(firsts.size) < count
@@ -155,12 +144,10 @@ def cones_around(outline: Outline, covariances: Tensor, tails: Tails, directions
 
 
 def _level_curve(
-    outline: Outline, covariances: Tensor, tails: Tails, directions: Tensor
+    outline: Outline, covariances: Tensor, tails: Tails, normals: Tensor
 ) -> tuple[_LevelCurve, np.ndarray]:
     """Return the level curve at the least distance, and where none is known."""
-    roots = _roots(covariances)
     least, shifts, is_void = _least(outline.radius, covariances, tails)
-    normals = _sorted_normals(outline, roots, directions)
     along = np.einsum("iab,ikb->ika", covariances, normals)
     lengths = np.sqrt(np.maximum(np.einsum("ika,ika->ik", normals, along), 0.0))
     gradients = along / np.where(lengths > 0.0, lengths, 1.0)[..., None]
@@ -210,14 +197,6 @@ def _spanned(
     return turned, offsets, deviations, (lengths > _SAME) | ~is_single, is_wide
 
 
-def _roots(covariances: Tensor) -> Tensor:
-    """Return symmetric roots of covariances, the identity where there is no noise."""
-    values, vectors = np.linalg.eigh(covariances)
-    values = np.sqrt(np.maximum(values, 0.0))
-    values[values[:, -1] == 0.0] = 1.0
-    return np.asarray(np.einsum("iak,ik,ibk->iab", vectors, values, vectors))
-
-
 def _least(radius: float, covariances: Tensor, tails: Tails) -> tuple[Vector, Vector, Vector]:
     """Return the least distance and the shift at every instant, and whether none is known."""
     values = np.sqrt(np.maximum(np.linalg.eigvalsh(covariances), 0.0))
@@ -234,36 +213,6 @@ def _least(radius: float, covariances: Tensor, tails: Tails) -> tuple[Vector, Ve
         np.where(np.isnan(least), 0.0, shifts),
         is_void,
     )
-
-
-def _sorted_normals(outline: Outline, roots: Tensor, directions: Tensor) -> Tensor:
-    """Return the directions in meters and the faces' normals by angle, near ones merged."""
-    # The inverse but for its length, which a direction does not need.
-    adjoint = np.stack(
-        [
-            np.stack([roots[:, 1, 1], -roots[:, 0, 1]], axis=1),
-            np.stack([-roots[:, 1, 0], roots[:, 0, 0]], axis=1),
-        ],
-        axis=1,
-    )
-    normals = np.einsum("iab,ikb->ika", adjoint, directions)
-    normals /= np.maximum(np.linalg.norm(normals, axis=2), 1e-300)[..., None]
-    count = len(normals)
-    faces = np.broadcast_to(outline.faces, (count, *outline.faces.shape[1:]))
-    if faces.shape[1]:
-        cosines = np.einsum("ika,ifa->ikf", normals, faces)
-        nearest = cosines.argmax(axis=2)
-        closest = np.take_along_axis(faces, nearest[..., None], axis=1)
-        is_near = cosines.max(axis=2) > np.cos(_NEAR_FACE * 2.0 * np.pi / directions.shape[1])
-        normals = np.where(is_near[..., None], closest, normals)
-        normals = np.concatenate([normals, faces], axis=1)
-    angles = np.arctan2(normals[..., 1], normals[..., 0])
-    if faces.shape[1]:
-        # Wide cones begin between faces: from one face to the next, a chord would cut a box in two.
-        first = np.arctan2(faces[:, 0, 1], faces[:, 0, 0]) + 0.25 * np.pi
-        angles = np.mod(angles - first[:, None], 2.0 * np.pi)
-    order = angles.argsort(axis=1)
-    return np.take_along_axis(normals, order[..., None], axis=1)
 
 
 def _support_points(vertices: Tensor, normals: Tensor) -> tuple[Tensor, Tensor]:

@@ -16,7 +16,6 @@ from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.program.build import controls_of, point_of
-from radmpc.program.condensed import CondensedModel
 from radmpc.program.relaxed.tails import Tails, tails_of
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import relative_gap
@@ -89,7 +88,6 @@ class _Search:
     tails: Tails = field(init=False)
     parts: tuple[Members, ...] = field(init=False)
     sets: dict[Members, RelaxedSet] = field(default_factory=dict)
-    models: dict[int, CondensedModel] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Tabulate the tails, and put sets whose plans cost most beyond the least first.
@@ -110,6 +108,11 @@ class _Search:
         """Whether the bound is good enough, or no more work is allowed."""
         gap = max(TUNING.gap, self.fleet.gap)
         return relative_gap(self.incumbent.cost, self.best) <= gap or self._has_spent
+
+    @property
+    def _is_narrowed(self) -> bool:
+        """Whether reach is narrowed to that of plans that matter."""
+        return len(self.fleet.scenario.obstacles) >= TUNING.many_obstacles
 
     @property
     def _has_spent(self) -> bool:
@@ -157,21 +160,50 @@ class _Search:
             for i in members
         )
 
-    def _model(self, i: int) -> CondensedModel:
-        """Return a vehicle; among many obstacles with the reach of plans below the incumbent.
+    def _relaxed(self, members: Members, num_directions: int, most: float) -> RelaxedSet:
+        """Build a set's relaxation; among many obstacles with the reach of plans up to a value.
 
-        The others cost at least what they do in empty space. What dearer plans may do is of no
-        interest: no bound is above the incumbent's cost.
+        The other vehicles cost at least what they do in empty space. What a fleet dearer than the
+        plan at hand may do is of no interest either: no bound is above its cost.
         """
         fleet = self.fleet
-        if len(fleet.scenario.obstacles) < TUNING.many_obstacles:
-            return fleet.programs.models[i]
-        if i not in self.models:
-            most_cost = self.incumbent.cost - (sum(fleet.base) - fleet.base[i])
-            program = fleet.programs.problem((i,)).program
-            model = fleet.programs.models[i]
-            self.models[i] = within_tube(model, program, most_cost, fleet.limits)
-        return self.models[i]
+        models = [fleet.programs.models[i] for i in members]
+        if self._is_narrowed:
+            most_over = most - sum(fleet.base[i] for i in members)
+            most_over = min(most_over, self.incumbent.cost - sum(fleet.base))
+            programs = [fleet.programs.problem((i,)).program for i in members]
+            models = [
+                within_tube(model, program, fleet.base[i] + most_over, fleet.limits)
+                for i, model, program in zip(members, models, programs, strict=True)
+            ]
+        return RelaxedSet.of(fleet, members, models, self.tails, num_directions, most)
+
+    def _next_most(self, known: RelaxedSet, gap: float) -> float | None:
+        """Return the value up to which a set is searched next; None to go on as it is.
+
+        A search up to a lower value is over much sooner: reach is narrower. So after a first try
+        such values are proven one after the other, each a share of what is left above the last.
+        """
+        if not self._is_narrowed or known.is_trivial:
+            return None
+        final = self._most_value(known.members)
+        if known.widenings == 0:
+            is_over = known.nodes >= TUNING.try_nodes * len(known.members)
+        else:
+            is_over = known.most < final and known.bound >= known.most * (1.0 - 1.01 * gap)
+        left = min(known.value, final) - known.bound
+        if not is_over or left <= gap * final:
+            return None
+        step = TUNING.stage * left
+        if step > 2.0 * gap * final and left > TUNING.last_stage * (final - known.base):
+            return known.bound + step
+        return final if known.most < final else None
+
+    def _most_value(self, members: Members) -> float:
+        """Return what a set's value is at most at any price tried: its plan risks Δ at most."""
+        paid = self._paid_for_hazards(members) + sum(self.fleet.base[i] for i in members)
+        dearest = self.price * TUNING.most_move ** (TUNING.prices - 1)
+        return paid + dearest * self.fleet.scenario.risk_bound
 
     def _search(self, num_directions: int) -> None:
         """Search all sets at the present price, until what is open matters no more."""
@@ -198,8 +230,8 @@ class _Search:
         if known is None and self._paid_for_hazards(members) <= worth:
             return False
         if known is None:
-            models = [self._model(i) for i in members]
-            known = RelaxedSet.of(self.fleet, members, models, self.tails, num_directions)
+            most = self._most_value(members) if self._is_narrowed else float("inf")
+            known = self._relaxed(members, num_directions, most)
         is_here = known.price == self.price
         if is_here and (known.is_trivial or known.value - known.bound <= worth):
             return False
@@ -211,11 +243,34 @@ class _Search:
                 if part in self.sets and self.sets[part].price == self.price:
                     bounds.append(SetBound(frozenset(blocks), self.sets[part].bound))
         share = int(min(nodes * len(members), max(self.most_nodes - self.nodes, 1)))
-        hint = point_of([self.incumbent.controls[i] for i in members])
-        found = known.searched(self.fleet, self.price, tuple(bounds), gap, share, hint)
-        self.nodes += found.nodes - known.nodes
-        self.sets[members] = found
+        self._search_on(known, tuple(bounds), num_directions, gap, share)
         return True
+
+    def _search_on(
+        self,
+        known: RelaxedSet,
+        bounds: tuple[SetBound, ...],
+        num_directions: int,
+        gap: float,
+        share: int,
+    ) -> None:
+        """Search a set for so many nodes, up to one value after the other."""
+        members, last = known.members, known.nodes + share
+        hint = point_of([self.incumbent.controls[i] for i in members])
+        is_over = False
+        while not is_over:
+            most = self._next_most(known, gap)
+            if most is not None:
+                known = self._relaxed(members, num_directions, most).continued(known)
+            nodes = last - known.nodes
+            first = TUNING.try_nodes * len(members) - known.nodes
+            if self._is_narrowed and known.widenings == 0 and first > 0:
+                nodes = min(nodes, first)
+            found = known.searched(self.fleet, self.price, bounds, gap, nodes, hint)
+            self.nodes += found.nodes - known.nodes
+            known = self.sets[members] = found
+            is_done = known.nodes >= last or self.fleet.limits.reached
+            is_over = is_done or self._next_most(known, gap) is None
 
     def _note(self) -> None:
         """Keep the bound at the present price if it is the best."""
@@ -233,5 +288,5 @@ class _Search:
         ratio = risk / self.fleet.scenario.risk_bound
         if self.price <= 0.0 or 1.0 / TUNING.off < ratio < TUNING.off:
             return False
-        self.price *= min(max(ratio, 0.5), 2.0)
+        self.price *= min(max(ratio, 1.0 / TUNING.most_move), TUNING.most_move)
         return True

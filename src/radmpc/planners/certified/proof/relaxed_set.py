@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
@@ -18,6 +20,9 @@ from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
 
 __all__ = ["RelaxedSet"]
+
+_WHOLE: Frontier = ((-float("inf"), ()),)
+"""The frontier of a search that has not begun."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,27 +39,34 @@ class RelaxedSet:
         The same, laid out for rating.
     base : float
         What they cost at least in empty space.
+    most : float
+        Value up to which it is searched: the program need not hold plans of larger values, and
+        no larger bound is proven.
     price : float
         Cost per unit of probability that the values refer to; negative before any search.
     bound : float
         Proven least ``cost + price · risk``; inf where no plan can be certified.
     best : Incumbent or None
-        The best point of the relaxation.
+        The best point of the relaxation, whatever its value.
     frontier : Frontier
         What is left of the search.
     nodes : int
         Nodes of all searches.
+    widenings : int
+        How often ``most`` was chosen anew.
     """
 
     members: Members
     program: DisjunctiveProgram
     rater: Rater
     base: float
+    most: float = float("inf")
     price: float = -1.0
     bound: float = 0.0
     best: Incumbent | None = None
-    frontier: Frontier = ()
+    frontier: Frontier = _WHOLE
     nodes: int = 0
+    widenings: int = 0
 
     @classmethod
     def of(
@@ -64,6 +76,7 @@ class RelaxedSet:
         models: Sequence[CondensedModel],
         tails: Tails,
         num_directions: int,
+        most: float = float("inf"),
     ) -> RelaxedSet:
         """Build a set's relaxation.
 
@@ -74,23 +87,44 @@ class RelaxedSet:
         members : tuple of int
             The vehicles, ascending.
         models : sequence of CondensedModel
-            Theirs.
+            Theirs, with the reach of plans up to ``most`` at least.
         tails : Tails
             For the fleet's Δ.
         num_directions : int
             Directions around every hazard.
+        most : float
+            Value up to which it is searched.
         """
         program = build_relaxation(fleet.programs.alone(members), models, tails, num_directions)
         base = sum(fleet.base[i] for i in members)
         rater = Rater(program, fleet.scenario.risk_bound)
-        return cls(members, program, rater, base, bound=base)
+        return cls(members, program, rater, base, most, bound=base)
+
+    def continued(self, before: RelaxedSet) -> RelaxedSet:
+        """Return this set, not searched yet, with what a search up to another value has proven."""
+        return replace(
+            self,
+            price=before.price,
+            bound=before.bound,
+            best=before.best,
+            nodes=before.nodes,
+            widenings=before.widenings + 1,
+        )
 
     @property
     def value(self) -> float:
         """What the best point costs with its risk at the price; inf without one."""
-        if self.best is None:
-            return float("inf")
-        return self.best.cost + self.price * self.best.risk
+        return self._value_at(self.price)
+
+    def _value_at(self, price: float) -> float:
+        """Return what the best point costs with its risk at a price; inf without one."""
+        return float("inf") if self.best is None else self.best.cost + price * self.best.risk
+
+    def _bound_at(self, price: float) -> float:
+        """Return what is proven at another price: values are concave in it, and never fall."""
+        if price >= self.price:
+            return self.bound
+        return self.base + price / self.price * (self.bound - self.base)
 
     @property
     def is_trivial(self) -> bool:
@@ -134,20 +168,22 @@ class RelaxedSet:
             bounds=bounds,
             rater=self.rater,
         )
-        if self.price >= 0.0:
-            tree.resume(self.frontier, self.price * unit, self.best, self.base)
+        # What is cheaper than the most that is asked for counts; all else need not be told apart.
+        best = known = self.best
+        if self.most < self._value_at(price):
+            best = Incumbent(hint, np.zeros(self.program.num_avoidances, np.int64), self.most, 0.0)
+        tree.resume(self.frontier, max(self.price, 0.0) * unit, best, self.base)
         tree.consider(hint)
         tree.run(max_nodes)
-        bound = max([self.base, tree.bound, *(b.value for b in bounds)])
-        if self.price == price:
-            bound = max(bound, self.bound)
-        if tree.best is not None:
-            bound = min(bound, tree.value)
+        if tree.best is not best:
+            known = tree.best
+        bound = max([self._bound_at(price), tree.bound, *(b.value for b in bounds)])
+        bound = min(bound, self.most, tree.value)
         return replace(
             self,
             price=price,
             bound=bound,
-            best=tree.best,
+            best=known,
             frontier=tree.frontier,
             nodes=self.nodes + tree.nodes,
         )

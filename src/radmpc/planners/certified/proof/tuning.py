@@ -30,7 +30,15 @@ class Tuning:
         pairs alone of twenty robots among two hundred boxes took 2 GB and half a minute.
     many_obstacles : int
         Obstacles from which the reach of vehicles is narrowed first to that of plans cheaper than
-        the incumbent [-].
+        the incumbent, and then to that of plans up to one value after the other [-].
+    try_nodes : int
+        Nodes per vehicle of a set after which it is searched up to a lower value first [-]: most of
+        the vehicles of `clutter(4, 100)` are done by then.
+    stage : float
+        How much further each such value is than what is proven, as a share of what is left [-].
+    last_stage : float
+        Share of what a set's plan costs beyond the least in empty space, below which what is left
+        is searched at once [-].
     nodes : int
         Nodes per vehicle of a set in the first round, and in all later ones together times
         ``rounds`` [-].
@@ -46,6 +54,8 @@ class Tuning:
         Factor by which the risk of the relaxed plans may miss Δ before another price is tried [-].
     prices : int
         Prices tried at most [-].
+    most_move : float
+        Factor by which one price differs from the next at most [-].
     least_nodes : int
         Nodes per vehicle, of those that are searched together at most, that a proof may take in any
         case [-]: with 120, 300 and 500 the gap left in the harbor is 6.0, 3.5 and 3.5 %.
@@ -61,6 +71,9 @@ class Tuning:
     directions: tuple[int, ...] = (16,)
     most_together: int = 8
     many_obstacles: int = 12
+    try_nodes: int = 100
+    stage: float = 0.25
+    last_stage: float = 0.1
     nodes: int = 150
     rounds: int = 4
     set_gap: float = 4e-3
@@ -68,6 +81,7 @@ class Tuning:
     worth: float = 0.02
     off: float = 1.5
     prices: int = 2
+    most_move: float = 2.0
     least_nodes: int = 300
     node_share: float = 2.0
 
