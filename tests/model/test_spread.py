@@ -124,21 +124,21 @@ def seen(vehicle: Vehicle) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarra
     whole[:size, :size] = past
     whole[size:, size:] = np.kron(np.eye(HORIZON + 1), sensor.covariance)
     # What would have happened without feedback, and what would have been measured then: feedback
-    # is known to the vehicle, and changes neither what is new nor what is learnt of it.
+    # is known to the vehicle, and changes neither what is new nor what is learned of it.
     free = [np.hstack([x, np.zeros((n, p * (HORIZON + 1)))]) for x in states]
     noises = np.eye(len(whole))[size:].reshape(HORIZON + 1, p, -1)
     measured = [sensor.matrix @ x + v for x, v in zip(free, noises, strict=True)]
-    learnt = []
+    learned = []
     for k in range(HORIZON + 1):
         y = np.vstack(measured[: k + 1])
-        learnt.append(free[k] @ whole @ y.T @ np.linalg.inv(y @ whole @ y.T) @ y)
+        learned.append(free[k] @ whole @ y.T @ np.linalg.inv(y @ whole @ y.T) @ y)
     A, K = vehicle.system.A, vehicle.gain
     push = np.zeros((n, n)) if K is None else vehicle.system.B @ K
     moved = np.zeros((n, len(whole)))
     flown, thought = [], []
     for k in range(HORIZON + 1):
         flown.append(free[k] + moved)
-        thought.append(learnt[k] + moved)
+        thought.append(learned[k] + moved)
         moved = A @ moved + push @ thought[k]
     return whole, flown, thought
 

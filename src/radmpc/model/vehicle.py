@@ -188,6 +188,11 @@ class Vehicle(Frozen):
         ----------
         horizon : int
             Number of steps T.
+
+        Returns
+        -------
+        Spread
+            At steps 0..T.
         """
         from radmpc.model.noise.spread import Noise, spread_of  # noqa: PLC0415 - few need it
 

@@ -61,6 +61,11 @@ class Measurement(Frozen):
         covariance : (p, p) array_like
             Covariance of the noise; one number or a diagonal is taken as well.
 
+        Returns
+        -------
+        Measurement
+            With a row of zeros and a one per state.
+
         Raises
         ------
         ScenarioError

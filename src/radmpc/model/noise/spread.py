@@ -149,15 +149,15 @@ def spread_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: 
     unknown = np.empty_like(known)
     before = np.zeros_like(ahead)
     for k in range(horizon + 1):
-        learnt = _learnt(noise.measurement, ahead)
-        unknown[k] = _even(ahead - learnt)
-        known[k] = _even(before + learnt)
+        learned = _learned(noise.measurement, ahead)
+        unknown[k] = _even(ahead - learned)
+        known[k] = _even(before + learned)
         before = loop @ known[k] @ loop.T
         ahead = _even(free @ unknown[k] @ free.T + fresh)
     return Spread(known, unknown)
 
 
-def _learnt(measurement: Measurement, covariance: Matrix) -> Matrix:
+def _learned(measurement: Measurement, covariance: Matrix) -> Matrix:
     """Return what a measurement takes off the covariance of what is not known."""
     n = measurement.matrix.shape[1]
     seen = measurement.matrix @ covariance[:n]

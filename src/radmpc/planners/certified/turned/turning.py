@@ -29,8 +29,8 @@ __all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
 _LOG = logging.getLogger(__name__)
 
 _MOST_RATIO = 1e3
-"""What half-spaces' risks may sum to at most, in certificates, to tell a price by [-]: 1 to 10 where
-risk limits the plan."""
+"""What half-spaces' risks may sum to at most, in certificates, to tell a price by [-]: 1 to 10
+where risk limits the plan."""
 
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
