@@ -103,7 +103,7 @@ def _paths(
         np.zeros(n), vehicle.initial_covariance, missions, method="svd"
     )
     rho = vehicle.disturbance_correlation
-    noise = _disturbances(vehicle, missions, rng)
+    noise: np.ndarray | None = None
     watch = _Filter(vehicle, missions) if vehicle.measurement else None
     for planned in controls:
         asked = np.tile(planned, (missions, 1))
@@ -113,6 +113,8 @@ def _paths(
         limit = vehicle.control_limit
         saturated |= np.any(np.abs(asked) > limit + 2e-6, axis=1)
         given = asked if vehicle.gain is None else np.clip(asked, -limit, limit)
+        fresh = _disturbances(vehicle, missions, rng)
+        noise = fresh if noise is None else rho * noise + np.sqrt(1.0 - rho**2) * fresh
         following = state @ A.T + given @ B.T + noise + drift
         if is_pushed_point(A, B, axes, dt):
             velocity = ((state @ A.T - state) / dt)[:, axes]
@@ -127,7 +129,6 @@ def _paths(
         state = following
         if watch is not None:
             watch.move(given @ B.T + drift)
-        noise = rho * noise + np.sqrt(1.0 - rho**2) * _disturbances(vehicle, missions, rng)
 
 
 class _Filter:

@@ -40,8 +40,7 @@ class Mission:
 
     The probability of any collision in the mission is at most Δ, by whatever planner and however
     often it is planned anew, as long as the model holds, states are measured without error and
-    controls do not saturate (docs/flying.md). At every step the leg in the air, the tail, may be
-    flown on: whatever becomes of a candidate costs nothing.
+    controls do not saturate (docs/flying.md). The leg in the air, the tail, may always be flown on.
 
     Parameters
     ----------

@@ -130,26 +130,19 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     states = [_mean_states(v, u) for v, u in zip(vehicles, controls, strict=True)]
     described = [loop_of(vehicle, horizon) for vehicle in vehicles]
     groups = _grouped(vehicles, described)
-    loops: list[Tensor] = [np.empty(0)] * len(vehicles)
-    for group in groups:
-        for member, tensor in zip(group.members, _covariances(group, horizon), strict=True):
-            loops[member] = tensor
-    covariances, seen = [], []
-    for vehicle, loop, one in zip(vehicles, loops, described, strict=True):
-        n, row = vehicle.system.num_states, one.seen
-        covariances.append(loop[:, :n, :n])
-        seen.append(loop[:, row : row + n, row : row + n])
+    loops = _propagated(groups, len(vehicles), horizon)
+    covariances = [_part(loop, 0, v) for loop, v in zip(loops, vehicles, strict=True)]
+    seen = [_part(p, one.seen, v) for p, one, v in zip(loops, described, vehicles, strict=True)]
     axes = [list(v.system.position) for v in vehicles]
     sagittas = np.zeros((len(vehicles), horizon, d))
     bends: list[Matrix | None] = []
     bent = np.empty((len(vehicles), horizon, d, d))
     for i, vehicle in enumerate(vehicles):
         bend = None
-        pushes = vehicle.system.B[axes[i]]
         if vehicle.system.is_double_integrator:
             # The push that shifts the position by B_p u over a step deviates from its chord by a
             # quarter of that in the middle.
-            sagittas[i] = controls[i] @ pushes.T / 4.0
+            sagittas[i] = controls[i] @ vehicle.system.B[axes[i]].T / 4.0
             bend = None if vehicle.gain is None else _bend(vehicle, described[i])
         picked = np.eye(loops[i].shape[1])[axes[i]]
         turned = picked if bend is None else picked - bend
@@ -173,6 +166,21 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         bent_covariances=bent,
         radii=np.array([v.radius for v in vehicles]),
     )
+
+
+def _propagated(groups: Sequence[Group], count: int, horizon: int) -> list[Tensor]:
+    """Return the covariances of every vehicle's loop."""
+    loops: list[Tensor] = [np.empty(0)] * count
+    for group in groups:
+        for member, tensor in zip(group.members, _covariances(group, horizon), strict=True):
+            loops[member] = tensor
+    return loops
+
+
+def _part(covariances: Tensor, row: int, vehicle: Vehicle) -> Tensor:
+    """Return a block of a loop's covariances, as long as the vehicle's state, from a row on."""
+    last = row + vehicle.system.num_states
+    return covariances[:, row:last, row:last]
 
 
 def _mean_states(vehicle: Vehicle, controls: Matrix) -> Matrix:

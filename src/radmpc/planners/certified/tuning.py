@@ -1,7 +1,4 @@
-"""The numbers that the certified planner was tuned with, in one record, phase by phase.
-
-Tolerances of arithmetic and of solvers stand where they are used.
-"""
+"""The numbers that the certified planner was tuned with, in one record, phase by phase."""
 
 from __future__ import annotations
 
@@ -53,15 +50,12 @@ class SetTuning:
         Nodes of the search tree that a set gets per vehicle and round [-], multiplied by the
         effort.
     many : int
-        Vehicles up to which a fleet is small [-]: in larger ones no set matters much, and the
-        plan by faces is only where turning begins.
+        Vehicles up to which a fleet is small [-]: in larger ones no set matters much.
     fleet_share : float
-        Share of what a large fleet costs at least that the gap of a set of three and more refers to
-        [-]: with ``gap_share``, eight such sets leave the gap open. The hardest of `fleet(256)`, of
-        five vehicles, takes 673 nodes instead of 1,028; the turned plan is as cheap.
+        Share of a large fleet's least cost that the gap of sets of three and more refers to [-]:
+        the hardest of `fleet(256)` takes 673 nodes, not 1,028; the turned plan is as cheap.
     trial_nodes : int
-        Nodes per vehicle of a set of several until an initial plan was tried [-]: beyond it a set
-        counts as hard.
+        Nodes per vehicle of a set until an initial plan was tried [-]: beyond, it counts as hard.
     trial_nodes_alone : int
         Nodes of a vehicle alone until an initial plan was tried [-].
     patience : int
@@ -124,9 +118,8 @@ class PriceTuning:
     max_rounds : int
         Rounds at most [-]: a stop for risk that no price moves.
     coarse_gap : float
-        Gap at which the search of a large fleet ends [-]: turning gains about as much, and what
-        bounds any certified plan is a relaxation. Of the four rounds of `fleet(256)` the last two
-        took a quarter of the time, and the turned plan became no cheaper.
+        Gap at which the search of a large fleet ends [-]: turning gains as much. Without the last
+        two of four rounds the turned plan of `fleet(256)` is as cheap, in 3/4 of the time.
     search_share : float
         Share of the open gap that, left by the sets' own searches, calls for more nodes instead of
         another price [-].
@@ -285,10 +278,8 @@ class Tuning:
     ----------
     budgets : BudgetTuning
         How much union bounds may sum to.
-    sets : SetTuning
-        How sets are searched and merged.
-    prices : PriceTuning
-        Which price follows which.
+    sets, prices : SetTuning and PriceTuning
+        How sets are searched and merged, and which price follows which.
     acceptance : AcceptanceTuning
         How a round is rescaled until the referee accepts it.
     within : WithinTuning

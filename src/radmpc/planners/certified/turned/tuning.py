@@ -129,6 +129,8 @@ class Tuning:
         Factor on the price when going back [-].
     most_backs : int
         Times of going back at most [-].
+    most_ratio : float
+        Certificates that half-spaces' risks may sum to, to tell a price by [-]; mostly 1 to 10.
     dearest : float
         Multiple of the first price that no price exceeds [-].
     damping : float
@@ -213,6 +215,7 @@ class Tuning:
     most_over: int = 5
     dearer: float = 4.0
     most_backs: int = 6
+    most_ratio: float = 1e3
     dearest: float = 1e15
     damping: float = 0.8
     enough: float = 0.2

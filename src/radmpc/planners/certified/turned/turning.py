@@ -14,10 +14,10 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
-from radmpc.planners.certified.turned.groups import groups_of
-from radmpc.planners.certified.turned.idle import not_idle
+from radmpc.planners.certified.turned.large.groups import groups_of
+from radmpc.planners.certified.turned.large.idle import not_idle
+from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.price_control import PriceControl
-from radmpc.planners.certified.turned.sides import on_other_sides
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
@@ -28,10 +28,6 @@ __all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
 
 _LOG = logging.getLogger(__name__)
 
-_MOST_RATIO = 1e3
-"""What half-spaces' risks may sum to at most, in certificates, to tell a price by [-]: 1 to 10
-where risk limits the plan."""
-
 _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
 
@@ -40,8 +36,7 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     """Improve the incumbent by half-spaces of any direction, until little is gained.
 
     Every hazard keeps the side on which the plan passes it, by a half-space turned to where it
-    separates best along the plan. Between them the least effort at a price of risk is a linear
-    program; its plan turns the half-spaces anew.
+    separates best. Between them the least effort at a price of risk is a linear program.
 
     Parameters
     ----------
@@ -61,8 +56,8 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
     turning = Turning(_task(fleet, judge), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
-    if turning.task.hazards.count > TUNING.most_together:
-        paths, task = turning.successive.paths, turning.task
+    task, paths = turning.task, turning.successive.paths
+    if task.hazards.count > TUNING.most_together:
         turning.hold_all_but(not_idle(task.hazards, paths, fleet.base, price, task.gap))
     return replace(state, incumbent=turning.run(TUNING.rounds))
 
@@ -76,8 +71,7 @@ def turn_to(
 ) -> SearchState:
     """Turn half-spaces to another plan than the incumbent, certified or nearly.
 
-    In a large fleet those sets alone that pass anything on another side: all others stay where the
-    incumbent has them.
+    In a large fleet those sets alone that pass anything on another side: all others stay.
 
     Parameters
     ----------
@@ -182,7 +176,7 @@ class Task:
 
 @dataclass(slots=True, eq=False)
 class Turning:
-    """How far the turning of a plan has come; it lives for one plan, and nobody else writes to it.
+    """How far the turning of a plan has come; it lives for one plan.
 
     Attributes
     ----------
@@ -288,7 +282,9 @@ class Turning:
         controls = tuple(paths.controls)
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
-            price = self.price * min(self.risk / max(certified, _NOTHING), _MOST_RATIO) or None
+            price = (
+                self.price * min(self.risk / max(certified, _NOTHING), TUNING.most_ratio) or None
+            )
             if self.is_partial:
                 # What most vehicles would still pay for risk is what they paid before.
                 price = self.incumbent.turned_price

@@ -1,0 +1,1 @@
+"""Large fleets: who shares a linear program, and who is left where they are."""
