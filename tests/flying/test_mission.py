@@ -45,6 +45,13 @@ def test_without_a_planner_the_plan_is_flown_and_the_bank_stays(result: Result) 
 
 
 @pytest.mark.slow
+def test_a_flight_is_told_in_one_line(result: Result) -> None:
+    told = repr(flown(result, planner=None))
+    assert told.startswith("Flight(10 steps; 0 replans adopted; ")
+    assert "; effort " in told
+    assert len(told) < 100
+
+
 def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(result: Result) -> None:
     scenario = result.record.scenario
     kept, replanned = flown(result, planner=None), flown(result)

@@ -43,6 +43,13 @@ class Flight:
         """Whether anything was hit."""
         return bool(self.contacts)
 
+    def __repr__(self) -> str:
+        """Return what became of it in one line."""
+        adopted = sum(entry.what == "adopted" for entry in self.account)
+        hit = f"{len(self.contacts)} contacts" if self.contacts else "no collision"
+        steps = len(self.states) - 1
+        return f"Flight({steps} steps; {adopted} replans adopted; {hit}; effort {self.effort:.6g})"
+
 
 def fly(mission: Mission, backend: Backend, *, deadline: float | None = None) -> Flight:
     """Fly a mission to its end, also after a collision.
