@@ -169,7 +169,7 @@ def _between(track: Track, steps: Indices, times: Vector) -> Samples:
         states = _linear(track.times, track.positions, times)
     else:
         # Loaded here: few logs need it.
-        from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415
+        from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - loads slowly
 
         path = CubicHermiteSpline(track.times, track.positions, track.velocities)
         states = np.hstack([path(times), _linear(track.times, track.velocities, times)])

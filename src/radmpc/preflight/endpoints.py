@@ -37,8 +37,8 @@ def least_risks(scenario: Scenario, covariances: list[Tensor]) -> Floors | None:
     if not any(_is_near(scenario, covariances, at_goal=one) for one in (False, True)):
         return None
     # These load scipy, which takes as long as all else of a check.
-    from radmpc.planners.endpoint_risk import floors  # noqa: PLC0415
-    from radmpc.program.build import condensed_models  # noqa: PLC0415
+    from radmpc.planners.endpoint_risk import floors  # noqa: PLC0415 - only where something is near
+    from radmpc.program.build import condensed_models  # noqa: PLC0415 - only where something is near
 
     return floors(scenario, condensed_models(scenario))
 

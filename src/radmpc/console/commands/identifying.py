@@ -165,7 +165,7 @@ def _tell(request: IdentifyRequest, line: str) -> None:
 def _draw(found: Identification, path: Path) -> None:
     """Draw the residuals into a file."""
     from radmpc.plotting.residuals import plot_residuals  # noqa: PLC0415 - matplotlib loads slowly
-    from radmpc.plotting.save import save_axes  # noqa: PLC0415
+    from radmpc.plotting.save import save_axes  # noqa: PLC0415 - matplotlib loads slowly
 
     with writing(path):
         save_axes(plot_residuals(found)[0], path)
