@@ -71,19 +71,22 @@ def plan(
     animation: given.Film = None,
     verbose: given.Verbose = False,
     as_json: given.AsJson = False,
+    settings: given.Settings = None,
+    gap: given.ProvenGap = None,
 ) -> int:
     """Plan a scenario; write it where -o says."""
     from radmpc.console.commands.planning import Request, check_request, run_plan
+    from radmpc.console.settings import changes_of
     from radmpc.io.native.scenario_file import load_scenario
     from radmpc.planners.presets import DEFAULT
 
     planner = DEFAULT if planner is None else planner
     request = Request(
         planner, seed, time_limit, jobs, output, figure, as_json, ledger, dask, verbose, animation,
-        scenario,
+        scenario, gap,
     )  # fmt: skip
     check_request(request)
-    return run_plan(load_scenario(scenario), request)
+    return run_plan(load_scenario(scenario, changes_of(settings)), request)
 
 
 @app.command("compare")
@@ -97,9 +100,11 @@ def compare_planners(
     dask: given.DaskAddress = None,
     figure: given.PanelFigure = None,
     as_json: given.AsJson = False,
+    settings: given.Settings = None,
 ) -> int:
     """Plan one scenario with several planners, side by side."""
     from radmpc.console.commands.comparing import CompareRequest, check_compare, run_compare
+    from radmpc.console.settings import changes_of
     from radmpc.io.native.scenario_file import load_scenario
     from radmpc.planners.presets import COMPARED
 
@@ -107,7 +112,41 @@ def compare_planners(
     names = tuple(word.strip() for word in words if word.strip())
     request = CompareRequest(names, seed, time_limit, samples, jobs, dask, figure, as_json)
     check_compare(request)
-    return run_compare(load_scenario(scenario), request)
+    return run_compare(load_scenario(scenario, changes_of(settings)), request)
+
+
+@app.command("sweep")
+def sweep_scenario(
+    scenario: given.ScenarioFile,
+    over: given.Axes,
+    planner: given.PlannerName = None,
+    seed: given.Seed = 0,
+    time_limit: given.SweepSeconds = None,
+    gap: given.ProvenGap = None,
+    jobs: given.Jobs = 1,
+    output: given.SweepTable = None,
+    figure: given.SweepFigure = None,
+    as_json: given.AsJson = False,
+) -> int:
+    """Plan one scenario at many values of its keys: what risk or noise costs."""
+    from radmpc.console.commands.sweeping import SweepRequest, run_sweep
+    from radmpc.console.settings import axes_of
+    from radmpc.planners.presets import DEFAULT
+
+    planner = DEFAULT if planner is None else planner
+    return run_sweep(
+        SweepRequest(
+            scenario, axes_of(over), planner, seed, time_limit, gap, jobs, output, figure, as_json
+        )
+    )
+
+
+@app.command()
+def new(kind: given.Template = None, output: given.NewScenario = None) -> int:
+    """Write a scenario with comments, to begin with: boats, drones or a warehouse."""
+    from radmpc.console.commands.starting import run_new
+
+    return run_new(kind, output)
 
 
 @app.command()
@@ -135,12 +174,17 @@ def reproduce(
 
 
 @app.command()
-def check(scenario: given.ScenarioFile, as_json: given.AsJson = False) -> int:
+def check(
+    scenario: given.ScenarioFile,
+    as_json: given.AsJson = False,
+    settings: given.Settings = None,
+) -> int:
     """Say whether a scenario is valid, and what to know before planning it."""
     from radmpc.console.commands.check import run_check
+    from radmpc.console.settings import changes_of
     from radmpc.io.native.scenario_file import load_scenario
 
-    return run_check(load_scenario(scenario), as_json=as_json)
+    return run_check(load_scenario(scenario, changes_of(settings)), as_json=as_json)
 
 
 @app.command()

@@ -9,6 +9,7 @@ import typer
 
 from radmpc.console.completing import (
     FORMATS,
+    TEMPLATES,
     complete_drawn,
     complete_format,
     complete_log,
@@ -16,6 +17,7 @@ from radmpc.console.completing import (
     complete_planner,
     complete_planners,
     complete_scenario,
+    complete_template,
     complete_view,
 )
 
@@ -24,6 +26,7 @@ __all__ = [
     "Altitude",
     "AsJson",
     "AvoidanceName",
+    "Axes",
     "Columns",
     "DaskAddress",
     "DrawnFile",
@@ -36,6 +39,7 @@ __all__ = [
     "LedgerFigure",
     "Logs",
     "Methods",
+    "NewScenario",
     "Noise",
     "NoiseOutput",
     "NoiseScenario",
@@ -48,15 +52,21 @@ __all__ = [
     "PlannerNames",
     "PlannerSeconds",
     "PlanningSeconds",
+    "ProvenGap",
     "ResidualFigure",
     "RiskBound",
     "Samples",
     "ScenarioFile",
     "ScenarioOutput",
     "Seed",
+    "Settings",
     "StudyCap",
     "StudySeconds",
     "StudySeeds",
+    "SweepFigure",
+    "SweepSeconds",
+    "SweepTable",
+    "Template",
     "Verbose",
     "View",
 ]
@@ -145,6 +155,43 @@ ExportFormat = Annotated[
 ]
 Verbose = Annotated[
     bool, typer.Option("-v", "--verbose", help="Tell the stages on stderr as they go.")
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Instead of the file's: risk_bound=0.02; repeatable."
+    ),
+]
+ProvenGap = Annotated[
+    float | None, typer.Option("--gap", help="Relative gap that ends the search (0.001).")
+]
+Axes = Annotated[
+    list[str],
+    typer.Option(
+        "--over",
+        metavar="KEY=VALUE,...",
+        help="A key and its values: risk_bound=0.01,0.05; 'noise' scales all; repeatable.",
+    ),
+]
+SweepTable = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Rows as CSV; there, it goes on.")
+]
+SweepFigure = Annotated[
+    Path | None, typer.Option("--figure", help="Costs as curves: .png, .pdf or .svg.")
+]
+SweepSeconds = Annotated[
+    float | None, typer.Option("--time-limit", min=0.0, help="Seconds for each scenario.")
+]
+Template = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="KIND",
+        help=f"{', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}.",
+        autocompletion=complete_template,
+    ),
+]
+NewScenario = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Write it here (on the screen).")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 

@@ -10,6 +10,7 @@ from pathlib import Path
 __all__ = [
     "FORMATS",
     "PLANNERS",
+    "TEMPLATES",
     "VIEWS",
     "complete_drawn",
     "complete_format",
@@ -18,6 +19,7 @@ __all__ = [
     "complete_planner",
     "complete_planners",
     "complete_scenario",
+    "complete_template",
     "complete_view",
 ]
 
@@ -43,6 +45,10 @@ VIEWS = ("plan", "ledger", "couplings", "distances", "risk")
 """What there is to see of a plan, beside films."""
 
 
+TEMPLATES = ("boats", "drones", "warehouse")
+"""Scenarios to begin with."""
+
+
 def complete_planner(incomplete: str) -> list[str]:
     """Return the planners that begin like the word."""
     return [name for name in PLANNERS if name.startswith(incomplete)]
@@ -58,6 +64,11 @@ def complete_planners(incomplete: str) -> list[str]:
 def complete_format(incomplete: str) -> list[str]:
     """Return the formats of exports that begin like the word."""
     return [name for name in FORMATS if name.startswith(incomplete)]
+
+
+def complete_template(incomplete: str) -> list[str]:
+    """Return the templates that begin like the word."""
+    return [name for name in TEMPLATES if name.startswith(incomplete)]
 
 
 def complete_view(incomplete: str) -> list[str]:

@@ -20,11 +20,13 @@ from radmpc.plotting.save import (
     save_panels,
 )
 from radmpc.plotting.scenario import plot_scenario
+from radmpc.plotting.sweep import CostPoint, plot_costs
 
 __all__ = [
     "FIGURE_SUFFIXES",
     "FILM_SUFFIXES",
     "Chart",
+    "CostPoint",
     "Panel",
     "PlanAnimation",
     "Spread",
@@ -32,6 +34,7 @@ __all__ = [
     "check_figure_path",
     "check_film_path",
     "plot_chart",
+    "plot_costs",
     "plot_couplings",
     "plot_distances",
     "plot_ledger",

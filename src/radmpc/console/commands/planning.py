@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from radmpc.console.files import check_output, check_separate, writing
@@ -25,6 +25,7 @@ from radmpc.io.native.plan_file import encode_plan, save_plan
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan, seconds_granted
 from radmpc.result import Result
@@ -50,6 +51,8 @@ class Request:
         Address of a Dask scheduler.
     source : Path or None
         The scenario's file, which no output may replace.
+    gap : float or None
+        Relative gap that ends the search; None is the planner's own.
     is_verbose : bool
         Whether stages are told on stderr.
     output, figure, ledger, animation : Path or None
@@ -70,6 +73,24 @@ class Request:
     is_verbose: bool = False
     animation: Path | None = None
     source: Path | None = None
+    gap: float | None = None
+
+    @property
+    def record(self) -> Planner:
+        """The planner's choices, the gap among them.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such planner, or the gap is none.
+        """
+        known = parse_planner(self.planner)
+        if self.gap is None:
+            return known
+        try:
+            return replace(known, gap=self.gap)
+        except ScenarioError as error:
+            raise ScenarioError(f"--{error}") from error
 
 
 def check_request(request: Request) -> None:
@@ -78,13 +99,13 @@ def check_request(request: Request) -> None:
     Raises
     ------
     ScenarioError
-        If there is no such planner.
+        If there is no such planner, or no such gap.
     FileFormatError
         If the picture's format is unknown.
     OutputError
         If an output cannot be written.
     """
-    parse_planner(request.planner)
+    _ = request.record
     if request.dask is not None and request.jobs > 1:
         raise ScenarioError("--dask and --jobs exclude each other")
     check_output(request.output)
@@ -110,6 +131,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
     int
         The exit code.
     """
+    planner = request.record
     with (
         stop_on_interrupt() as is_stopped,
         workers(request.jobs, request.dask) as executor,
@@ -117,12 +139,12 @@ def run_plan(scenario: Scenario, request: Request) -> int:
         progress_line(
             is_wanted=not request.is_verbose,
             is_planning=True,
-            seconds=seconds_granted(parse_planner(request.planner), request.time_limit),
+            seconds=seconds_granted(planner, request.time_limit),
         ) as progress,
     ):
         result = plan(
             scenario,
-            request.planner,
+            planner,
             rng=request.seed,
             time_limit=request.time_limit,
             executor=executor,
@@ -141,7 +163,7 @@ def run_plan(scenario: Scenario, request: Request) -> int:
             result.record,
             request.planner.strip(),
             len(result.events),
-            bounds_risk=parse_planner(request.planner).bounds_risk,
+            bounds_risk=planner.bounds_risk,
         )
         show(*report, *_written("plan", request.output))
     # Films take longer than many a plan: whoever interrupts one has read the report.

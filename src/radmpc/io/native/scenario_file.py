@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from radmpc.arguments import check_path
 from radmpc.atomic import write_text
 from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.native.changes import changed, is_changed
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.text.document import read_document
@@ -22,13 +24,19 @@ __all__ = ["decode_scenario", "encode_scenario", "load_scenario", "save_scenario
 _WRITERS = {".json": write_json, ".yaml": write_yaml, ".yml": write_yaml}
 
 
-def load_scenario(path: str | os.PathLike[str]) -> Scenario:
+def load_scenario(
+    path: str | os.PathLike[str], changes: Mapping[str, object] | None = None
+) -> Scenario:
     """Return the scenario in a file.
 
     Parameters
     ----------
     path : path
         YAML, or JSON if the name ends in ``.json``.
+    changes : mapping of str to object, optional
+        Values that stand in place of the file's, by key: ``{"risk_bound": 0.02,
+        "vehicles.tug.start": [0, 5]}``. An entry of a list is named, or counted from 0 in brackets:
+        ``obstacles[0].min``.
 
     Returns
     -------
@@ -39,12 +47,17 @@ def load_scenario(path: str | os.PathLike[str]) -> Scenario:
     ------
     FileFormatError
         With one line that names file, line, field, value and what is allowed.
+    ScenarioError
+        If a change is no value of a key that there can be.
     """
     check_path(path)
     document = read_document(path)
+    content, places = changed(document.value, {} if changes is None else changes)
     try:
-        return decode_scenario(document.value)
+        return decode_scenario(content)
     except ScenarioError as error:
+        if is_changed(error.path, places):
+            raise ScenarioError(f"{error} (as set; the file is {document.name})") from error
         raise document.failure(error) from error
 
 

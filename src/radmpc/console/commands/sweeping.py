@@ -1,0 +1,209 @@
+"""A sweep from the command line: plan what is left, one row for each, a table and a curve."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from radmpc.arguments import is_number
+from radmpc.console.files import check_output, check_separate, writing
+from radmpc.console.output import note, show, show_json
+from radmpc.console.picture import check_picture
+from radmpc.console.reports.progress import progress_line
+from radmpc.console.reports.sweep_table import sweep_report
+from radmpc.console.running.guard import Code
+from radmpc.console.running.interrupt import stop_on_interrupt
+from radmpc.console.running.workers import workers
+from radmpc.errors import ScenarioError
+from radmpc.experiments.sweep_table import SweepRow, SweepTable, scenario_digest, sweep_row
+from radmpc.experiments.sweeping import Values, sweep, sweep_scenarios
+from radmpc.model.scenario import Scenario
+from radmpc.planners.planner import Planner
+from radmpc.planners.presets import parse_planner
+
+__all__ = ["SweepRequest", "run_sweep"]
+
+
+@dataclass(frozen=True, slots=True)
+class SweepRequest:
+    """What the command line asked for.
+
+    Attributes
+    ----------
+    source : Path
+        The scenario's file.
+    over : mapping of str to sequence
+        Values by key.
+    planner : str
+        A planner's name.
+    seed : int
+        Seed of every random choice.
+    time_limit : float or None
+        Seconds for each scenario; None leaves it to the planner.
+    gap : float or None
+        Relative gap that ends each search; None is the planner's own.
+    jobs : int
+        Number of processes.
+    output : Path or None
+        Table of rows, CSV; scenarios in it are not planned again.
+    figure : Path or None
+        Where the curves go.
+    as_json : bool
+        Whether stdout gets JSON rather than a table.
+    """
+
+    source: Path
+    over: Mapping[str, Sequence[object]]
+    planner: str
+    seed: int = 0
+    time_limit: float | None = None
+    gap: float | None = None
+    jobs: int = 1
+    output: Path | None = None
+    figure: Path | None = None
+    as_json: bool = False
+
+    @property
+    def record(self) -> Planner:
+        """The planner's choices.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such planner, or the gap is none.
+        """
+        known = parse_planner(self.planner)
+        if self.gap is None:
+            return known
+        try:
+            return replace(known, gap=self.gap)
+        except ScenarioError as error:
+            raise ScenarioError(f"--{error}") from error
+
+
+def run_sweep(request: SweepRequest) -> int:
+    """Plan every combination of values that is not in the table yet, and report on all.
+
+    Parameters
+    ----------
+    request : SweepRequest
+        What was typed.
+
+    Returns
+    -------
+    int
+        The exit code: 0 if every scenario has a plan certified within its bound.
+    """
+    planner = request.record
+    check_output(request.output)
+    check_picture(request.figure)
+    check_separate(request.source, request.output, request.figure)
+    scenarios = sweep_scenarios(request.source, request.over)
+    table = _table(request)
+    rows = {} if table is None else _known(table, scenarios)
+    with (
+        stop_on_interrupt() as is_stopped,
+        workers(request.jobs, None) as executor,
+        progress_line() as progress,
+    ):
+        for point in sweep(
+            scenarios,
+            planner,
+            rng=request.seed,
+            time_limit=request.time_limit,
+            done=rows,
+            executor=executor,
+            progress=progress,
+            stop=is_stopped,
+        ):
+            rows[point.values] = sweep_row(point)
+            if table is not None and request.output is not None:
+                with writing(request.output):
+                    table.append(rows[point.values])
+        was_interrupted = is_stopped()
+    found = [rows[values] for values in scenarios if values in rows]
+    _report(request, found)
+    if was_interrupted:
+        goes_on = "" if table is None else "; the same command goes on"
+        note(f"interrupted after {len(found)} of {len(scenarios)} scenarios{goes_on}")
+        return Code.NO
+    return Code.OK if all(row.within for row in found) else Code.NO
+
+
+def _table(request: SweepRequest) -> SweepTable | None:
+    """Return the table that rows are kept in."""
+    if request.output is None:
+        return None
+    question = [request.planner.strip(), f"seed={request.seed}"]
+    if request.time_limit is not None:
+        question.append(f"time_limit={request.time_limit:g}")
+    if request.gap is not None:
+        question.append(f"gap={request.gap:g}")
+    return SweepTable(request.output, tuple(request.over), question)
+
+
+def _known(table: SweepTable, scenarios: Mapping[Values, Scenario]) -> dict[Values, SweepRow]:
+    """Return the rows that are of these scenarios, by their values.
+
+    Raises
+    ------
+    ScenarioError
+        If a row is of another scenario at the same values.
+    """
+    rows = {row.values: row for row in table.rows}
+    for values, scenario in scenarios.items():
+        row = rows.get(values)
+        if row is not None and row.scenario != scenario_digest(scenario):
+            raise ScenarioError(
+                f"{table.path}: its row at {', '.join(values)} is of another scenario than the "
+                "file holds now: choose another table"
+            )
+    return rows
+
+
+def _report(request: SweepRequest, rows: Sequence[SweepRow]) -> None:
+    """Tell what was found, and draw it."""
+    axes = tuple(request.over)
+    if request.as_json:
+        show_json({"over": list(axes), "rows": [_as_json(axes, row) for row in rows]})
+    elif rows:
+        show(*sweep_report(axes, rows))
+    if request.figure is not None and rows:
+        _draw(axes, rows, request.figure)
+        if not request.as_json:
+            show("", f"picture written to {request.figure}")
+
+
+def _draw(axes: Sequence[str], rows: Sequence[SweepRow], path: Path) -> None:
+    """Draw costs over the first key, a curve for each combination of the others."""
+    from radmpc.plotting import CostPoint, plot_costs, save_axes  # noqa: PLC0415 - loads slowly
+
+    def point(row: SweepRow) -> CostPoint:
+        value = json.loads(row.values[0])
+        rest = zip(axes[1:], row.values[1:], strict=True)
+        return CostPoint(
+            float(value) if is_number(value) else row.values[0].strip('"'),
+            ", ".join(f"{key} {word}" for key, word in rest),
+            row.cost,
+            row.lower_bound,
+            row.within,
+        )
+
+    with writing(path):
+        save_axes(plot_costs(axes[0], [point(row) for row in rows]), path)
+
+
+def _as_json(axes: Sequence[str], row: SweepRow) -> dict[str, object]:
+    """Return plain values."""
+    return {
+        **{key: json.loads(word) for key, word in zip(axes, row.values, strict=True)},
+        "status": row.status,
+        "cost": row.cost,
+        "lower_bound": row.lower_bound,
+        "certified": row.certified,
+        "is_within": row.within,
+        "seconds": row.seconds,
+        "problem": row.problem,
+    }

@@ -1,0 +1,157 @@
+"""Keys of a scenario's content given other values before it is read: ``risk_bound``, ``0.02``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.native.plain import plain_mapping
+from radmpc.io.text.files import one_line, shown
+from radmpc.io.text.yaml_text import read_yaml
+
+__all__ = ["changed", "is_changed", "key_path", "key_value", "split_key"]
+
+Path = tuple[str | int, ...]
+
+_PART = re.compile(r"\.?(?P<key>[^.\[\]]+)|\[(?P<item>[^\[\]]+)\]")
+_KEY = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[^\[\]]+\])*")
+
+
+def split_key(text: str, allowed: str) -> tuple[str, str]:
+    """Return the two sides of ``KEY=VALUE``.
+
+    Parameters
+    ----------
+    text : str
+        What was typed.
+    allowed : str
+        What is, for the message.
+
+    Raises
+    ------
+    ScenarioError
+        If either side is missing.
+    """
+    key, sign, value = text.partition("=")
+    if not (key.strip() and sign and value.strip()):
+        raise ScenarioError(f"must be {allowed}, got {shown(text)}")
+    return key.strip(), value.strip()
+
+
+def key_value(key: str, text: str) -> object:
+    """Return the value that a text stands for in a scenario file.
+
+    Parameters
+    ----------
+    key : str
+        Whose value it is, for the message.
+    text : str
+        YAML on one line: ``0.02``, ``steps``, ``[0, 1]``, ``{model: double_integrator}``.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no YAML.
+    """
+    try:
+        return read_yaml(text, key)[0]
+    except FileFormatError as error:
+        raise ScenarioError(f"{key}: must be a value as in a file, got {shown(text)}") from error
+
+
+def key_path(key: str) -> Path:
+    """Return the parts of a key: ``vehicles.tug.radius``, ``obstacles[0].min``.
+
+    Parameters
+    ----------
+    key : str
+        Keys with dots between them. An entry of a list is named, or counted from 0 in brackets;
+        brackets hold names with dots, too: ``vehicles[tug.2].radius``.
+
+    Raises
+    ------
+    ScenarioError
+        If it is none.
+    """
+    if not _KEY.fullmatch(key):
+        raise ScenarioError(
+            f"a key must be as in 'risk_bound' or 'vehicles.tug.radius', got {shown(key)}"
+        )
+    parts = [(match["key"], match["item"]) for match in _PART.finditer(key)]
+    return tuple(int(item) if item and item.isdecimal() else name or item for name, item in parts)
+
+
+def changed(content: object, changes: Mapping[str, object]) -> tuple[object, tuple[Path, ...]]:
+    """Return a scenario's content with some values replaced, and where they stand.
+
+    Parameters
+    ----------
+    content : object
+        Of a scenario file, not yet checked; it stays as it is.
+    changes : mapping of str to object
+        Values by key, see `key_path`; a key that is not there is added.
+
+    Returns
+    -------
+    content : object
+        A copy as deep as the changes.
+    places : tuple of path
+        Of every change, entries of lists counted.
+
+    Raises
+    ------
+    ScenarioError
+        If a key names an entry that is not there, or a part of what has none; if a value is not
+        plain.
+    """
+    plain = plain_mapping(changes, ())
+    places = []
+    for key, value in plain.items():
+        content, place = _with(content, key_path(key), value, key)
+        places.append(place)
+    return content, tuple(places)
+
+
+def is_changed(path: Path, places: Sequence[Path]) -> bool:
+    """Whether a value is one of some that were replaced, or a part of one.
+
+    Parameters
+    ----------
+    path : path
+        Of the value.
+    places : sequence of path
+        Of the changes.
+    """
+    return any(path[: len(place)] == place for place in places)
+
+
+def _with(content: object, path: Path, value: object, key: str) -> tuple[object, Path]:
+    """Return content with the value at a path replaced, and the path as it was found."""
+    if not path:
+        return value, ()
+    head, *rest = path
+    if isinstance(content, list):
+        index = _index(content, head, key)
+        part, place = _with(content[index], tuple(rest), value, key)
+        return [*content[:index], part, *content[index + 1 :]], (index, *place)
+    if not isinstance(content, Mapping | None) or not isinstance(head, str):
+        raise ScenarioError(f"{key}: {shown(content)} has no part {shown(head)}")
+    entries = {} if content is None else dict(content)
+    part, place = _with(entries.get(head), tuple(rest), value, key)
+    return {**entries, head: part}, (head, *place)
+
+
+def _index(entries: list[object], head: str | int, key: str) -> int:
+    """Return where in a list an entry stands that is counted or named."""
+    if isinstance(head, int):
+        if head < len(entries):
+            return head
+        raise ScenarioError(f"{key}: must name one of {len(entries)} entries from 0, got {head}")
+    names = [entry.get("name") if isinstance(entry, Mapping) else None for entry in entries]
+    if head in names:
+        return names.index(head)
+    known = one_line(", ".join(name for name in names if isinstance(name, str)))
+    raise ScenarioError(
+        f"{key}: there is no {shown(head)}, only {known or 'entries without names'}"
+    )

@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import radmpc
+from radmpc.errors import ScenarioError
+from radmpc.io.native.changes import changed, key_path
+
+SCENARIO = """\
+format: radmpc/scenario/1
+name: pair
+dt: 1.0
+horizon: 4
+risk_bound: 0.05
+avoidance: steps
+defaults: {radius: 0.4, control_limit: 2.0, initial_covariance: 0.0, disturbance_covariance: 0.001}
+vehicles:
+  - {name: east, start: [1, 5], goal: {center: [3, 5], half_width: 0.5}}
+  - {name: tug.2, start: [9, 9], goal: {center: [7, 9], half_width: 0.5}}
+"""
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    file = tmp_path / "pair.yaml"
+    file.write_text(SCENARIO, encoding="utf-8")
+    return file
+
+
+def test_changed_values_stand_in_place_of_those_of_the_file(path: Path) -> None:
+    scenario = radmpc.load_scenario(
+        path,
+        {
+            "risk_bound": 0.02,
+            "defaults.radius": 0.3,
+            "vehicles.east.start": np.array([2.0, 5.0]),
+            "vehicles[tug.2].radius": 0.7,
+            "vehicles[1].cost_weight": 2,
+            "workspace": {"min": [0, 0], "max": [20, 20]},
+        },
+    )
+    assert scenario.risk_bound == 0.02
+    assert [vehicle.radius for vehicle in scenario.vehicles] == [0.3, 0.7]
+    assert scenario.vehicles[0].start[0] == 2.0
+    assert scenario.vehicles[1].cost_weight == 2.0
+    assert scenario.workspace is not None
+    assert radmpc.load_scenario(path).risk_bound == 0.05
+
+
+def test_null_takes_a_key_away(path: Path) -> None:
+    with_workspace = path.read_text(encoding="utf-8") + "workspace: {min: [0, 0], max: [9, 9]}\n"
+    path.write_text(with_workspace, encoding="utf-8")
+    assert radmpc.load_scenario(path).workspace is not None
+    assert radmpc.load_scenario(path, {"workspace": None}).workspace is None
+
+
+def test_the_content_that_is_changed_stays_as_it_is() -> None:
+    content = {"vehicles": [{"name": "east", "radius": 1.0}], "dt": 1.0}
+    new, places = changed(content, {"vehicles.east.radius": 2.0})
+    assert content == {"vehicles": [{"name": "east", "radius": 1.0}], "dt": 1.0}
+    assert new == {"vehicles": [{"name": "east", "radius": 2.0}], "dt": 1.0}
+    assert places == (("vehicles", 0, "radius"),)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"risk_bound": 2},
+            "risk_bound: must lie between 0 and 0.5, both excluded, got 2.0 (as set",
+        ),
+        ({"vehicles.east.radius": -1}, "vehicles[0].radius: must be > 0 m, got -1.0 (as set"),
+        ({"vehicles.west.radius": 1}, "there is no 'west', only east, tug.2"),
+        ({"vehicles[2].radius": 1}, "must name one of 2 entries from 0, got 2"),
+        ({"horizon.steps": 1}, "horizon.steps: 4 has no part 'steps'"),
+        ({"risk_bond": 0.1}, "risk_bond"),
+        ({"vehicles..radius": 1}, "a key must be as in 'risk_bound' or 'vehicles.tug.radius'"),
+        ({"dt": float("nan")}, "must be a finite number"),
+    ],
+)
+def test_what_cannot_be_changed_is_told_with_its_key(
+    path: Path, changes: dict[str, object], words: str
+) -> None:
+    with pytest.raises(ScenarioError) as error:
+        radmpc.load_scenario(path, changes)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_errors_of_the_file_itself_keep_its_lines(path: Path) -> None:
+    path.write_text(SCENARIO.replace("dt: 1.0", "dt: -1.0"), encoding="utf-8")
+    with pytest.raises(radmpc.FileFormatError, match=r"pair\.yaml:3: dt: "):
+        radmpc.load_scenario(path, {"risk_bound": 0.02})
+    assert radmpc.load_scenario(path, {"dt": 0.5}).dt == 0.5
+
+
+def test_names_with_dots_stand_in_brackets() -> None:
+    assert key_path("vehicles[tug.2].goal.center") == ("vehicles", "tug.2", "goal", "center")
+    assert key_path("obstacles[0].min") == ("obstacles", 0, "min")
