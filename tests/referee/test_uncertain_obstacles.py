@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -112,7 +112,7 @@ def test_a_track_known_exactly_is_what_outlines_step_by_step_are(avoidance):
     for obstacle in (tracked, moving):
         one = replace(plan, scenario=replace(scenario, obstacles=(obstacle,)))
         judged.append(certify(one))
-        flown.append(simulate(one, 2_000, rng=0))
+        flown.append(asdict(simulate(one, 2_000, rng=0)))
     assert judged[0].certified == judged[1].certified > 0.0
     assert judged[0].ledger == judged[1].ledger
     assert flown[0] == flown[1]

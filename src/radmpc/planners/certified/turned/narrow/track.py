@@ -200,7 +200,7 @@ def track(
     ends = np.minimum(ends, count - 1)
     there = speeds[level[None, :, None], ends]
     change = np.abs(there - speeds[:, None] - gust)
-    missed = places[ends] - places - 0.5 * dt * (there + speeds[:, None] - gust)
+    missed = places[ends] - places - 0.5 * dt * (there + speeds[:, None])
     lack = _lack(hazards, i, places, 2 * level.size - 1, kept)
     price = _MISSED * fastest
     costs = change.sum(axis=3) + price * np.linalg.norm(missed, axis=3)
@@ -221,23 +221,29 @@ def _arrivals(model: CondensedModel, speeds: Matrix, current: Vector) -> Vector:
     """Return what it costs to arrive at speeds over ground, (v, 2), level by level, (v,).
 
     In still water at rest alone. In a current who rests over ground may be too fast through the
-    water for the goal: the rest of the brake is what it costs.
+    water for the goal: there the levels are allowed that are nearest to what the goal allows.
     """
     costs = np.full(len(speeds), np.inf)
     costs[0] = 0.0
     allowed = model.vehicle.goal.speed
     if current.any() and allowed is not None:
-        costs = np.maximum(np.abs(speeds - current) - allowed, 0.0).sum(axis=1)
+        excess = np.maximum(np.abs(speeds - current) - allowed, 0.0).sum(axis=1)
+        costs = np.where(excess <= excess.min() + _TINY, excess, np.inf)
     return costs
 
 
 def _drift(model: CondensedModel, dt: float) -> tuple[Vector, Vector]:
-    """Return what a drift adds to the speed over ground, and to it from step to step [m/s]."""
+    """Return what a drift adds to the speed over ground, and to it from step to step [m/s].
+
+    Half of what a step adds to the speed is in the position already: so half the sum of the speeds
+    over ground at both ends is the way of a step, in any drift.
+    """
     vehicle, d = model.vehicle, model.vehicle.system.dimension
     if vehicle.drift is None or vehicle.system.rates is None:
         return np.zeros(d), np.zeros(d)
     place, speed = list(vehicle.system.position), list(vehicle.system.rates[0])
-    return vehicle.drift[place] / dt, vehicle.drift[speed]
+    gust = vehicle.drift[speed]
+    return vehicle.drift[place] / dt - 0.5 * gust, gust
 
 
 def _limits(model: CondensedModel) -> tuple[float, float, Vector]:
