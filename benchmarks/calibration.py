@@ -4,7 +4,8 @@ Run ``python benchmarks/calibration.py --plans 1000 --out calibration.csv``. Ran
 planned by random planners, good and bad, certified and flown. Each trial is a line of the table,
 written and synced at once; the same command goes on where an interrupted one stopped, and prints
 the report once there are as many plans as asked for. ``--plans 0`` reports on what there is, and
-``--recheck 10`` flies the ten plans that look worst a hundred times as often.
+``--recheck 10`` flies the ten plans that look worst a hundred times as often. ``--noise`` adds
+currents, gusts, receivers and freighters, and flies every plan in that world without the referee.
 """
 
 from __future__ import annotations
@@ -29,11 +30,11 @@ _MORE = 100
 def main() -> None:
     """Run the trials that are missing and print the report."""
     options = _options()
-    trials = _known(options.out, options.seed, options.samples)
+    trials = _known(options.out, options.seed, options.samples, noise=options.noise)
     missing = (i for i in itertools.count() if i not in {trial.index for trial in trials})
     num_plans = sum(trial.has_plan for trial in trials)
     is_terminal = sys.stderr.isatty()
-    arguments = (options.seed, options.samples, options.time_limit)
+    arguments = (options.seed, options.samples, options.time_limit, options.noise)
     with closing(_run(missing, options.jobs, *arguments)) as running:
         while num_plans < options.plans:
             trial = next(running)
@@ -46,7 +47,13 @@ def main() -> None:
         print(file=sys.stderr)
     print("\n".join(report(sorted(trials, key=lambda trial: trial.index))))
     again = [
-        run_trial(trial.seed, trial.index, _MORE * trial.samples, options.time_limit)
+        run_trial(
+            trial.seed,
+            trial.index,
+            _MORE * trial.samples,
+            options.time_limit,
+            noise=options.noise,
+        )
         for trial in doubtful(trials)[: options.recheck]
     ]
     if again:
@@ -61,12 +68,13 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of everything random")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--time-limit", type=float, default=1.0, help="seconds per plan")
+    parser.add_argument("--noise", action="store_true", help="the world as it is measured")
     parser.add_argument("--recheck", type=int, default=0, help="doubtful plans to fly longer")
     parser.add_argument("--out", type=Path, required=True, help="table of trials, CSV")
     return parser.parse_args()
 
 
-def _known(path: Path, seed: int, samples: int) -> list[Trial]:
+def _known(path: Path, seed: int, samples: int, *, noise: bool = False) -> list[Trial]:
     """Return the trials of an earlier run; a line cut off by its end is dropped."""
     if not path.exists():
         return []
@@ -77,6 +85,8 @@ def _known(path: Path, seed: int, samples: int) -> list[Trial]:
     trials = [trial_of(row) for row in csv.DictReader(whole.decode("utf-8").splitlines())]
     if any((trial.seed, trial.samples) != (seed, samples) for trial in trials):
         sys.exit(f"{path}: was made with another seed or number of samples")
+    if any(bool(trial.noise) != noise for trial in trials):
+        sys.exit(f"{path}: was made {'without' if noise else 'with'} --noise")
     return trials
 
 
@@ -92,19 +102,20 @@ def _append(path: Path, trial: Trial) -> None:
 
 
 def _run(
-    indices: Iterator[int], jobs: int, seed: int, samples: int, time_limit: float
+    indices: Iterator[int], jobs: int, seed: int, samples: int, time_limit: float, noise: bool
 ) -> Iterator[Trial]:
     """Yield one trial after the other, here or from processes."""
     if jobs == 1:
         for index in indices:
-            yield run_trial(seed, index, samples, time_limit)
+            yield run_trial(seed, index, samples, time_limit, noise=noise)
         return
     context = multiprocessing.get_context("spawn")  # threads and forks do not go together
     with ProcessPoolExecutor(jobs, context) as executor:
         running: set[Future[Trial]] = set()
         while True:
             for index in itertools.islice(indices, 2 * jobs - len(running)):
-                running.add(executor.submit(run_trial, seed, index, samples, time_limit))
+                job = executor.submit(run_trial, seed, index, samples, time_limit, noise=noise)
+                running.add(job)
             done, running = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 yield future.result()

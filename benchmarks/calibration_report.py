@@ -10,7 +10,7 @@ from scipy.special import bdtrc, betaincinv
 
 from calibration_trial import Trial
 
-__all__ = ["doubtful", "lower_limit", "report", "second_look", "violations"]
+__all__ = ["doubtful", "lower_limit", "report", "second_look", "violations", "world_violations"]
 
 _LEVEL = 0.05
 _LEAST_HITS = 20
@@ -27,6 +27,12 @@ def lower_limit(hits: int, samples: int, level: float) -> float:
 def violations(plans: Sequence[Trial], level: float) -> list[Trial]:
     """Return the plans whose rate is surely above their certificate, each at this level."""
     return [t for t in plans if lower_limit(t.hits, t.samples, level) > t.certified]
+
+
+def world_violations(plans: Sequence[Trial], level: float) -> list[Trial]:
+    """Return the same of missions in the world, of those plans that were flown there."""
+    flown = [t for t in plans if t.world_hits >= 0]
+    return [t for t in flown if lower_limit(t.world_hits, t.world_samples, level) > t.certified]
 
 
 def doubtful(trials: Sequence[Trial]) -> list[Trial]:
@@ -64,6 +70,7 @@ def report(trials: Sequence[Trial]) -> list[str]:
     return [
         *_overview(trials, plans),
         *_soundness(plans),
+        *_in_the_world(plans),
         *_tightness(plans),
         *_own_bounds(plans),
         *_bounds_kept(plans),
@@ -126,6 +133,38 @@ def _soundness(plans: Sequence[Trial]) -> list[str]:
             f"Smallest certificate/rate with at least {_LEAST_HITS} hits: "
             f"{least.certified / least.rate:.3f} ({least.hits} hits)."
         )
+    return [*lines, ""]
+
+
+def _in_the_world(plans: Sequence[Trial]) -> list[str]:
+    """Return whether the certificate is ever below the rate in the world, by what was added."""
+    flown = [t for t in plans if t.world_hits >= 0]
+    if not flown:
+        return []
+    strict = world_violations(flown, _LEVEL / len(flown))
+    lines = [
+        f"In the world as it is measured, {flown[0].world_samples:,} missions each without the "
+        f"referee: **{len(strict)}** of {len(flown)} above at level {_LEVEL}/{len(flown)}, "
+        f"{len(world_violations(flown, _LEVEL))} at level {_LEVEL}.",
+        "",
+        "| with | plans | above | certificate over rate there, median |",
+        "|---|---|---|---|",
+    ]
+    for name in sorted({name for t in flown for name in t.noise.split("+")}):
+        chosen = [t for t in flown if name in t.noise.split("+")]
+        above = sum(t in strict for t in chosen)
+        ratios = [
+            t.certified * t.world_samples / t.world_hits
+            for t in chosen
+            if t.world_hits >= _LEAST_HITS
+        ]
+        middle = f"{np.median(ratios):.2f}" if ratios else "–"
+        lines.append(f"| {name} | {len(chosen)} | {above} | {middle} |")
+    lines += [
+        f"- VIOLATION: {t.index} ({t.planner}, {t.noise}), {t.certified:.6g}, "
+        f"{t.world_hits / t.world_samples:.6g}"
+        for t in strict
+    ]
     return [*lines, ""]
 
 

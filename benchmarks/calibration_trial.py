@@ -8,8 +8,10 @@ from dataclasses import asdict, dataclass, fields, replace
 
 import numpy as np
 
+from calibration_noise import with_noise
 from calibration_overlap import measure_overlap
 from calibration_scenes import random_planner, random_scenario
+from calibration_world import world_collisions
 from radmpc.model.plan import Plan
 from radmpc.planners import Ira, Planner
 from radmpc.planning import plan
@@ -20,6 +22,9 @@ __all__ = ["COLUMNS", "Trial", "run_trial", "trial_of"]
 
 # Below this certificate a few ten thousand flights show nothing, let alone repetitions.
 _OVERLAP_FROM = 1e-3
+
+# Flown in plain loops, which take a second for as many among a few obstacles.
+_MISSIONS = 4_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +57,10 @@ class Trial:
         See `Overlap`; -1 where not measured.
     plan_seconds, certify_seconds, fly_seconds : float
         Time taken.
+    noise : str
+        What was added of the world as it is measured, see `calibration_noise`; empty for nothing.
+    world_samples, world_hits : int
+        Missions flown in that world without the referee, and those with a collision.
     """
 
     seed: int
@@ -83,6 +92,9 @@ class Trial:
     plan_seconds: float = float("nan")
     certify_seconds: float = float("nan")
     fly_seconds: float = float("nan")
+    noise: str = ""
+    world_samples: int = 0
+    world_hits: int = -1
 
     @property
     def has_plan(self) -> bool:
@@ -113,10 +125,13 @@ COLUMNS = tuple(field.name for field in fields(Trial))
 def trial_of(row: Mapping[str, str]) -> Trial:
     """Return the trial that a line of the table stands for."""
     kinds = {"int": int, "float": float, "str": str}
-    return Trial(**{f.name: kinds[str(f.type)](row[f.name]) for f in fields(Trial)})
+    known = [f for f in fields(Trial) if f.name in row]
+    return Trial(**{f.name: kinds[str(f.type)](row[f.name]) for f in known})
 
 
-def run_trial(seed: int, index: int, samples: int, time_limit: float) -> Trial:
+def run_trial(
+    seed: int, index: int, samples: int, time_limit: float, *, noise: bool = False
+) -> Trial:
     """Draw a scenario and a planner, plan, certify and fly.
 
     Parameters
@@ -127,6 +142,8 @@ def run_trial(seed: int, index: int, samples: int, time_limit: float) -> Trial:
         Flights.
     time_limit : float
         Seconds for planning.
+    noise : bool
+        Whether the world is as it is measured: currents, gusts, receivers, freighters.
 
     Returns
     -------
@@ -136,6 +153,9 @@ def run_trial(seed: int, index: int, samples: int, time_limit: float) -> Trial:
     rng = np.random.default_rng([seed, index])
     scenario = random_scenario(rng, f"calibration-{seed}-{index}")
     name, planner = random_planner(rng, scenario.num_vehicles)
+    features = ""
+    if noise:
+        scenario, features = with_noise(np.random.default_rng([seed, index, 1]), scenario)
     result = plan(scenario, planner, rng=index, time_limit=time_limit)
     trial = Trial(
         seed=seed,
@@ -151,11 +171,17 @@ def run_trial(seed: int, index: int, samples: int, time_limit: float) -> Trial:
         bound=scenario.risk_bound,
         plan_seconds=result.seconds["total"] - result.seconds["certificate"],
         certify_seconds=result.seconds["certificate"],
+        noise=features,
     )
     if result.plan is None or result.certificate is None:
         return trial
     trial = _with_certificate(trial, result, result.certificate, planner)
-    return _with_flights(trial, result.plan)
+    trial = _with_flights(trial, result.plan)
+    if not noise:
+        return trial
+    missions = min(samples, _MISSIONS)
+    found = world_collisions(result.plan, missions, seed=index)
+    return replace(trial, world_samples=missions, world_hits=found)
 
 
 def _with_certificate(

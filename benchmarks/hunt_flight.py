@@ -6,6 +6,7 @@ inside of the hulls, so that what is counted is never more than what collides.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -17,11 +18,18 @@ from radmpc.geometry import Polytope, hull
 from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["plain_collisions", "solid_distances"]
+__all__ = [
+    "MOMENTS",
+    "hits_at",
+    "places_of",
+    "plain_collisions",
+    "root_of",
+    "solid_distances",
+]
 
 Flags = npt.NDArray[np.bool_]
 
-_MOMENTS = 8
+MOMENTS = 8
 """Moments looked at per step, its end included."""
 
 _INSIDE = 1e-6
@@ -47,15 +55,15 @@ def plain_collisions(plan: Plan, samples: int, seed: int) -> int:
     """
     scenario = plan.scenario
     rng = np.random.default_rng(seed)
-    noises = [(_root(v.initial_covariance), _root(v.disturbance_covariance))
+    noises = [(root_of(v.initial_covariance), root_of(v.disturbance_covariance))
               for v in scenario.vehicles]  # fmt: skip
     states = [
         v.start + rng.standard_normal((samples, v.start.size)) @ root.T
         for v, (root, _) in zip(scenario.vehicles, noises, strict=True)
     ]
     nominal = [np.array(v.start) for v in scenario.vehicles]
-    hit = _hits(
-        plan, 0, 0.0, [_places(v, x) for v, x in zip(scenario.vehicles, states, strict=True)]
+    hit = hits_at(
+        plan, 0, 0.0, [places_of(v, x) for v, x in zip(scenario.vehicles, states, strict=True)]
     )
     for k in range(scenario.horizon):
         before, pushes = states, []
@@ -73,33 +81,53 @@ def plain_collisions(plan: Plan, samples: int, seed: int) -> int:
             pushes.append(asked @ B[list(vehicle.system.position)].T)
         shares = [1.0]
         if scenario.avoidance == "intervals":
-            shares = [(j + 1) / _MOMENTS for j in range(_MOMENTS)]
+            shares = [(j + 1) / MOMENTS for j in range(MOMENTS)]
         for s in shares:
             places = []
             for vehicle, here, there, push in zip(
                 scenario.vehicles, before, states, pushes, strict=True
             ):
-                place = (1.0 - s) * _places(vehicle, here) + s * _places(vehicle, there)
+                place = (1.0 - s) * places_of(vehicle, here) + s * places_of(vehicle, there)
                 if vehicle.system.is_double_integrator:
                     place = place - s * (1.0 - s) * push
                 places.append(place)
-            hit |= _hits(plan, k, s, places)
+            hit |= hits_at(plan, k, s, places)
     return int(hit.sum())
 
 
-def _root(covariance: Matrix) -> Matrix:
+def root_of(covariance: Matrix) -> Matrix:
     """Return a matrix whose product with its transpose is the covariance."""
     values, vectors = np.linalg.eigh(covariance)
     return np.asarray(vectors * np.sqrt(values.clip(min=0.0)))
 
 
-def _places(vehicle: Vehicle, states: Matrix) -> Matrix:
+def places_of(vehicle: Vehicle, states: Matrix) -> Matrix:
     """Return the positions that states hold."""
     return np.asarray(states[:, list(vehicle.system.position)])
 
 
-def _hits(plan: Plan, step: int, share: float, places: list[Matrix]) -> Flags:
-    """Return which flights have a collision at a moment."""
+def hits_at(
+    plan: Plan,
+    step: int,
+    share: float,
+    places: list[Matrix],
+    strays: Sequence[Matrix | None] | None = None,
+) -> Flags:
+    """Return which flights have a collision at a moment.
+
+    Parameters
+    ----------
+    plan : Plan
+        Its scenario has radii, obstacles and workspace.
+    step : int
+        At which the interval begins.
+    share : float
+        Of the interval.
+    places : list of (S, d) array
+        Where each vehicle is [m].
+    strays : sequence of ((S, d) array or None), or None
+        How far each obstacle is from where it is expected [m]; None is not at all.
+    """
     scenario = plan.scenario
     hit: Flags = np.zeros(len(places[0]), dtype=bool)
     for (i, here), (j, there) in combinations(enumerate(places), 2):
@@ -109,12 +137,14 @@ def _hits(plan: Plan, step: int, share: float, places: list[Matrix]) -> Flags:
     for vehicle, here in zip(scenario.vehicles, places, strict=True):
         if box is not None:
             hit |= np.any((here < box.lower - _INSIDE) | (here > box.upper + _INSIDE), axis=1)
-        for obstacle in scenario.obstacles:
+        for which, obstacle in enumerate(scenario.obstacles):
+            off = None if strays is None else strays[which]
+            seen = here if off is None else here - off
             for number, piece in enumerate(obstacle.at(step)):
                 solid = piece
                 if obstacle.is_moving and share > 0.0:
                     solid = _between(piece, obstacle.at(step + 1)[number], share)
-                hit |= solid_distances(solid, here) < vehicle.radius - _INSIDE
+                hit |= solid_distances(solid, seen) < vehicle.radius - _INSIDE
     return hit
 
 

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.obstacle import Obstacle
+    from radmpc.model.obstacle_reported import track_from_course
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
     from radmpc.model.scenario import Scenario, Workspace
     from radmpc.model.vehicle import Goal, Vehicle
@@ -122,6 +123,7 @@ __all__ = [
     "to_dict",
     "to_pandas",
     "to_xarray",
+    "track_from_course",
 ]
 
 # Where each name stands; it is loaded when first asked for. Solvers and matplotlib take most of a
@@ -150,6 +152,7 @@ _HOMES = {
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
     "model.noise.measurement": ("Measurement",),
     "model.obstacle": ("Obstacle",),
+    "model.obstacle_reported": ("track_from_course",),
     "model.plan": ("Coupling", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"),
     "model.scenario": ("Scenario", "Workspace"),
     "model.vehicle": ("Goal", "Vehicle"),

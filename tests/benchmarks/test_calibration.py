@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 import calibration
+from calibration_noise import FEATURES, with_noise
 from calibration_overlap import measure_overlap
 from calibration_report import doubtful, lower_limit, report, second_look, violations
 from calibration_scenes import random_planner, random_scenario
 from calibration_trial import Trial, run_trial, trial_of
+from calibration_world import world_collisions
+from radmpc import to_dict
 from radmpc.planners.presets import PRESETS
 from radmpc.planning import plan
 from radmpc.referee import simulate
@@ -142,3 +145,56 @@ def test_an_interrupted_run_goes_on_where_it_stopped(
     assert "3 plans" in capsys.readouterr().out
     with pytest.raises(SystemExit, match="another seed"):
         run(3, samples=100)
+
+
+def noisy_plan(features, seeds):
+    """The first plan of a few random scenarios with some features, and how the rest is drawn."""
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        scenario = random_scenario(rng, "s")
+        for name in features:
+            scenario = FEATURES[name](rng, scenario)
+        found = plan(scenario, "dlp", time_limit=30.0).plan
+        if found is not None and simulate(found, 500, rng=0).collisions > 25:
+            return found
+    raise AssertionError("no plan")
+
+
+def test_the_world_as_it_is_measured_is_drawn_from_a_seed_and_every_feature_comes_up():
+    seen = set()
+    for seed in range(30):
+        base = random_scenario(np.random.default_rng(seed), "s")
+        (one, names), (two, _) = (with_noise(np.random.default_rng(seed), base) for _ in range(2))
+        assert to_dict(one) == to_dict(two) != to_dict(base)
+        assert names
+        seen |= set(names.split("+"))
+    assert seen == set(FEATURES)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("features", [("current", "receivers"), ("gusts", "freighter")])
+def test_missions_in_the_world_collide_as_often_as_samples(features):
+    """At steps, where looking at moments misses nothing: two estimates of one rate."""
+    found = noisy_plan(features, range(50, 90))
+    found = replace(found, scenario=replace(found.scenario, avoidance="steps"))
+    missions = 6_000
+    counts = [simulate(found, missions, rng=1).collisions, world_collisions(found, missions, 2)]
+    rate = sum(counts) / (2 * missions)
+    assert 0.0 < rate < 1.0
+    assert abs(counts[0] - counts[1]) <= 5.0 * math.sqrt(2 * missions * rate * (1.0 - rate))
+
+
+def test_the_report_tells_what_was_flown_in_the_world_by_what_was_added():
+    good = replace(DONE, noise="current+gusts", world_samples=4000, world_hits=150)
+    bad = replace(DONE, index=1, noise="gusts", world_samples=4000, world_hits=400)
+    text = "\n".join(report([good, bad]))
+    assert "**1** of 2 above" in text
+    assert "| current | 1 | 0 | 1.33 |" in text
+    assert "| gusts | 2 | 1 |" in text
+    assert "- VIOLATION: 1 (dlp, gusts)" in text
+    assert "In the world" not in "\n".join(report([DONE]))
+
+
+def test_tables_from_before_the_world_still_read():
+    row = {key: value for key, value in DONE.as_row().items() if "world" not in key}
+    assert same(trial_of(row), DONE)

@@ -111,7 +111,7 @@ def plan_of(content: Mapping[str, Any], certified: float | None = 0.04, **change
             Trajectory(
                 v.name,
                 pushes[v.name],
-                rollout(v.system, v.start, pushes[v.name]),
+                rollout(v.system, v.start, pushes[v.name], v.drift),
                 v.covariances(scenario.horizon),
             )
             for v in scenario.vehicles

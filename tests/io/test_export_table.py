@@ -74,3 +74,17 @@ def test_pandas_reads_the_table(tmp_path: Path) -> None:
     table = pandas.read_csv(file, float_precision="round_trip")
     assert (table[["x", "y", "z"]].to_numpy() == means(plan, "scout")).all()
     assert table["u1"].isna().tolist() == [False] * 5 + [True]
+
+
+@pytest.mark.parametrize("drift", [{"velocity": [0.4, -0.3]}, {"state": [6.0, 2.0, 0.6, 0.0]}])
+def test_velocities_are_those_over_ground(drift: dict[str, Any]) -> None:
+    """Half the sum of both velocities is the way of a step, whatever carries the vehicle."""
+    tug = HARBOR["vehicles"][0] | {"drift": drift}
+    plan = plan_of(HARBOR, vehicles=[tug, HARBOR["vehicles"][1]])
+    own = [row for row in rows(plan) if row["name"] == "tug"]
+    places, speeds = (
+        np.array([[float(row[key]) for key in keys] for row in own])
+        for keys in (("x", "y"), ("vx", "vy"))
+    )
+    assert np.diff(places, axis=0) == pytest.approx(10.0 * (speeds[1:] + speeds[:-1]))
+    assert not np.allclose(speeds, plan.trajectories[0].means[:, 2:])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -90,6 +91,34 @@ def test_a_pace_keeps_room_at_corners_and_speeds_that_lead_from_place_to_place(
         speeds.append(2.0 * moved / dt - speeds[-1])
     # Errors of half a level add up along the way.
     assert np.abs(speeds).max() <= 1.3 * np.max(limit)
+
+
+@pytest.mark.parametrize("current", [(0.2, 0.0), (-0.15, 0.1)])
+def test_a_pace_in_a_current_is_one_that_the_limits_through_the_water_allow(
+    current: tuple[float, float], tmp_path: Path
+) -> None:
+    scenario = cells(tmp_path, (9, 1), {(x, 0) for x in range(9)}, [((0, 0), (8, 0))])
+    dt = scenario.dt
+    [vehicle] = scenario.vehicles
+    drift = np.array([*np.multiply(dt, current), 0.0, 0.0])
+    scenario = replace(scenario, vehicles=(replace(vehicle, drift=drift),))
+    hazards = hazards_of(scenario)
+    clear = Clear.of(hazards)
+    assert clear is not None
+    laid_out = track(hazards, 0, shortest_ways(hazards, clear, 2.0)[0][0], (clear, 2.0))
+    assert laid_out is not None
+    found = laid_out.paced(hazards.horizon, ())
+    assert found is not None
+    # At rest through the water at the start; half the sum of both speeds, and the current.
+    speeds = [np.zeros(2)]
+    for moved in np.diff(found[0], axis=0):
+        speeds.append(2.0 * (moved - drift[:2]) / dt - speeds[-1])
+    unit = 2.0 * float(np.linalg.norm(laid_out.places[1] - laid_out.places[0])) / dt
+    push = dt * float(np.max(vehicle.control_limit))
+    along = np.array(speeds)[:, 0]
+    assert np.abs(along).max() <= 1.1 * np.max(vehicle.speed_limit) + unit
+    assert np.abs(np.diff(along)).max() <= push + 1.5 * unit
+    assert abs(along[-1]) <= np.max(vehicle.goal.speed) + 1.5 * unit
 
 
 def test_vehicles_paced_on_ways_that_cross_are_never_near_between_steps(tmp_path: Path) -> None:

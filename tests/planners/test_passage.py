@@ -10,11 +10,12 @@ import pytest
 from scipy.special import ndtr
 
 from radmpc.experiments.families import clutter, paper
-from radmpc.model.dynamics import double_integrator
+from radmpc.model.dynamics import LinearSystem, double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified.lattice.half_planes import gap_middles, half_planes_of
+from radmpc.planners.certified.lattice.motion import Motion
 from radmpc.planners.certified.lattice.passage import Passage
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.problem import SetProblem
@@ -68,6 +69,33 @@ def test_a_way_leads_from_start_to_goal_past_everything(seed):
     assert np.abs(np.diff(path, axis=0)).max() <= model.reach_upper[-1].max()
     # The lattice rounds to a sixty-fourth of a deviation, and rates rows at their own.
     assert risks_along(problem, path).max() <= UNIT + 0.01
+
+
+@pytest.mark.parametrize("decay", [0.0, 0.6, 1.0])
+@pytest.mark.parametrize("drift", [[0.3, -0.2, 0.0, 0.0], [0.05, -0.1, 0.1, -0.05]])
+def test_a_vehicle_that_lets_itself_be_carried_pays_nothing_on_the_lattice(decay, drift):
+    system = double_integrator(1.0, 2)
+    if decay < 1.0:
+        A, B = system.A.copy(), system.B.copy()
+        A[2:, 2:] *= decay
+        A[:2, 2:] *= decay
+        system = LinearSystem(A, B, (0, 1), (2, 3))
+    start = [0.0, 0.0, 0.4, -0.1]
+    vehicle = Vehicle(
+        "a", system, start, Goal([-9.0, -9.0], [9.0, 9.0], None), 0.3, 1.0, 0.01, 0.01, drift=drift
+    )
+    model = condensed_models(Scenario("s", 1.0, 6, 0.05, (vehicle,)))[0]
+    motion = Motion.of(model)
+    carried = np.diff(model.drift_position, axis=0)
+    assert carried[0] == pytest.approx(motion.first)
+    for before, after in itertools.pairwise(carried):
+        assert after == pytest.approx(motion.decay * before + motion.drift, abs=1e-9)
+    fine = np.full(2, 1e-4)
+    cells = np.round(carried / fine).astype(int)
+    costs = motion.change_costs(cells[2], cells[3], fine, 0)
+    assert all(
+        float(cost[0, 0]) <= 1e-4 / gain for cost, gain in zip(costs, motion.gain, strict=True)
+    )
 
 
 @pytest.mark.slow

@@ -40,10 +40,17 @@ def measuring(vehicle: Vehicle, number: int) -> Vehicle:
     return replace(vehicle, measurement=sensor, disturbance_correlation=(0.0, 0.5)[number])
 
 
+def beside_a_freighter(vehicle: Vehicle, number: int) -> Vehicle:
+    """Leave both as they are: what is not known is where the freighter goes."""
+    del number
+    return vehicle
+
+
 WORLDS: dict[str, Callable[[Vehicle, int], Vehicle]] = {
     "drift": drifting,
     "gusts": gusty,
     "measured": measuring,
+    "freighter": beside_a_freighter,
 }
 
 
@@ -74,7 +81,16 @@ def fleet(world: str, avoidance: str = "intervals", d: int = 2) -> Scenario:
     a, b = (WORLDS[world](vehicle, number) for number, vehicle in enumerate((a, b)))
     low, top = [-9.0] * (d - 2), [9.0] * (d - 2)
     pier = Obstacle.box("pier", [3.0, -4.0, *low], [4.0, -1.0, *top])
-    return Scenario("s", 1.0, 8, 0.05, (a, b), (pier,), avoidance=avoidance)  # type: ignore[arg-type]
+    obstacles = [pier]
+    if world == "freighter":
+        hull = np.array([[-1.5, -0.4], [1.5, -0.4], [1.5, 0.4], [-1.5, 0.4]])
+        solid = np.array([[*corner, h] for corner in hull for h in (-9.0, 9.0)])
+        start, still = [8.0, 4.0, *high, -0.6, -0.2, *high], [0.0] * (d - 2)
+        known = [0.04, 0.04, *still, 2e-3, 1e-3, *still]
+        obstacles.append(
+            Obstacle.tracked("freighter", hull if d == 2 else solid, start, known, 5e-4)
+        )
+    return Scenario("s", 1.0, 8, 0.05, (a, b), obstacles, avoidance=avoidance)  # type: ignore[arg-type]
 
 
 def check(scenario: Scenario, name: str) -> None:

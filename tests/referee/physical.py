@@ -3,7 +3,8 @@
 A mission is drawn whole. Over a step a double integrator flies ``p + v t + a t²/2`` under the
 control it holds, ``clip(ū + K (x − x̄))`` under feedback, and the disturbance and the drift of the
 step come in evenly. Who measures flies ``clip(ū + K (x̂ − x̄))``, each mission with its own filter;
-all else goes straight from step to step. Every path is looked at 200 times per step.
+all else goes straight from step to step. Every path is looked at 200 times per step. An obstacle
+on a track is drawn once per mission, for all vehicles, and goes straight from step to step.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ import numpy as np
 import shapely
 from scipy.spatial import ConvexHull
 
-from radmpc.model.obstacle import BoxShape, MovingShape, Obstacle, PolygonShape
+from radmpc.model.obstacle import BoxShape, MovingShape, Obstacle, PolygonShape, TrackShape
 from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 
 LOOKS = 200
@@ -64,17 +66,19 @@ def fly(plan: Plan, missions: int, seed: int) -> Flown:
         list(_paths(v, t.controls, scenario.dt, missions, rng, saturated))
         for v, t in zip(scenario.vehicles, plan.trajectories, strict=True)
     ]
+    strays = [_strays(thing, scenario, missions, rng) for thing in scenario.obstacles]
     pair, obstacle, outside = (np.zeros(missions, dtype=bool) for _ in range(3))
     intervals = scenario.avoidance == "intervals"
     for k in range(scenario.horizon + (0 if intervals else 1)):
         here = [steps[k] if intervals else _moment(steps, k) for steps in paths]
-        things = [_Distance(thing, k, intervals) for thing in scenario.obstacles]
+        things = [_Distance(thing, scenario.dt, k, intervals) for thing in scenario.obstacles]
         for i, vehicle in enumerate(scenario.vehicles):
             for j in range(i):
                 reach = vehicle.radius + scenario.vehicles[j].radius
                 pair |= _hits(here[i].minus(here[j]), reach, lambda _, x: _norm(x), intervals)
-            for distance in things:
-                obstacle |= _hits(here[i], vehicle.radius, distance, intervals)
+            for distance, stray in zip(things, strays, strict=True):
+                seen = here[i] if stray is None else here[i].minus(_stray(stray, k, intervals))
+                obstacle |= _hits(seen, vehicle.radius, distance, intervals)
             if scenario.workspace is not None:
                 lower, upper = scenario.workspace.lower, scenario.workspace.upper
 
@@ -84,6 +88,30 @@ def fly(plan: Plan, missions: int, seed: int) -> Flown:
                 outside |= _hits(here[i], 0.0, room, intervals)
     counts = (pair | obstacle | outside, pair, obstacle, outside, saturated)
     return Flown(missions, *(int(c.sum()) for c in counts))
+
+
+def _strays(
+    thing: Obstacle, scenario: Scenario, missions: int, rng: np.random.Generator
+) -> np.ndarray | None:
+    """Draw how far an obstacle is from where it is expected, (T + 1, S, d)."""
+    if not isinstance(thing.shape, TrackShape):
+        return None
+    d = len(thing.shape.start) // 2
+    none = np.zeros(2 * d)
+    off = rng.multivariate_normal(none, thing.shape.covariance, missions, method="svd")
+    found = [off[:, :d].copy()]
+    for _ in range(scenario.horizon):
+        off[:, :d] += scenario.dt * off[:, d:]
+        jolt = thing.shape.disturbance_covariance
+        off += rng.multivariate_normal(none, jolt, missions, method="svd")
+        found.append(off[:, :d].copy())
+    return np.array(found)
+
+
+def _stray(stray: np.ndarray, k: int, moving: bool) -> Path:
+    """Return how far an obstacle is off during a window, as a path."""
+    way = stray[k + 1] - stray[k] if moving else np.zeros_like(stray[k])
+    return Path(stray[k], way, np.zeros_like(way))
 
 
 def _paths(
@@ -225,13 +253,13 @@ def _closer(distance, share: float, places: np.ndarray, limit: np.ndarray) -> np
 class _Distance:
     """Distance of places to an obstacle as it is at a share of a step; 0 inside."""
 
-    def __init__(self, thing: Obstacle, step: int, moving: bool) -> None:
+    def __init__(self, thing: Obstacle, dt: float, step: int, moving: bool) -> None:
         shape = thing.shape
         self.travel = 0.0
         self._known: dict[float, tuple[object, np.ndarray]] = {}
-        if isinstance(shape, MovingShape):
-            before = shape.outlines[step]
-            after = shape.outlines[step + 1] if moving else before
+        if isinstance(shape, MovingShape | TrackShape):
+            before = _expected(shape, dt, step)
+            after = _expected(shape, dt, step + 1) if moving else before
             sweep = (after[None] - before[:, None]).reshape(-1, before.shape[1])
             self.travel = float(np.linalg.norm(sweep, axis=1).max())
             self._outlines = before, after
@@ -260,6 +288,14 @@ class _Distance:
             corners = cloud.reshape(-1, before.shape[1])
             self._known[share] = _solid(corners, keep=False), ConvexHull(corners).equations
         return self._known[share]
+
+
+def _expected(shape: MovingShape | TrackShape, dt: float, step: int) -> np.ndarray:
+    """Return where the corners of what moves are expected."""
+    if isinstance(shape, MovingShape):
+        return shape.outlines[step]
+    d = shape.outline.shape[1]
+    return shape.outline + shape.start[:d] + step * dt * shape.start[d:]
 
 
 def _outline(shape: BoxShape | PolygonShape) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_matrix
 from radmpc.model.dynamics import rollout
-from radmpc.model.obstacle import MovingShape, Obstacle
+from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
@@ -225,6 +225,12 @@ def left_of(
 
 def _later(obstacle: Obstacle, passed: int) -> Obstacle:
     """Return an obstacle as it is some steps later."""
+    if isinstance(obstacle.shape, TrackShape) and obstacle.dt is not None:
+        track = obstacle.shape.later(passed, obstacle.dt)
+        # The outlines stay those of the plan that is flown, to the last digit.
+        left = len(obstacle.steps) - 1 - passed
+        spread = None if obstacle.spread is None else obstacle.spread.since(passed, left)
+        return replace(obstacle, shape=track, steps=obstacle.steps[passed:], spread=spread)
     if not isinstance(obstacle.shape, MovingShape):
         return obstacle
     shape = MovingShape(obstacle.shape.outlines[passed:])

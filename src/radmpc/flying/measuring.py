@@ -61,8 +61,16 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If a vehicle's disturbances last longer than a step, or its state is measured with noise.
+        If a vehicle's disturbances last longer than a step, its state is measured with noise, or
+        an obstacle's place is not known exactly.
     """
+    for i, obstacle in enumerate(scenario.obstacles):
+        if obstacle.spread is not None:
+            message = (
+                f"{obstacle.name!r} cannot be met under way: a mission takes obstacles whose place "
+                "is known exactly"
+            )
+            raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
     for i, vehicle in enumerate(scenario.vehicles):
         if vehicle.has_memory:
             key = "disturbance_correlation" if vehicle.measurement is None else "measurement"

@@ -9,6 +9,7 @@ import numpy as np
 
 from radmpc.arguments import told
 from radmpc.errors import ArgumentError
+from radmpc.io.export.tracks import velocities_over_ground
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 
@@ -36,10 +37,10 @@ def to_pandas(plan: Plan, table: str = "trajectories") -> pandas.DataFrame:
     pandas.DataFrame
         ``trajectories``: a row per vehicle and step, indexed by ``name`` and ``step``; the columns
         are those of the CSV export: ``t`` [s], mean position ``x``, ``y`` (``z``) [m], mean
-        velocity ``vx``, ``vy`` (``vz``) [m/s] (nan where the dynamics have none), three standard
-        deviations of the position ``three_sigma_x`` … [m], the controls that follow ``u1``, ``u2``,
-        … (nan at the last step). ``ledger``: ``cause``, ``vehicle``, ``other``, ``step`` and
-        ``risk`` [-].
+        velocity over ground ``vx``, ``vy`` (``vz``) [m/s] (nan where the dynamics have none), three
+        standard deviations of the position ``three_sigma_x`` … [m], the controls that follow
+        ``u1``, ``u2``, … (nan at the last step). ``ledger``: ``cause``, ``vehicle``, ``other``,
+        ``step`` and ``risk`` [-].
 
     Raises
     ------
@@ -77,9 +78,9 @@ def _columns(plan: Plan, index: int) -> dict[str, object]:
     axes = _AXES[: system.dimension]
     for axis, state in zip(axes, system.position, strict=True):
         columns[axis] = trajectory.means[:, state]
+    velocities = velocities_over_ground(vehicle, trajectory.means, plan.scenario.dt)
     for i, axis in enumerate(axes):
-        velocity = system.velocity
-        columns[f"v{axis}"] = np.nan if velocity is None else trajectory.means[:, velocity[i]]
+        columns[f"v{axis}"] = np.nan if velocities is None else velocities[:, i]
     for axis, state in zip(axes, system.position, strict=True):
         variances = np.maximum(trajectory.covariances[:, state, state], 0.0)
         columns[f"three_sigma_{axis}"] = 3.0 * np.sqrt(variances)

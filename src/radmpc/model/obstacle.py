@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sized
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import field_parts, field_text
-from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector
+from radmpc.arrays import Frozen, Matrix, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
+from radmpc.model.obstacle_shapes import (
+    BoxShape,
+    HalfspaceShape,
+    LineShape,
+    MovingShape,
+    PolygonShape,
+    Shape,
+)
+from radmpc.model.obstacle_track import TrackShape, TrackSpread
 
 __all__ = [
     "BoxShape",
@@ -21,87 +30,17 @@ __all__ = [
     "Obstacle",
     "PolygonShape",
     "Shape",
+    "TrackShape",
 ]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PolygonShape(Frozen):
-    """A simple polygon (2-D, convex or not) or the hull of points (3-D).
-
-    Attributes
-    ----------
-    vertices : (v, d) array
-        Corners in order, or points [m].
-    """
-
-    vertices: Matrix
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LineShape(Frozen):
-    """A wall or wire without thickness along an open line.
-
-    Attributes
-    ----------
-    points : (p, d) array
-        Points that the line runs through, in order [m].
-    """
-
-    points: Matrix
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class BoxShape(Frozen):
-    """An axis-parallel box; it may be flat.
-
-    Attributes
-    ----------
-    lower, upper : (d,) array
-        Opposite corners, ``lower <= upper`` [m].
-    """
-
-    lower: Vector
-    upper: Vector
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HalfspaceShape(Frozen):
-    """The set ``normals @ x <= offsets``, as given.
-
-    Attributes
-    ----------
-    normals : (f, d) array
-        Outward normals, of any length.
-    offsets : (f,) array
-        In meters where normals have length one.
-    """
-
-    normals: Matrix
-    offsets: Vector
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MovingShape(Frozen):
-    """One convex outline per step.
-
-    Attributes
-    ----------
-    outlines : tuple of (v, d) array
-        Points whose hull is the outline at k = 0..T [m].
-    """
-
-    outlines: tuple[Matrix, ...]
-
-
-Shape = PolygonShape | LineShape | BoxShape | HalfspaceShape | MovingShape
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Obstacle:
+class Obstacle(Frozen):
     """A named thing to stay out of.
 
     Between steps a moving obstacle's points move linearly: the path from the piece at k to the
-    one at k+1 lies within their Minkowski interpolation.
+    one at k+1 lies within their Minkowski interpolation. One on a track is laid out by the scenario
+    it is put into, which knows the steps.
 
     Attributes
     ----------
@@ -110,12 +49,18 @@ class Obstacle:
     shape : Shape
         The description it was made from; files keep this one.
     steps : tuple of tuple of Polytope
-        Convex pieces: one entry if it stands still, else one per step 0..T.
+        Convex pieces: one entry if it stands still, else one per step 0..T; of a track the mean.
+    spread : TrackSpread or None
+        How far the true place is from these; None where they are exact.
+    dt : float or None
+        Step that its track is laid out for [s]; None for all other shapes, and before that.
     """
 
     name: str
     shape: Shape
     steps: tuple[tuple[Polytope, ...], ...]
+    spread: TrackSpread | None = None
+    dt: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse a name that is no text."""
@@ -124,7 +69,7 @@ class Obstacle:
     @property
     def is_moving(self) -> bool:
         """Whether the obstacle changes with time."""
-        return isinstance(self.shape, MovingShape)
+        return isinstance(self.shape, MovingShape | TrackShape)
 
     @property
     def dimension(self) -> int:
@@ -145,6 +90,23 @@ class Obstacle:
             Their union is the obstacle.
         """
         return self.steps[step] if self.is_moving else self.steps[0]
+
+    def laid_out(self, dt: float, horizon: int) -> Obstacle:
+        """Return the obstacle at every step of a scenario; itself unless it is on a track.
+
+        Parameters
+        ----------
+        dt : float
+            Step [s].
+        horizon : int
+            Number of steps T.
+        """
+        if not isinstance(self.shape, TrackShape):
+            return self
+        if self.dt == dt and len(self.steps) == horizon + 1:
+            return self
+        pieces = tuple((hull(outline),) for outline in self.shape.outlines(dt, horizon))
+        return replace(self, steps=pieces, spread=self.shape.spread(dt, horizon), dt=dt)
 
     @classmethod
     def polygon(cls, name: str, vertices: npt.ArrayLike) -> Obstacle:
@@ -289,6 +251,43 @@ class Obstacle:
             except ScenarioError as error:
                 raise error.under("moving", k) from error
         return cls(name, MovingShape(points), tuple(steps))
+
+    @classmethod
+    def tracked(
+        cls,
+        name: str,
+        outline: npt.ArrayLike,
+        start: npt.ArrayLike,
+        covariance: npt.ArrayLike = 0.0,
+        disturbance_covariance: npt.ArrayLike = 0.0,
+    ) -> Obstacle:
+        """Make an obstacle of a convex outline that moves at constant velocity, more or less.
+
+        Parameters
+        ----------
+        name : str
+            Unique within its scenario.
+        outline : (v, d) array
+            Corners relative to the place on the track [m], as they lie: the outline does not turn.
+        start : (2 d,) array
+            Place [m] and velocity [m/s] at k = 0, their means.
+        covariance : (2 d, 2 d) array
+            Of both at k = 0; one number or a diagonal is taken as well. 0 is known exactly.
+        disturbance_covariance : (2 d, 2 d) array
+            Of what every step adds to both, likewise; 0 is a velocity that never changes.
+
+        Returns
+        -------
+        Obstacle
+            Common to all vehicles: where it truly is, it is for each of them.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no point, or an array does not fit.
+        """
+        shape = TrackShape(outline, start, covariance, disturbance_covariance)
+        return cls(name, shape, ((hull(shape.outline + shape.start[: shape.dimension]),),))
 
 
 def _places(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:

@@ -97,6 +97,8 @@ class Scenario:
         check_dimensions(self.vehicles, self.obstacles, self.pair_faces)
         check_growth(self.vehicles, self.horizon, self.dt)
         check_workspace(self.vehicles, self.workspace)
+        obstacles = tuple(o.laid_out(self.dt, self.horizon) for o in self.obstacles)
+        object.__setattr__(self, "obstacles", obstacles)
         check_moving(self.obstacles, self.horizon)
         check_step(self.vehicles, self.dt)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 
@@ -39,7 +40,12 @@ class Box:
     @property
     def spread(self) -> float:
         """The largest standard deviation along any direction [m]."""
-        return float(np.sqrt(max(np.linalg.eigvalsh(self.covariance)[-1], 0.0)))
+        return _deviation(self.covariance)
+
+
+def _deviation(covariance: Matrix) -> float:
+    """Return the largest standard deviation along any direction [m]."""
+    return float(np.sqrt(max(np.linalg.eigvalsh(covariance)[-1], 0.0)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,12 +60,15 @@ class Shapes:
         The pieces.
     lower, upper : (p, d) array
         Corners of the box around each piece [m].
+    covariances : dict of str to (d, d) array
+        How far obstacles are from there [m²], of those that are not known exactly.
     """
 
     owners: tuple[str, ...]
     pieces: tuple[Polytope, ...]
     lower: Matrix
     upper: Matrix
+    covariances: Mapping[str, Matrix]
 
     @classmethod
     def of(cls, scenario: Scenario, step: int) -> Shapes:
@@ -76,7 +85,23 @@ class Shapes:
         d = scenario.dimension
         lower = np.array([piece.vertices.min(axis=0) for _, piece in found]).reshape(-1, d)
         upper = np.array([piece.vertices.max(axis=0) for _, piece in found]).reshape(-1, d)
-        return cls(tuple(n for n, _ in found), tuple(p for _, p in found), lower, upper)
+        spreads = {
+            o.name: o.spread.positions[step] for o in scenario.obstacles if o.spread is not None
+        }
+        return cls(tuple(n for n, _ in found), tuple(p for _, p in found), lower, upper, spreads)
+
+    def covariance(self, name: str, box: Box) -> Matrix:
+        """Return the covariance of a vehicle's position relative to an obstacle, (d, d) [m²].
+
+        Parameters
+        ----------
+        name : str
+            The obstacle.
+        box : Box
+            Where the vehicle is.
+        """
+        known = self.covariances.get(name)
+        return box.covariance if known is None else box.covariance + known
 
     def near(self, box: Box, radius: float, far: float) -> dict[str, list[Polytope]]:
         """Return the pieces that a vehicle in a box may hit.
@@ -95,7 +120,10 @@ class Shapes:
         dict of str to list of Polytope
             By obstacle.
         """
-        reach = radius + far * box.spread + 1e-6
+        # Deviations of two add up to less than their sum.
+        more = {name: _deviation(matrix) for name, matrix in self.covariances.items()}
+        spreads = box.spread + np.array([more.get(owner, 0.0) for owner in self.owners])
+        reach = radius + far * spreads + 1e-6
         gaps = np.maximum(np.maximum(self.lower - box.upper, box.lower - self.upper), 0.0)
         close = np.linalg.norm(gaps, axis=1) < reach
         if np.count_nonzero(close) == 1:

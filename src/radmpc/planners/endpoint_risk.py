@@ -177,7 +177,8 @@ def _of_vehicle(
     fields: list[Vector] = []
     for name, near in shapes.near(box, radius, _far(scenario)).items():
         # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
-        by_piece = [_cells(_risks(points, box.covariance, radius, piece), cells) for piece in near]
+        covariance = shapes.covariance(name, box)
+        by_piece = [_cells(_risks(points, covariance, radius, piece), cells) for piece in near]
         field = np.maximum.reduce(by_piece)
         distance = min(float(_distances(points, piece).max()) for piece in near)
         fields.append(field)

@@ -200,6 +200,9 @@ def _of_obstacle(
         along = np.concatenate([found[1] for found in at_steps])
     else:
         distance, along = _nearest(path, obstacle.at(0))
+    if obstacle.spread is not None:
+        steps = np.minimum(np.arange(len(path)) // stride, plan.scenario.horizon - 1)
+        noise = noise + obstacle.spread.between(steps, np.arange(len(path)) / stride - steps)
     variance = np.einsum("pa,pab,pb->p", along, noise, along)
     name = f"{vehicle.name}, {obstacle.name}"
     return Clearance(name, times, distance - vehicle.radius, np.sqrt(variance), stride)

@@ -15,6 +15,7 @@ from radmpc.plotting.artists.space import (
     draw_obstacle_3d,
     draw_workspace_3d,
 )
+from radmpc.plotting.artists.straying import draw_spread, draw_spread_3d
 from radmpc.plotting.canvas.extent import scenario_extent
 from radmpc.plotting.canvas.figure import check_axes, new_axes, settle_axes, settle_layout
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard, board_of, show_all
@@ -109,6 +110,7 @@ def draw_surroundings(
             draw_workspace_3d(ax, scenario.workspace)
         for obstacle in obstacles:
             draw_obstacle_3d(ax, obstacle, board, is_named=is_named, strength=pale[obstacle.name])
+            draw_spread_3d(board.axes, obstacle)
         for vehicle in scenario.vehicles:
             draw_ends_3d(ax, vehicle, colors[vehicle.name])
         return
@@ -123,6 +125,7 @@ def draw_surroundings(
         draw_obstacle(
             ax, obstacle, board, is_named=is_named, plane=plane, strength=pale[obstacle.name]
         )
+        draw_spread(ax, obstacle, plane)
 
 
 def name_vehicles(

@@ -59,7 +59,7 @@ def _is_near(scenario: Scenario, covariances: list[Tensor], *, at_goal: bool) ->
     step = scenario.horizon if at_goal else 0
     return (
         _near_border(scenario, lower, upper, far * spread)
-        or _near_pieces(scenario, lower, upper, radii + far * spread + 1e-6, step)
+        or _near_pieces(scenario, lower, upper, radii + far * spread + 1e-6, step, far)
         or _near_each_other(lower, upper, radii, far * spread)
     )
 
@@ -74,12 +74,14 @@ def _near_border(scenario: Scenario, lower: Matrix, upper: Matrix, reach: Vector
 
 
 def _near_pieces(
-    scenario: Scenario, lower: Matrix, upper: Matrix, reach: Vector, step: int
+    scenario: Scenario, lower: Matrix, upper: Matrix, reach: Vector, step: int, far: float
 ) -> bool:
     """Whether some place is near an obstacle, or near the box around it."""
     for obstacle in scenario.obstacles:
+        # Deviations of two add up to less than their sum.
+        more = 0.0 if obstacle.spread is None else far * obstacle.spread.deviation(step)
         for piece in obstacle.at(step):
-            low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
+            low, high = piece.vertices.min(axis=0) - more, piece.vertices.max(axis=0) + more
             gaps = np.maximum(np.maximum(low - upper, lower - high), 0.0)
             if np.any(np.square(gaps).sum(axis=1) <= np.square(reach)):
                 return True

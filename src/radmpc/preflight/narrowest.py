@@ -83,7 +83,26 @@ class Traveler:
     def far(self) -> float:
         """Distance of the hull from anything, beyond which no clearance is too little [m]."""
         widest = np.linalg.eigvalsh(self.covariances)[:, -1].max()
-        return self.enough * max(float(np.sqrt(max(widest, 0.0))), self.least)
+        spreads = [o.spread for o in self.scenario.obstacles if o.spread is not None]
+        steps = range(self.scenario.horizon + 1)
+        # Deviations of two add up to less than their sum.
+        more = max((spread.deviation(k) for spread in spreads for k in steps), default=0.0)
+        return self.enough * max(float(np.sqrt(max(widest, 0.0))) + more, self.least)
+
+    def covariance(self, name: str | None, step: int) -> Matrix:
+        """Return the covariance of its position relative to an obstacle, (d, d) [m²].
+
+        Parameters
+        ----------
+        name : str or None
+            The obstacle; None for the workspace's border.
+        step : int
+            The step, 0 to T.
+        """
+        for obstacle in self.scenario.obstacles:
+            if obstacle.name == name and obstacle.spread is not None:
+                return np.asarray(self.covariances[step] + obstacle.spread.positions[step])
+        return self.covariances[step]
 
 
 def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:
@@ -189,7 +208,7 @@ def _field(traveler: Traveler, grid: Grid, sides: Sequence[Side], step: int) -> 
     """Return the clearances of all cells at a step, each for the best place in the cell."""
     field: Field = np.full(np.prod(grid.shape), traveler.enough, dtype=np.float32)
     for side in sides:
-        found = side.clearances(traveler.covariances[step], traveler.least)
+        found = side.clearances(traveler.covariance(side.name, step), traveler.least)
         field[side.places] = np.minimum(field[side.places], found)
     return field.reshape(grid.shape)
 
@@ -243,7 +262,7 @@ def _traced(fields: list[Field], cell: tuple[int, ...]) -> tuple[int, tuple[int,
 def _measured(traveler: Traveler, grid: Grid, center: Vector, tick: int) -> Narrowest:
     """Measure a place where the cell is widest: across it, at the end within the goal."""
     step = int(grid.steps[tick])
-    around, covariance = traveler.surroundings(step), traveler.covariances[step]
+    around = traveler.surroundings(step)
     normal = around.nearest(center[None]).normals[0]
     half = 0.5 * float(np.abs(normal) @ grid.size)
     points = center + np.linspace(-half, half, _ACROSS)[:, None] * normal
@@ -251,11 +270,12 @@ def _measured(traveler: Traveler, grid: Grid, center: Vector, tick: int) -> Narr
         edges = [np.linspace(a, b, _ALONG) for a, b in zip(*traveler.goal, strict=True)]
         points = np.stack(np.meshgrid(*edges, indexing="ij"), axis=-1).reshape(-1, len(edges))
     sides = list(around.sides(points))
-    found = np.array([side.clearances(covariance, traveler.least) for side in sides])
+    covariances = [traveler.covariance(side.name, step) for side in sides]
+    pairs = list(zip(sides, covariances, strict=True))
+    found = np.array([side.clearances(matrix, traveler.least) for side, matrix in pairs])
     best = int(found.min(axis=0).argmax())
-    clearance, deviation = sides[int(found[:, best].argmin())].best(
-        best, covariance, traveler.least
-    )
+    side, covariance = pairs[int(found[:, best].argmin())]
+    clearance, deviation = side.best(best, covariance, traveler.least)
     return Narrowest(
         clearance=clearance,
         deviation=deviation,

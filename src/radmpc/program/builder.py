@@ -11,6 +11,7 @@ from scipy.sparse import csr_array, eye_array, vstack
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.gaussian import clearance, tail_probability
 from radmpc.geometry import sphere_directions
+from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.program.assembly import (
@@ -104,8 +105,9 @@ class ProgramBuilder:
         keepouts : sequence of KeepOut
             The sets, window by window.
         """
-        vehicle, body = self.models[i].vehicle, self._body(i)
+        vehicle = self.models[i].vehicle
         for some in batches(keepouts):
+            body = self._body(i, some[0].spread)
             extras = openings(body.endpoints, some, vehicle.radius)
             labels = [(cause, vehicle.name, k.name) for k in some if k.start is not None]
             if labels:
@@ -162,16 +164,14 @@ class ProgramBuilder:
         windows = Windows.constant(normals, offsets, model.horizon, intervals=self.intervals)
         self._add(body, windows, "workspace", name, others)
 
-    def _body(self, i: int) -> Body:
-        """Return a vehicle alone."""
+    def _body(self, i: int, spread: TrackSpread | None = None) -> Body:
+        """Return a vehicle alone, as seen from something whose own place spreads."""
         model = self.models[i]
-        return Body(
-            model.reach_lower,
-            model.reach_upper,
-            model.position_covariances,
-            model.bent_covariances,
-            (self.parts[i],),
-        )
+        covariances, bent = model.position_covariances, model.bent_covariances
+        if spread is not None:
+            covariances = covariances + spread.positions
+            bent = None if bent is None else bent + spread.positions[:-1]
+        return Body(model.reach_lower, model.reach_upper, covariances, bent, (self.parts[i],))
 
     def _add(
         self, body: Body, windows: Windows, cause: Cause, vehicle: str, others: Sequence[str | None]

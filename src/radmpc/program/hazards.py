@@ -27,12 +27,18 @@ class Shapes:
         Outward normals at every window; zeros where a piece has fewer.
     lower, upper : (O, T, d) array
         Boxes around the pieces during each window [m].
+    covariances : (O, T+1, d, d) array or None
+        How far the pieces are from there [m²]; None where all are known exactly.
+    variances : (O, T) array
+        No less than the largest of it along any direction, from step 1 on: the trace [m²].
     """
 
     vertices: Tensor
     faces: Tensor
     lower: Tensor
     upper: Tensor
+    covariances: Tensor | None
+    variances: Matrix
 
     @classmethod
     def of(cls, scenario: Scenario) -> Shapes:
@@ -53,11 +59,21 @@ class Shapes:
             faces[number, :, : keepout.normals.shape[1]] = keepout.normals
         first = 0 if intervals else 1
         ends = (vertices[:, first : horizon + first], vertices[:, 1:])
+        covariances = None
+        variances = np.zeros((len(keepouts), horizon))
+        if any(keepout.spread is not None for keepout in keepouts):
+            covariances = np.zeros((len(keepouts), horizon + 1, d, d))
+            for number, keepout in enumerate(keepouts):
+                if keepout.spread is not None:
+                    covariances[number] = keepout.spread.positions
+            variances = np.maximum(np.trace(covariances[:, 1:], axis1=2, axis2=3), 0.0)
         return cls(
             vertices,
             faces,
             np.minimum(*(end.min(axis=2) for end in ends)),
             np.maximum(*(end.max(axis=2) for end in ends)),
+            covariances,
+            variances,
         )
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -18,9 +19,11 @@ has most, and from some ten on more at once save nothing."""
 
 
 def batches(keepouts: Sequence[KeepOut]) -> Iterator[Sequence[KeepOut]]:
-    """Return things a few at a time, in order."""
-    for first in range(0, len(keepouts), _AT_ONCE):
-        yield keepouts[first : first + _AT_ONCE]
+    """Return things a few at a time, in order; what spreads on its own comes alone."""
+    for _, alike in groupby(keepouts, key=lambda keepout: id(keepout.spread)):
+        these = list(alike)
+        for first in range(0, len(these), _AT_ONCE):
+            yield these[first : first + _AT_ONCE]
 
 
 def joined_windows(keepouts: Sequence[KeepOut], radius: float, *, intervals: bool) -> Windows:

@@ -15,6 +15,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.obstacle import Obstacle
+from radmpc.model.obstacle_track import TrackSpread
 
 __all__ = ["KeepOut", "obstacle_keepouts", "swept_keepout"]
 
@@ -38,6 +39,8 @@ class KeepOut:
     shapes : tuple of Polytope
         The set at the program's first to last step, one if it does not move; empty where no
         directions but the faces are asked for.
+    spread : TrackSpread or None
+        How far the set is from there, from the program's first step on; None is not at all.
     """
 
     name: str
@@ -47,6 +50,7 @@ class KeepOut:
     directions: Indices
     start: Polytope | None = None
     shapes: tuple[Polytope, ...] = ()
+    spread: TrackSpread | None = None
 
     def with_directions(self, extra: Matrix, *, intervals: bool) -> KeepOut:
         """Return the same set with more half-spaces that contain it, at every window.
@@ -99,10 +103,12 @@ def obstacle_keepouts(
     """
     if obstacle.is_moving:
         pieces = [obstacle.at(first_step + k)[0] for k in range(horizon + 1)]
-        if not intervals:
-            swept = swept_keepout(obstacle.name, pieces[1:], start=pieces[0])
-            return [replace(swept, shapes=tuple(pieces))]
-        return [replace(_moving_keepout(obstacle.name, pieces), shapes=tuple(pieces))]
+        if intervals:
+            found = _moving_keepout(obstacle.name, pieces)
+        else:
+            found = swept_keepout(obstacle.name, pieces[1:], start=pieces[0])
+        spread = None if obstacle.spread is None else obstacle.spread.since(first_step, horizon)
+        return [replace(found, shapes=tuple(pieces), spread=spread)]
     return [_standing_keepout(obstacle.name, piece, horizon) for piece in obstacle.at(0)]
 
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
 from radmpc.referee.contact import solid_of
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
+from radmpc.referee.neighbors import CUTOFF, Balls, far_from_box, motion_balls, near_pairs
 
 __all__ = ["Gathered", "gather_obstacles", "gather_pairs"]
 
@@ -42,12 +42,16 @@ class Gathered:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Near:
-    """A convex piece (one shape, or one per step), and the vehicles that come near it."""
+    """A convex piece (one shape, or one per step), and the vehicles that come near it.
+
+    ``spread`` holds covariances of its place, (T+1, d, d), None where it is known exactly.
+    """
 
     obstacle: int
     piece: int
     vehicles: Indices
     shapes: Sequence[Polytope]
+    spread: Tensor | None
 
 
 def gather_pairs(
@@ -135,16 +139,28 @@ def gather_obstacles(
     balls = motion_balls(motion, intervals=intervals)
     num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
     explicit = count * num_pieces <= _EXPLICIT
-    chosen: dict[bool, list[_Near]] = {False: [], True: []}
+    # Batches of one kind each: what stands still, what moves, what moves and is not known exactly.
+    chosen: dict[tuple[bool, bool], list[_Near]] = {
+        kind: [] for kind in ((False, False), (True, False), (True, True))
+    }
+    tracks = motion.tracks
     for number, piece, pieces in _pieces(scenario):
         lower, upper = _boxes(pieces, balls, intervals=intervals)
+        spread = None
+        if tracks is not None and tracks.places[number] >= 0:
+            place = int(tracks.places[number])
+            spread = tracks.positions[place]
+            # Deviations of two add up to less than their sum.
+            more = CUTOFF * _in_windows(tracks.deviations[place], intervals=intervals)[:, None]
+            lower, upper = lower - more, upper + more
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
         if always is not None:
             far &= ~always
         skipped += far
         near = np.flatnonzero(~far)
         if near.size:
-            chosen[len(pieces) > 1].append(_Near(number, piece, near, pieces))
+            kind = len(pieces) > 1, spread is not None
+            chosen[kind].append(_Near(number, piece, near, pieces, spread))
     batches = tuple(_obstacle_batch(motion, group) for group in chosen.values() if group)
     return Gathered(batches, skipped)
 
@@ -172,19 +188,31 @@ def _boxes(pieces: Sequence[Polytope], balls: Balls, *, intervals: bool) -> tupl
     return lower, upper
 
 
+def _in_windows(deviations: Vector, *, intervals: bool) -> Vector:
+    """Return the largest of some deviations in each window."""
+    return np.maximum(deviations[:-1], deviations[1:]) if intervals else deviations
+
+
 def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
     """Stack pieces of unequal size, padded by repeating a corner or a face."""
     first = np.concatenate([near.vehicles for near in group])
     sizes = [len(near.vehicles) for near in group]
     shapes = [near.shapes for near in group]
+    covariances = motion.position_covariances[first]
+    bent = motion.bent_covariances[first] if motion.is_bent else None
+    spreads = [near.spread for near in group if near.spread is not None]
+    if spreads:
+        more = np.repeat(spreads, sizes, axis=0)
+        covariances = covariances + more
+        bent = None if bent is None else bent + more[:, :-1]
     return Encounters(
         kind="obstacle",
         first=first,
         other=np.repeat([near.obstacle for near in group], sizes),
         piece=np.repeat([near.piece for near in group], sizes),
         means=motion.positions[first],
-        covariances=motion.position_covariances[first],
-        bent_covariances=motion.bent_covariances[first] if motion.is_bent else None,
+        covariances=covariances,
+        bent_covariances=bent,
         sagittas=motion.sagittas[first],
         radii=motion.radii[first],
         vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),

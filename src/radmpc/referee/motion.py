@@ -11,6 +11,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.loop import Loop, loop_of
+from radmpc.referee.tracks import Tracks, tracks_of
 
 __all__ = ["FleetMotion", "Group", "propagate"]
 
@@ -74,6 +75,8 @@ class FleetMotion:
         Covariance of ``P δ_k − G δ_k``; that of ``P δ_k``, the position's own, without a bend [m²].
     radii : (N,) array
         Hull radii [m].
+    tracks : Tracks or None
+        Obstacles whose place is not known exactly; None where all are.
     """
 
     names: tuple[str, ...]
@@ -89,6 +92,7 @@ class FleetMotion:
     bends: tuple[Matrix | None, ...]
     bent_covariances: Tensor
     radii: Vector
+    tracks: Tracks | None = None
 
     @property
     def is_bent(self) -> bool:
@@ -165,6 +169,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         bends=tuple(bends),
         bent_covariances=bent,
         radii=np.array([v.radius for v in vehicles]),
+        tracks=tracks_of(scenario),
     )
 
 

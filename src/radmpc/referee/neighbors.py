@@ -11,15 +11,15 @@ from scipy.special import ndtr
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.motion import FleetMotion
 
-__all__ = ["CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
+__all__ = ["CUTOFF", "CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
 
-_CUTOFF = 9.0
+CUTOFF = 9.0
 """Distance from which an encounter is far [standard deviations]."""
 
 _FEW = 64
 """Vehicles up to which every pair is looked at [-]: a tree is no quicker, and slow to load."""
 
-CUTOFF_RISK = float(ndtr(-_CUTOFF))
+CUTOFF_RISK = float(ndtr(-CUTOFF))
 """Risk of one half-space at that distance [-]: what a far encounter is charged."""
 
 
@@ -56,7 +56,7 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     deviations = np.sqrt(np.linalg.eigvalsh(motion.position_covariances)[..., -1].clip(min=0.0))
     radii = motion.radii[:, None]
     if not intervals:
-        return Balls(motion.positions, radii + _CUTOFF * deviations)
+        return Balls(motion.positions, radii + CUTOFF * deviations)
     before, after = motion.positions[:, :-1], motion.positions[:, 1:]
     half_chord = 0.5 * np.linalg.norm(after - before, axis=2)
     sagitta = np.linalg.norm(motion.sagittas, axis=2)
@@ -64,7 +64,7 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     if motion.is_bent:
         bent = np.linalg.eigvalsh(motion.bent_covariances)[..., -1].clip(min=0.0)
         deviations = np.maximum(deviations, np.sqrt(bent))
-    return Balls(0.5 * (before + after), radii + half_chord + sagitta + _CUTOFF * deviations)
+    return Balls(0.5 * (before + after), radii + half_chord + sagitta + CUTOFF * deviations)
 
 
 def near_pairs(balls: Balls) -> Indices:

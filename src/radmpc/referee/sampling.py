@@ -9,6 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.referee.motion import FleetMotion, Group
+from radmpc.referee.tracks import Tracks
 
 __all__ = ["Sampler"]
 
@@ -43,17 +44,20 @@ class Sampler:
         Rows of the stacked states.
     starts : (N,) int array
         First row of each vehicle's state; −1 where it is not drawn.
+    track_starts : (O,) int array
+        The same of each obstacle, whose deviation stands there if its place is not known exactly.
     blocks : tuple
         Vehicles of one size of state, drawn together.
     """
 
     width: int
     starts: Indices
+    track_starts: Indices
     blocks: tuple[_Block, ...]
 
     @classmethod
-    def of(cls, motion: FleetMotion, needed: Indices) -> Sampler:
-        """Stack the vehicles that are needed.
+    def of(cls, motion: FleetMotion, needed: Indices, obstacles: Indices) -> Sampler:
+        """Stack the vehicles and obstacles that are needed.
 
         Parameters
         ----------
@@ -61,6 +65,8 @@ class Sampler:
             Of the fleet.
         needed : int array
             Numbers of the vehicles to be drawn.
+        obstacles : int array
+            Numbers of the obstacles to be drawn, of those whose place is not known exactly.
         """
         starts = np.full(len(motion.states), -1, dtype=np.int64)
         blocks, row = [], 0
@@ -72,7 +78,17 @@ class Sampler:
             starts[group.members[kept]] = row + n * np.arange(kept.size)
             blocks.append(_block(group, kept, slice(row, row + n * kept.size)))
             row += n * kept.size
-        return cls(row, starts, tuple(blocks))
+        tracks = motion.tracks
+        track_starts = np.full(0 if tracks is None else tracks.places.size, -1, dtype=np.int64)
+        chosen = np.zeros(0, dtype=np.int64)
+        if tracks is not None:
+            chosen = np.intersect1d(obstacles, np.flatnonzero(tracks.places >= 0))
+        if tracks is not None and chosen.size:
+            n = len(tracks.transition)
+            track_starts[chosen] = row + n * np.arange(chosen.size)
+            blocks.append(_track_block(tracks, tracks.places[chosen], row))
+            row += n * chosen.size
+        return cls(row, starts, track_starts, tuple(blocks))
 
     def draw(
         self,
@@ -129,6 +145,17 @@ def _block(group: Group, kept: Indices, rows: slice) -> _Block:
         np.ascontiguousarray(group.transitions[kept].swapaxes(0, 1)),
         _factor(group.initial[kept]),
         _factor(group.disturbances[kept].swapaxes(0, 1)),
+    )
+
+
+def _track_block(tracks: Tracks, places: Indices, row: int) -> _Block:
+    """Take some obstacles, from a row on: one draw for the whole fleet."""
+    n = len(tracks.transition)
+    return _Block(
+        slice(row, row + n * places.size),
+        np.tile(tracks.transition, (1, places.size, 1, 1)),
+        _factor(tracks.initial[places]),
+        _factor(tracks.disturbances[places][None]),
     )
 
 

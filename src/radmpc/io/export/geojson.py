@@ -14,6 +14,7 @@ from radmpc.io.export.outlines import Kind, footprint, goal_outline, outline
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track
 from radmpc.io.text.json_text import write_json
+from radmpc.model.obstacle import Obstacle
 
 __all__ = ["write_geojson"]
 
@@ -95,7 +96,7 @@ def _obstacles(job: Job) -> Iterator[Feature]:
     for obstacle in job.plan.scenario.obstacles:
         steps = range(len(obstacle.steps))
         for step in steps:
-            time = {"time": step * job.plan.scenario.dt} if obstacle.is_moving else {}
+            time = _when(obstacle, step, job.plan.scenario.dt)
             if obstacle.dimension == 2:
                 kind, corners = outline(obstacle, step)
                 places = _shape(kind, corners, job.place)
@@ -103,6 +104,20 @@ def _obstacles(job: Job) -> Iterator[Feature]:
                 continue
             for piece in obstacle.at(step):
                 yield _body(obstacle.name, piece, job.place, time)
+
+
+def _when(obstacle: Obstacle, step: int, dt: float) -> dict[str, float]:
+    """Return when a moving obstacle is expected there, and how surely; nothing of a fixed one."""
+    if not obstacle.is_moving:
+        return {}
+    found = {"time": step * dt}
+    if obstacle.spread is not None:
+        sigmas = 3.0 * np.sqrt(np.diag(obstacle.spread.positions[step]).clip(min=0.0))
+        found |= {
+            f"three_sigma_{axis}": round(sigma, 6)
+            for axis, sigma in zip(_AXES, sigmas.tolist(), strict=False)
+        }
+    return found
 
 
 def _body(name: str, piece: Polytope, place: Placement, time: dict[str, float]) -> Feature:

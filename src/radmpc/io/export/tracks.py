@@ -11,7 +11,7 @@ from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["Track", "check_duration", "tracks_of"]
+__all__ = ["Track", "check_duration", "tracks_of", "velocities_over_ground"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +27,8 @@ class Track:
     positions : (T+1, d) array
         Mean positions [m].
     velocities : (T+1, d) array or None
-        Mean velocities [m/s]; None where the dynamics have none.
+        Mean velocities over ground [m/s]: those of the states, and what a drift adds. None where
+        the dynamics have none.
     three_sigma : (T+1, d) array
         Three standard deviations of the position per axis [m].
     controls : (T, m) array
@@ -117,10 +118,39 @@ def _track(plan: Plan, index: int, vehicle: Vehicle, part: Trajectory) -> Track:
         vehicle=vehicle,
         times=np.arange(steps + 1, dtype=np.float64) * plan.scenario.dt,
         positions=part.means[:, axes],
-        velocities=None if system.velocity is None else part.means[:, list(system.velocity)],
+        velocities=velocities_over_ground(vehicle, part.means, plan.scenario.dt),
         three_sigma=_three_sigma(part.covariances, axes),
         controls=part.controls,
     )
+
+
+def velocities_over_ground(vehicle: Vehicle, means: Matrix, dt: float) -> Matrix | None:
+    """Return velocities over ground: who is sent them knows of no current.
+
+    A state's velocity is that through water or air. What a drift adds to the position beyond the
+    push of a steady wind, it adds to the way over ground.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose states they are.
+    means : (T+1, n) array
+        Mean states.
+    dt : float
+        Step [s].
+
+    Returns
+    -------
+    (T+1, d) array or None
+        None where the dynamics have no velocity [m/s].
+    """
+    if vehicle.system.velocity is None:
+        return None
+    velocity = list(vehicle.system.velocity)
+    if vehicle.drift is None:
+        return means[:, velocity]
+    carried = vehicle.drift[list(vehicle.system.position)] / dt - 0.5 * vehicle.drift[velocity]
+    return np.asarray(means[:, velocity] + carried)
 
 
 def _three_sigma(covariances: Tensor, axes: list[int]) -> Matrix:

@@ -6,7 +6,7 @@ import difflib
 import types
 import typing
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -130,9 +130,17 @@ def _keys(model: type[BaseModel], path: list[str | int]) -> list[str]:
 
 def _only(annotation: Any, is_wanted: Callable[[Any], bool]) -> Any:
     """Return the one member of a union that is meant, or the type itself."""
+    found = [member for member in _members(annotation) if is_wanted(member)]
+    return found[0] if found else annotation
+
+
+def _members(annotation: Any) -> list[Any]:
+    """Return the members of a union, however deep and however marked; the type itself if none."""
+    if typing.get_origin(annotation) is Annotated:
+        return _members(typing.get_args(annotation)[0])
     if isinstance(annotation, types.UnionType) or typing.get_origin(annotation) is typing.Union:
-        return next(member for member in typing.get_args(annotation) if is_wanted(member))
-    return annotation
+        return [one for member in typing.get_args(annotation) for one in _members(member)]
+    return [annotation]
 
 
 def _is_model(annotation: Any) -> bool:

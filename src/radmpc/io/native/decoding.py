@@ -9,8 +9,15 @@ from typing import TypeVar
 from radmpc.arrays import as_vector
 from radmpc.errors import ScenarioError, raise_together
 from radmpc.io.native.checking import check_format, validated
+from radmpc.io.native.moving import build_tracked
 from radmpc.io.native.plain import plain_mapping
-from radmpc.io.native.schema import SCENARIO_FORMAT, ObstacleSpec, ScenarioSpec, VehicleSpec
+from radmpc.io.native.schema import (
+    SCENARIO_FORMAT,
+    ObstacleSpec,
+    ScenarioSpec,
+    TrackSpec,
+    VehicleSpec,
+)
 from radmpc.io.native.vehicle_decoding import Shared, build_vehicle
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_range
 from radmpc.io.text.files import shown
@@ -186,7 +193,9 @@ def _obstacle(index: int, spec: ObstacleSpec) -> Obstacle:
             return Obstacle.box(spec.name, spec.min, spec.max)
         if spec.normals is not None and spec.offsets is not None and len(given) == 2:
             return Obstacle.halfspaces(spec.name, spec.normals, spec.offsets)
-        if spec.moving is not None and given == ["moving"]:
+        if isinstance(spec.moving, TrackSpec) and given == ["moving"]:
+            return build_tracked(spec.name, spec.moving)
+        if isinstance(spec.moving, list) and given == ["moving"]:
             return Obstacle.moving(spec.name, spec.moving)
     except ScenarioError as error:
         raise error.under(*path) from error

@@ -8,11 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.io.native.moving import encode_track
 from radmpc.io.native.noise import encode_correlation, encode_drift, encode_sensor
 from radmpc.io.native.plain import plain_mapping
 from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.model.dynamics import LinearSystem, double_integrator
-from radmpc.model.obstacle import BoxShape, HalfspaceShape, LineShape, Obstacle, PolygonShape
+from radmpc.model.obstacle import (
+    BoxShape,
+    HalfspaceShape,
+    LineShape,
+    Obstacle,
+    PolygonShape,
+    TrackShape,
+)
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 
@@ -97,6 +105,13 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
             "normals": shape.normals.tolist(),
             "offsets": shape.offsets.tolist(),
         }
+    if isinstance(shape, TrackShape):
+        track = encode_track(shape)
+        for key in ("covariance", "disturbance_covariance"):
+            matrix: Matrix = getattr(shape, key)
+            if not _is_zero(matrix):
+                track[key] = _covariance(matrix)
+        return {"name": obstacle.name, "moving": track}
     return {"name": obstacle.name, "moving": [outline.tolist() for outline in shape.outlines]}
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
-from radmpc.io.native.numbers import Matrix, Number, ScalarOrVector, Square, Text, Vector
+from radmpc.io.native.numbers import MARK, Matrix, Number, ScalarOrVector, Square, Text, Vector
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "MeasurementSpec",
     "ObstacleSpec",
     "ScenarioSpec",
+    "TrackSpec",
     "VehicleSpec",
     "WorkspaceSpec",
 ]
@@ -51,6 +52,33 @@ class WorkspaceSpec(FileModel):
     max: Vector
 
 
+class DeviationsSpec(FileModel):
+    """Standard deviations of what is reported of a track."""
+
+    position: ScalarOrVector = 0.0
+    speed: Number = 0.0
+    course: Number = 0.0
+
+
+class TrackSpec(FileModel):
+    """An outline, and one of three descriptions of how it moves; which, is checked later."""
+
+    outline: Annotated[Matrix, Field(max_length=_MOST_CORNERS)]
+    start: Vector | None = None
+    velocity: Vector | None = None
+    position: Vector | None = None
+    speed: Number | None = None
+    course: Number | None = None
+    deviations: DeviationsSpec | None = None
+    covariance: Square = 0.0
+    disturbance_covariance: Square = 0.0
+
+
+def _moving(value: object) -> str:
+    """Return whether a value is meant as a track or as outlines step by step."""
+    return MARK + ("track" if isinstance(value, dict) else "outlines")
+
+
 class ObstacleSpec(FileModel):
     """A name and one of five descriptions; which, is checked when it is built."""
 
@@ -61,7 +89,14 @@ class ObstacleSpec(FileModel):
     max: Vector | None = None
     normals: Matrix | None = None
     offsets: Vector | None = None
-    moving: list[Matrix] | None = None
+    moving: (
+        Annotated[
+            Annotated[list[Matrix], Tag(MARK + "outlines")]
+            | Annotated[TrackSpec, Tag(MARK + "track")],
+            Discriminator(_moving),
+        ]
+        | None
+    ) = None
 
 
 class GoalSpec(FileModel):

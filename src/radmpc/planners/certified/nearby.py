@@ -35,7 +35,11 @@ class Surroundings:
         for i, obstacle in enumerate(scenario.obstacles):
             steps = range(scenario.horizon + 1) if obstacle.is_moving else (0,)
             corners = np.concatenate([p.vertices for k in steps for p in obstacle.at(k)])
-            lower[i], upper[i] = corners.min(axis=0), corners.max(axis=0)
+            more = 0.0
+            if obstacle.spread is not None:
+                # Deviations of two add up to less than their sum.
+                more = _FAR * max(obstacle.spread.deviation(k) for k in steps)
+            lower[i], upper[i] = corners.min(axis=0) - more, corners.max(axis=0) + more
         near = np.zeros((len(models), len(scenario.obstacles)), dtype=bool)
         for j, model in enumerate(models):
             spread = np.linalg.eigvalsh(model.position_covariances)[:, -1].max()

@@ -18,6 +18,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from radmpc.model.plan import Plan
 from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.artists.highlights import worst_rows
+from radmpc.plotting.artists.straying import SPREAD_DASHES
 from radmpc.plotting.canvas.style import (
     ALERT,
     MUTED,
@@ -148,6 +149,10 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
             entries["3σ"] = _sign("o", 7.0, "none", "#55555580", 0.4)
     star = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
     entries["goal"] = (_sign("s", 6.0, "#55555540", MUTED, 0.7), star) if is_flat else star
+    if any(obstacle.spread is not None for obstacle in plan.scenario.obstacles):
+        entries["obstacle's 3σ"] = Line2D(
+            [], [], color=MUTED, linewidth=0.6, linestyle=SPREAD_DASHES
+        )
     if nearest_ghosts(plan):
         entries["when nearest"] = (
             _sign("s", 7.5, OBSTACLE_FILL, MUTED, 0.9),

@@ -42,7 +42,11 @@ def _corners(scenario: Scenario) -> Matrix:
             np.stack([vehicle.goal.lower, vehicle.goal.upper]),
         ]
     for obstacle in scenario.obstacles:
-        clouds += [piece.vertices for pieces in obstacle.steps for piece in pieces]
+        for step, pieces in enumerate(obstacle.steps):
+            more = 0.0
+            if obstacle.spread is not None:
+                more = 3.0 * np.sqrt(np.diag(obstacle.spread.positions[step]).clip(min=0.0))
+            clouds += [piece.vertices + sign * more for piece in pieces for sign in (-1.0, 1.0)]
     if scenario.workspace is not None:
         clouds.append(np.stack([scenario.workspace.lower, scenario.workspace.upper]))
     return np.vstack(clouds)

@@ -17,9 +17,11 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
+from radmpc.plotting.artists.straying import SPREAD_DASHES, grown_outline
 from radmpc.plotting.canvas.style import (
     LABEL_SIZE,
     MAX_LABELS,
+    MUTED,
     OBSTACLE_EDGE,
     OBSTACLE_FILL,
     WALL_WIDTH,
@@ -199,6 +201,10 @@ class _FlatObstacle:
             0.0, 0.0, obstacle.name, fontsize=LABEL_SIZE, color=OBSTACLE_EDGE, ha="center",
             va="center", zorder=2.1, clip_on=True,
         )  # fmt: skip
+        (self.ring,) = ax.plot(
+            [], [], color=MUTED, linewidth=0.6, linestyle=SPREAD_DASHES, zorder=2.3,
+            gid=f"spread:{obstacle.name}",
+        )  # fmt: skip
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
@@ -208,6 +214,9 @@ class _FlatObstacle:
         # What has no area would show as a hairline, or not at all.
         self.wall.set_data(*(outline if len(outline) < 3 else outline[:0]).T)
         self.name.set_position(tuple(outline.mean(axis=0)))
+        if self.obstacle.spread is not None:
+            ring = grown_outline(self.obstacle, time)
+            self.ring.set_data(*np.vstack([ring, ring[:1]]).T)
 
 
 class _SolidObstacle:

@@ -93,7 +93,8 @@ class _Relaxation:
             for keepout, vertices, faces in outlines:
                 outline = Outline(vertices, faces, model.vehicle.radius)
                 if self.scenario.dimension == 2:
-                    self._keep_out(instants, outline, None, ("obstacle", name, keepout.name))
+                    seen = instants.seen_from(keepout.spread)
+                    self._keep_out(seen, outline, None, ("obstacle", name, keepout.name))
                     continue
                 # In space, what moves or is flat is left out.
                 is_standing = len(keepout.shapes) == 1

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.model.obstacle_track import TrackSpread
 from radmpc.program.avoidance import Part
 from radmpc.program.condensed import CondensedModel
 
@@ -93,6 +94,19 @@ class Instants:
             self.upper[chosen],
             self.parts,
         )
+
+    def seen_from(self, spread: TrackSpread | None) -> Instants:
+        """Return the position relative to the true place of something that spreads.
+
+        Parameters
+        ----------
+        spread : TrackSpread or None
+            How far that is from its mean; None is not at all.
+        """
+        if spread is None:
+            return self
+        more = spread.between(self.windows, self.shares)
+        return replace(self, covariances=self.covariances + more)
 
     def relative_to(self, other: Instants) -> Instants:
         """Return the position of this vehicle relative to another, at the same instants."""

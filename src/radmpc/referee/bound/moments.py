@@ -23,8 +23,9 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.referee.motion import FleetMotion, Group
+from radmpc.referee.tracks import Tracks
 
-__all__ = ["Moments", "moments_of"]
+__all__ = ["Moments", "moments_of", "moments_of_tracks"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,6 +125,37 @@ def moments_of(motion: FleetMotion, vehicles: Indices, parts: int) -> Moments:
         near_with_bent,
         bent_with_far,
     )
+
+
+def moments_of_tracks(tracks: Tracks, places: Indices, parts: int) -> Moments:
+    """Return the moments of how far obstacles are from where they are expected.
+
+    Parameters
+    ----------
+    tracks : Tracks
+        The obstacles.
+    places : (V,) int array
+        Whose, by their place among those.
+    parts : int
+        M, parts of each step, >= 1.
+
+    Returns
+    -------
+    Moments
+        In that order, of mean 0; they move straight from step to step.
+    """
+    d, horizon = tracks.dimension, tracks.states.shape[1] - 1
+    count, width = len(places), horizon * parts
+    own = np.empty((count, width + 1, d, d))
+    crossed = np.empty((count, width, d, d))
+    shares = np.arange(parts + 1) / parts
+    for at, place in enumerate(places.tolist()):
+        near, with_far = tracks.within(place, shares)
+        own[at, :-1] = near.reshape(width, d, d)
+        own[at, -1] = tracks.positions[place, -1]
+        crossed[at] = with_far.reshape(width, d, d)
+    still = np.zeros((count, width + 1, d))
+    return Moments(still, still[:, :-1], own, own[:, :-1], own[:, :-1], crossed)
 
 
 def _spreads(

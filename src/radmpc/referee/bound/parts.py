@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Tensor
 from radmpc.referee.bound.halfspace import unit
-from radmpc.referee.bound.moments import Moments, moments_of
+from radmpc.referee.bound.moments import Moments, moments_of, moments_of_tracks
 from radmpc.referee.bound.persistence import Crossed, path_charges
 from radmpc.referee.bound.search import closest_directions
 from radmpc.referee.encounters import Encounters, around
@@ -165,5 +165,13 @@ def _relative(encounters: Encounters, motion: FleetMotion, parts: int) -> Moment
     of_all = moments_of(motion, vehicles, parts)
     first = np.searchsorted(vehicles, encounters.first)
     if not pairs:
-        return of_all.of(first)
+        of_vehicles = of_all.of(first)
+        if encounters.kind != "obstacle" or motion.tracks is None:
+            return of_vehicles
+        # All of a batch are known exactly, or none.
+        places = motion.tracks.places[encounters.other]
+        if not np.any(places >= 0):
+            return of_vehicles
+        tracks, place = np.unique(places, return_inverse=True)
+        return of_vehicles.minus(moments_of_tracks(motion.tracks, tracks, parts).of(place))
     return of_all.of(first).minus(of_all.of(np.searchsorted(vehicles, encounters.other)))

@@ -60,7 +60,8 @@ def witnesses_of(plan: Plan) -> Witnesses:
     NoPlanError
         If the plan holds no trajectories.
     ScenarioError
-        If its vehicles or arrays do not fit its scenario, or overflow.
+        If its vehicles or arrays do not fit its scenario, or overflow, or an obstacle's place is
+        not known exactly.
     """
     check_plan(plan)
     problems = shape_problems(plan)
@@ -70,6 +71,8 @@ def witnesses_of(plan: Plan) -> Witnesses:
     motion = propagate(scenario, [t.controls for t in plan.trajectories])
     if motion.problems:
         raise ScenarioError("; ".join(motion.problems))
+    if motion.tracks is not None:
+        raise ScenarioError("rows take obstacles whose place is known exactly", ("obstacles",))
     intervals = scenario.avoidance == "intervals"
     always = np.ones(scenario.num_vehicles, dtype=bool)
     purchase = _Purchase(motion)

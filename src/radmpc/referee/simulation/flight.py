@@ -217,6 +217,13 @@ class Chunk:
         positions = self._positions(first, sample, step, state)
         pair = np.flatnonzero(watch.kinds[row] == PAIR)
         positions[pair] -= self._positions(other[pair], sample[pair], step, state)
+        starts = self.flight.sampler.track_starts
+        if starts.size:
+            met = np.flatnonzero(watch.kinds[row] == OBSTACLE)
+            met = met[starts[other[met]] >= 0]
+            # As seen from the obstacle: it stands where it is expected, and the vehicle is off.
+            rows = starts[other[met], None] + np.arange(positions.shape[1])
+            positions[met] -= state[rows, sample[met, None]]
         return positions
 
     def _positions(self, who: Indices, sample: Indices, step: int, state: Matrix) -> Matrix:

@@ -46,7 +46,8 @@ def prepare(plan: Plan) -> Flight:
     everything = [*watched.usual, *watched.wide]
     involved = [w.first for w in everything] + [w.other[w.kinds == PAIR] for w in everything]
     needed = np.unique(np.concatenate([*involved, np.flatnonzero(loose)]))
-    sampler = Sampler.of(motion, needed)
+    met = [w.other[w.kinds == OBSTACLE] for w in everything]
+    sampler = Sampler.of(motion, needed, np.unique(np.concatenate(met)))
     cut = cutoffs(scenario, motion, loose, controls, sampler)
     projections = projections_of(scenario, motion, sampler, cut[0])
     open_loop = [i for i, v in enumerate(scenario.vehicles) if v.gain is None]

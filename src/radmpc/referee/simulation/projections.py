@@ -13,7 +13,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import Cutoff
-from radmpc.referee.simulation.watch import PAIR, Watch
+from radmpc.referee.simulation.watch import OBSTACLE, PAIR, Watch
 
 __all__ = ["FleetProjections", "Projections", "projections_of"]
 
@@ -80,6 +80,8 @@ class FleetProjections:
         ``B_p`` for the controls that may be cut off.
     is_bent : bool
         Whether any path bends.
+    track_starts : (O,) int array
+        Where an obstacle's place stands among the deviations; negative where it is not drawn.
     """
 
     position_rows: Indices
@@ -87,6 +89,7 @@ class FleetProjections:
     bends: csr_array
     held_back: csr_array
     is_bent: bool
+    track_starts: Indices
 
     def onto(self, watch: Watch) -> Projections:
         """Return what the rows of a window see."""
@@ -104,10 +107,23 @@ class FleetProjections:
         shape = (count, self.selectors.shape[0])
         normals = csr_array((values, (rows, columns)), shape=shape)
         own = csr_array(normals @ self.selectors)
+        if self.track_starts.size:
+            own = csr_array(own - self._of_tracks(watch))
         if not self.is_bent:
             return Projections(own, None, None)
         bent = csr_array(own - normals @ self.bends)
         return Projections(own, bent, csr_array(normals @ self.held_back))
+
+    def _of_tracks(self, watch: Watch) -> csr_array:
+        """Return what the rows of a window see of the obstacles' own deviations."""
+        count, d = watch.normals.shape
+        met = np.flatnonzero(watch.kinds == OBSTACLE)
+        met = met[self.track_starts[watch.other[met]] >= 0]
+        columns = self.track_starts[watch.other[met], None] + np.arange(d)
+        where = np.repeat(met, d), columns.ravel()
+        return csr_array(
+            (watch.normals[met].ravel(), where), shape=(count, self.selectors.shape[1])
+        )
 
 
 def projections_of(
@@ -149,4 +165,6 @@ def projections_of(
     # A control that is cut off takes back what it does to the position over the step.
     pushed = csr_array(selectors @ cutoff.pushes)
     held_back = csr_array(pushed.multiply(straight[:, None]))
-    return FleetProjections(position_rows, selectors, bends, held_back, motion.is_bent)
+    return FleetProjections(
+        position_rows, selectors, bends, held_back, motion.is_bent, sampler.track_starts
+    )

@@ -21,7 +21,7 @@ Float32 = npt.NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Displacements ``d⁺ = decay · d + gain · u`` per axis.
+    """Displacements ``d⁺ = decay · d + drift + gain · u`` per axis.
 
     Attributes
     ----------
@@ -29,6 +29,9 @@ class Motion:
         1 for a double integrator, 0 for a single one.
     gain : (2,) array
         Meters per unit of control.
+    drift : (2,) array
+        What a displacement gains without control [m]: all that a current carries where it decays at
+        once, nothing where it lasts.
     first : (2,) array
         First displacement without control [m].
     longest : (2,) array
@@ -41,6 +44,7 @@ class Motion:
 
     decay: Vector
     gain: Vector
+    drift: Vector
     first: Vector
     longest: Vector
     most: Vector
@@ -60,12 +64,16 @@ class Motion:
         coasts = reply[1] > 1e-9
         gain = np.where(coasts, reply[1], reply[0])
         decay = np.where(coasts, np.minimum(reply[2] / np.where(coasts, reply[1], 1.0), 1.0), 0.0)
+        carried = np.zeros(len(place))
+        if model.vehicle.drift is not None:
+            c = model.vehicle.drift
+            carried = (system.A @ c)[place] - decay * c[place]
         rise = np.diff(model.reach_upper, axis=0).max(axis=0)
         fall = -np.diff(model.reach_lower, axis=0).min(axis=0)
         longest = np.maximum(rise, fall)
         most = np.full(len(place), float(model.control_bounds.max(initial=0.0)))
         first = np.diff(model.drift_position[:2], axis=0)[0]
-        return cls(decay, gain, first, longest, most, float(model.vehicle.cost_weight))
+        return cls(decay, gain, carried, first, longest, most, float(model.vehicle.cost_weight))
 
     @property
     def is_planar(self) -> bool:
@@ -133,7 +141,8 @@ class Motion:
         for axis in (0, 1):
             last = stride[axis] * (before[axis] + around)
             following = stride[axis] * (after[axis] + around)
-            control = np.abs(following[:, None] - self.decay[axis] * last[None, :])
+            coasted = self.decay[axis] * last + self.drift[axis]
+            control = np.abs(following[:, None] - coasted[None, :])
             control = np.maximum(control - 1e-9, 0.0) / self.gain[axis]
             table = (self.weight * control).astype(np.float32)
             table[control > self.most[axis] + 0.5 * stride[axis] / self.gain[axis]] = _INF

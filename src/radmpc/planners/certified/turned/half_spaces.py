@@ -163,9 +163,9 @@ def _around(
     upper = np.maximum(begin[places], path[places, 1:])
     gaps = np.maximum(shapes.lower[pieces] - upper, lower - shapes.upper[pieces])
     gaps = np.maximum(gaps, 0.0)
-    spread = np.sqrt(hazards.variances[members])
-    limit = hazards.radii[members][:, None] + near.clearance * spread + near.reach
-    number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < np.square(limit)[places])
+    spread = np.sqrt(hazards.variances[members][places] + shapes.variances[pieces])
+    limit = hazards.radii[members][places][:, None] + near.clearance * spread + near.reach
+    number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < np.square(limit))
     place, piece = places[number], pieces[number]
     first, radius = members[place], hazards.radii[members[place]][:, None]
     corners = (
@@ -180,7 +180,7 @@ def _around(
     def encounter(paths: Paths) -> Encounter:
         return Encounter(
             _ends(hazards, paths.means[first, window], paths.means[first, window + 1]),
-            _noise(hazards, window, first, None),
+            _noise(hazards, window, first, None, piece),
             paths.sagittas[first, window],
             supports,
         )
@@ -257,12 +257,19 @@ def _ends(hazards: Hazards, start: Matrix, end: Matrix) -> tuple[Matrix, ...]:
 
 
 def _noise(
-    hazards: Hazards, window: Indices, first: Indices, second: Indices | None
+    hazards: Hazards,
+    window: Indices,
+    first: Indices,
+    second: Indices | None,
+    piece: Indices | None = None,
 ) -> tuple[tuple[Tensor, ...], ...]:
     """Return the covariances at the windows' ends, those of bent paths beside them."""
+    of_pieces = hazards.shapes.covariances
 
     def joint(covariances: Tensor, steps: Indices) -> Tensor:
         mine = covariances[first, steps]
+        if piece is not None and of_pieces is not None:
+            mine = mine + of_pieces[piece, steps]
         return mine if second is None else mine + covariances[second, steps]
 
     end = (joint(hazards.covariances, window + 1),)

@@ -79,10 +79,10 @@ def near_pieces(
         The place among the members, and the number of the piece.
     """
     shapes = hazards.shapes
-    spread = np.sqrt(hazards.variances[members].max(axis=1))
-    limit = hazards.radii[members] + near.clearance * spread + near.reach
+    most = hazards.variances[members].max(axis=1)[:, None] + shapes.variances.max(axis=1)
+    limit = hazards.radii[members, None] + near.clearance * np.sqrt(most) + near.reach
     boxes = shapes.lower.min(axis=1), shapes.upper.max(axis=1)
-    is_near = _closer((path.min(axis=1), path.max(axis=1)), boxes, limit[:, None])
+    is_near = _closer((path.min(axis=1), path.max(axis=1)), boxes, limit)
     places, pieces = np.nonzero(is_near)
     return places, pieces
 

@@ -2,7 +2,8 @@
 
 Path-velocity decomposition (Kant and Zucker 1986): the way is given, and dynamic programming over
 (place on the way, speed, step) finds the pace. From step to step a vehicle goes straight on
-average, so corners fall on steps, or are cut where there is room for it.
+average, so corners fall on steps, or are cut where there is room for it. Speeds are over ground: in
+a current they change as those through the water do, which have the limits.
 """
 
 from __future__ import annotations
@@ -58,6 +59,8 @@ class Track:
         What it costs; inf where it leads past the end, or where nothing can do it.
     first : int
         The level of speed at the start.
+    last : (v,) array
+        What it costs to arrive at each level of speed; inf where none is but rest.
     price : float
         Cost of a meter of room that is missed.
     """
@@ -67,6 +70,7 @@ class Track:
     ends: Indices
     costs: Tensor
     first: int
+    last: Vector
     price: float
 
     @property
@@ -127,7 +131,7 @@ class Track:
         for step, place, lack in others:
             near[step, place] += lack
         value = np.full((num_levels, count), np.inf, dtype=np.float32)
-        value[0, -1] = 0.0
+        value[:, -1] = self.last
         level = np.arange(num_levels)
         ends = level[None, :, None] * count + self.ends
         moves = np.arange(count) * self.num_moves + level[:, None, None] + level[None, :, None]
@@ -174,6 +178,7 @@ def track(
         None where the way is too long for that.
     """
     dt, fastest, push = _limits(hazards.models[i])
+    current, gust = _drift(hazards.models[i], dt)
     lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
     reach = 0.5 * dt * fastest
     finest = reach * _PER_RADIUS / hazards.radii[i]
@@ -182,7 +187,8 @@ def track(
     count = 2 * max(1, round(float(lengths[-1]) * finest / reach / 2.0)) + 1
     along = np.linspace(0.0, lengths[-1], count)
     unit = max(2.0 * float(along[1]) / dt, _TINY)
-    level = np.arange(int(np.sqrt(2.0) * fastest / unit + _TINY) + 1)
+    over_ground = fastest + float(np.abs(current).max())
+    level = np.arange(int(np.sqrt(2.0) * over_ground / unit + _TINY) + 1)
     if count * level.size**2 * hazards.horizon > _MOST:
         return None
     places = np.stack([np.interp(along, lengths, way[:, a]) for a in (0, 1)], axis=1)
@@ -193,22 +199,51 @@ def track(
     is_never = ends >= count
     ends = np.minimum(ends, count - 1)
     there = speeds[level[None, :, None], ends]
-    change = np.abs(there - speeds[:, None])
+    change = np.abs(there - speeds[:, None] - gust)
     missed = places[ends] - places - 0.5 * dt * (there + speeds[:, None])
     lack = _lack(hazards, i, places, 2 * level.size - 1, kept)
     price = _MISSED * fastest
     costs = change.sum(axis=3) + price * np.linalg.norm(missed, axis=3)
     costs += price * np.moveaxis(lack[:, level[:, None] + level], 0, 2)
     # Speeds are on levels: half of one more or less is left to what follows.
-    is_fast = np.abs(speeds).max(axis=2) > fastest + 0.1 * unit
+    is_fast = np.abs(speeds - current).max(axis=2) > fastest + 0.1 * unit
     is_never |= is_fast[:, None] | is_fast[level[None, :, None], ends]
     is_never |= (change > push + 0.5 * unit).any(axis=3)
     costs[is_never] = np.inf
     start = hazards.models[i].drift_velocity
-    first = 0.0 if start is None else float(ahead[0] @ start[0]) / unit
-    return Track(
-        i, places, ends, costs.astype(np.float32), int(np.clip(round(first), 0, level[-1])), price
-    )
+    first = 0.0 if start is None else float(ahead[0] @ (start[0] + current)) / unit
+    first = int(np.clip(round(first), 0, level[-1]))
+    last = _arrivals(hazards.models[i], speeds[:, -1], current)
+    return Track(i, places, ends, costs.astype(np.float32), first, last, price)
+
+
+def _arrivals(model: CondensedModel, speeds: Matrix, current: Vector) -> Vector:
+    """Return what it costs to arrive at speeds over ground, (v, 2), level by level, (v,).
+
+    In still water at rest alone. In a current who rests over ground may be too fast through the
+    water for the goal: there the levels are allowed that are nearest to what the goal allows.
+    """
+    costs = np.full(len(speeds), np.inf)
+    costs[0] = 0.0
+    allowed = model.vehicle.goal.speed
+    if current.any() and allowed is not None:
+        excess = np.maximum(np.abs(speeds - current) - allowed, 0.0).sum(axis=1)
+        costs = np.where(excess <= excess.min() + _TINY, excess, np.inf)
+    return costs
+
+
+def _drift(model: CondensedModel, dt: float) -> tuple[Vector, Vector]:
+    """Return what a drift adds to the speed over ground, and to it from step to step [m/s].
+
+    Half of what a step adds to the speed is in the position already: so half the sum of the speeds
+    over ground at both ends is the way of a step, in any drift.
+    """
+    vehicle, d = model.vehicle, model.vehicle.system.dimension
+    if vehicle.drift is None or vehicle.system.rates is None:
+        return np.zeros(d), np.zeros(d)
+    place, speed = list(vehicle.system.position), list(vehicle.system.rates[0])
+    gust = vehicle.drift[speed]
+    return vehicle.drift[place] / dt - 0.5 * gust, gust
 
 
 def _limits(model: CondensedModel) -> tuple[float, float, Vector]:
