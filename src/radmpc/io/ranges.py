@@ -6,6 +6,7 @@ from radmpc.arguments import field_number
 from radmpc.errors import ScenarioError
 
 __all__ = [
+    "FLIGHT_FORMAT",
     "MOST_OBSTACLES",
     "MOST_VEHICLES",
     "PLAN_FORMAT",
@@ -19,6 +20,9 @@ SCENARIO_FORMAT = "radmpc/scenario/1"
 
 PLAN_FORMAT = "radmpc/plan/1"
 """The same of a plan file."""
+
+FLIGHT_FORMAT = "radmpc/flight/1"
+"""The same of a flight file."""
 
 MOST_VEHICLES = 10_000
 """Vehicles that a scenario file may have: a slip of the hand should not fill the memory."""

@@ -1,0 +1,198 @@
+"""The account of a mission booked again from its rows alone: what they state is compared, not used.
+
+Legs, values, prices, wealth and controls follow from the plan, the measured states and the controls
+of the legs that were adopted. Who changes a file must change all that follows from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.errors import RadmpcError, RiskError
+from radmpc.flying.account import Account
+from radmpc.flying.alarms import Watcher
+from radmpc.flying.deciding import opened
+from radmpc.flying.leg import Leg, left_of, leg_of
+from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
+from radmpc.io.flights.record import TickRow
+from radmpc.model.plan import Plan
+
+__all__ = ["Booking", "booked"]
+
+_TOLERANCE = 1e-6
+"""Share [-] by which numbers may differ from those stated: other processors round otherwise."""
+
+_LEAST = 1e-9
+"""Probability [-], and difference of controls, up to which they may differ anyway."""
+
+
+@dataclass(slots=True, eq=False)
+class Booking:
+    """A mission as its rows leave it.
+
+    Attributes
+    ----------
+    plan : Plan
+        What was flown first.
+    leg : Leg
+        In the air.
+    account : Account
+        After the last row.
+    watcher : Watcher
+        What has been measured.
+    expected : tuple of (n,) array
+        Where vehicles are expected at the next step.
+    entries, ticks, contacts : list
+        Of the mission so far.
+    problems : list of str
+        What rows state and does not follow, one sentence each.
+    """
+
+    plan: Plan
+    leg: Leg
+    account: Account
+    watcher: Watcher
+    expected: tuple[Vector, ...]
+    entries: list[Entry] = field(default_factory=list)
+    ticks: list[Tick] = field(default_factory=list)
+    contacts: list[Contact] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+    def enter(self, step: int, what: str, price: float | None) -> None:
+        """Write a row of the account."""
+        now = self.account
+        self.entries.append(
+            Entry(step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
+        )
+
+
+def booked(plan: Plan, rows: Sequence[TickRow]) -> Booking:
+    """Return a mission as its rows leave it, and what in them is not true.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was flown first.
+    rows : sequence of TickRow
+        Of one mission.
+
+    Returns
+    -------
+    Booking
+        Up to the first row that cannot be booked.
+
+    Raises
+    ------
+    RiskError
+        If the plan's certificate exceeds Δ.
+    """
+    leg, account = opened(plan, 0)
+    starts = tuple(v.start for v in plan.scenario.vehicles)
+    book = Booking(plan, leg, account, Watcher(plan.scenario), starts)
+    book.enter(0, "opened", account.tail)
+    for number, row in enumerate(rows):
+        where = f"mission {row.mission}, step {row.step}"
+        if row.step != number:
+            book.problems.append(f"{where}: stands where step {number} is due")
+            break
+        try:
+            _book(book, row, where)
+        except RadmpcError as error:
+            book.problems.append(f"{where}: {error}")
+            break
+    return book
+
+
+def _book(book: Booking, row: TickRow, where: str) -> None:
+    """Take the next row."""
+    known = book.expected if row.states is None else row.states
+    book.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
+    value = None
+    if row.states is not None:
+        if not book.ticks or book.ticks[-1].value is not None:
+            book.watcher.look(book.expected, known, row.step)
+        worth = book.leg.value(row.step, known)
+        value, book.account = worth.total, book.account.kept(worth.least)
+    wealth = book.account.wealth
+    _compare(book, where, {"value": (row.value, value), "wealth": (row.wealth, wealth)})
+    if (row.leg is not None) != (row.choice == "candidate"):
+        book.problems.append(f"{where}: states {row.choice!r}, and a leg only where one is adopted")
+    if row.leg is None:
+        book.enter(row.step, "kept", None)
+    else:
+        _adopt(book, row, where)
+    now = book.account
+    _compare(book, where, {"tail": (row.tail, now.tail), "bank": (row.bank, now.bank)})
+    flown = _flown(book, row, known, where)
+    way = segments(book.plan.scenario, known, flown) if flown else ()
+    book.ticks.append(_tick(row, way))
+
+
+def _tick(row: TickRow, way: tuple[Segment, ...]) -> Tick:
+    """Return the decision that a row tells."""
+    return Tick(
+        row.step, way, row.choice, row.reason, row.value, row.wealth, row.price, row.next_step,
+        row.alarms, row.seconds,
+    )  # fmt: skip
+
+
+def _adopt(book: Booking, row: TickRow, where: str) -> None:
+    """Buy the leg of a row, if its price is within the wealth."""
+    if row.leg is None:
+        return
+    if book.contacts:
+        book.problems.append(f"{where}: a leg was adopted after something was hit")
+    rest = left_of(book.plan.scenario, row.step, row.leg.starts, row.leg.risk_bound)
+    leg = leg_of(rest, row.leg.controls, row.step)
+    known = book.expected if row.states is None else row.states
+    # Where it begins beside the measured state, the deviation is part of what it costs.
+    begins = all(np.array_equal(a, b) for a, b in zip(row.leg.starts, known, strict=True))
+    price = leg.price if begins else leg.value(row.step, known).total
+    _compare(book, where, {"price": (row.price, price)})
+    try:
+        book.account = book.account.adopted(price)
+    except RiskError as error:
+        book.problems.append(f"{where}: the leg that was adopted was not affordable: {error}")
+        book.account = Account(book.account.risk_bound, price, 0.0)
+    book.leg = leg
+    book.enter(row.step, "adopted", price)
+
+
+def _flown(book: Booking, row: TickRow, known: Sequence[Vector], where: str) -> tuple[Vector, ...]:
+    """Return what was flown until the next step; expect what comes of it."""
+    scenario = book.plan.scenario
+    if row.step == scenario.horizon or not row.controls:
+        if bool(row.controls) or row.step < scenario.horizon:
+            book.problems.append(f"{where}: controls must end with step {scenario.horizon - 1}")
+        return ()
+    asked = book.leg.controls(row.step, known)
+    held = [
+        np.clip(u, -v.control_limit, v.control_limit)
+        for u, v in zip(asked, scenario.vehicles, strict=True)
+    ]
+    for vehicle, due, stated in zip(scenario.vehicles, held, row.controls, strict=True):
+        if float(np.abs(due - stated).max(initial=0.0)) > max(
+            _LEAST, _TOLERANCE * np.abs(due).max()
+        ):
+            book.problems.append(
+                f"{where}: vehicle {vehicle.name!r}: flew {stated.tolist()}, the leg says "
+                f"{due.tolist()}"
+            )
+    book.expected = book.leg.expected(row.step, known, row.controls)
+    return row.controls
+
+
+def _compare(
+    book: Booking, where: str, numbers: dict[str, tuple[float | None, float | None]]
+) -> None:
+    """Note stated numbers that are not those booked."""
+    for name, (stated, due) in numbers.items():
+        if stated is None and due is None:
+            continue
+        if stated is None or due is None or abs(stated - due) > _LEAST + _TOLERANCE * abs(due):
+            told = "nothing" if due is None else f"{due:.6g}"
+            book.problems.append(f"{where}: states a {name} of {stated}, booked again it is {told}")

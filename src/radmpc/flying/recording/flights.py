@@ -1,0 +1,208 @@
+"""Whole flights: missions one after the other, every tick on the disk before it is flown."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.errors import FileFormatError
+from radmpc.flying.backends import Backend, backend_named
+from radmpc.flying.recording.recorded import RecordedMission
+from radmpc.flying.tick import Contact, segments
+from radmpc.io.flights.flight_file import FlightWriter
+from radmpc.io.flights.record import FlightRecord, FlightSettings, TickRow
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.version import __version__
+
+__all__ = ["Progress", "begin_flight", "resume_flight"]
+
+Progress = Callable[[int, int], None]
+"""Takes the number of the mission and its step, of every tick."""
+
+_CLOSE = 1e-9
+"""Difference of states, absolute below one and relative above, up to which a backend that is flown
+again is where it was [-]."""
+
+States = Sequence[Vector]
+
+
+def begin_flight(
+    plan: Plan,
+    settings: FlightSettings,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    stop: Callable[[], bool] = lambda: False,
+    progress: Progress | None = None,
+) -> FlightRecord:
+    """Fly a plan, and write down every tick before it is flown.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is flown.
+    settings : FlightSettings
+        With what, and how often.
+    path : path or None
+        The flight file; None writes none.
+    stop : callable
+        Whether to end after the tick.
+    progress : callable or None
+        Told of every tick.
+
+    Returns
+    -------
+    FlightRecord
+        What was flown; if it was stopped, the last mission is not over.
+
+    Raises
+    ------
+    RadmpcError
+        If the plan cannot be flown, or not with this backend.
+    OSError
+        If the file cannot be written.
+    """
+    # Before the file is touched: who cannot fly leaves nothing behind.
+    record = FlightRecord(plan, settings, (), (), {"radmpc": __version__})
+    mission, backend = _mission(record, 0, lambda row: None), _backend(record, 0)
+    del mission, backend
+    with ExitStack() as stack:
+        writer = None
+        if path is not None:
+            begun = FlightWriter.begin(path, plan, settings, record.versions)
+            writer = stack.enter_context(begun)
+        return _flown(record, writer, stop, progress)
+
+
+def resume_flight(
+    path: str | os.PathLike[str],
+    *,
+    stop: Callable[[], bool] = lambda: False,
+    progress: Progress | None = None,
+) -> FlightRecord:
+    """Go on with a flight from its file, however it ended.
+
+    The account is booked again from the rows. The backend is flown again with the recorded
+    controls: model and simulators are then where they were.
+
+    Parameters
+    ----------
+    path : path
+        The flight file; what is flown is added to it.
+    stop, progress
+        As in `begin_flight`.
+
+    Returns
+    -------
+    FlightRecord
+        What was flown, before and now.
+
+    Raises
+    ------
+    FileFormatError
+        If the file was changed, or the backend does not come to where it was.
+    RadmpcError
+        If the plan cannot be flown, or not with this backend.
+    OSError
+        If the file cannot be written.
+    """
+    writer, record = FlightWriter.go_on(path)
+    with writer:
+        try:
+            return _flown(record, writer, stop, progress)
+        except FileFormatError as error:
+            raise FileFormatError(f"{os.fspath(path)}: {error}") from error
+
+
+def _flown(
+    record: FlightRecord,
+    writer: FlightWriter | None,
+    stop: Callable[[], bool],
+    progress: Progress | None,
+) -> FlightRecord:
+    """Fly the missions that are left."""
+    rows = list(record.rows)
+
+    def tell(row: TickRow) -> None:
+        if writer is not None:
+            writer.append(row)
+        rows.append(row)
+        if progress is not None:
+            progress(row.mission, row.step)
+
+    missions = record.missions
+    begun = missions[-1] if missions and not missions[-1].is_over else None
+    if begun is not None:
+        _fly(record, begun.number, begun.rows, tell, stop)
+    for number in range(len(missions), record.settings.missions):
+        if stop():
+            break
+        _fly(record, number, (), tell, stop)
+    return FlightRecord(record.plan, record.settings, tuple(rows), (), record.versions)
+
+
+def _fly(
+    record: FlightRecord,
+    number: int,
+    past: Sequence[TickRow],
+    tell: Callable[[TickRow], None],
+    stop: Callable[[], bool],
+) -> None:
+    """Fly one mission to its end, or until it is to stop."""
+    mission = _mission(record, number, tell, past)
+    backend = _backend(record, number)
+    states, contacts = _replayed(backend, record.plan.scenario, past)
+    while not mission.is_over and not stop():
+        tick = mission.step(states, deadline=record.settings.deadline, contacts=contacts)
+        if tick.segments:
+            states, contacts = backend.advance(tick.segments)
+
+
+def _mission(
+    record: FlightRecord,
+    number: int,
+    tell: Callable[[TickRow], None],
+    past: Sequence[TickRow] = (),
+) -> RecordedMission:
+    """Return a mission of a flight."""
+    settings = record.settings
+    return RecordedMission(
+        record.plan, number, tell, past, planner=settings.replan, seed=settings.seed
+    )
+
+
+def _backend(record: FlightRecord, number: int) -> Backend:
+    """Return what a mission is flown with; its noise is the mission's own."""
+    settings = record.settings
+    rng = np.random.default_rng([settings.seed, number])
+    kind = backend_named(settings.backend)
+    return kind.make(record.plan.scenario, rng, **settings.options)
+
+
+def _replayed(
+    backend: Backend, scenario: Scenario, past: Sequence[TickRow]
+) -> tuple[States, Sequence[Contact]]:
+    """Return where a backend is after the controls of some rows."""
+    states, contacts = backend.reset()
+    for row in past:
+        if row.states is not None:
+            _check_same(scenario, states, row)
+        if row.controls:
+            known = tuple(states) if row.states is None else row.states
+            states, contacts = backend.advance(segments(scenario, known, row.controls))
+    return states, contacts
+
+
+def _check_same(scenario: Scenario, states: States, row: TickRow) -> None:
+    """Refuse a backend that is elsewhere than recorded: vehicles, or another version of it."""
+    for vehicle, now, then in zip(scenario.vehicles, states, row.states or (), strict=True):
+        if not np.allclose(now, then, rtol=_CLOSE, atol=_CLOSE):
+            raise FileFormatError(
+                f"cannot go on: at step {row.step} of mission {row.mission} vehicle "
+                f"{vehicle.name!r} was at {np.asarray(then).tolist()}, flown again it is at "
+                f"{np.asarray(now).tolist()}"
+            )

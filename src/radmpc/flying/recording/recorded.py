@@ -1,0 +1,125 @@
+"""Missions whose every tick is written down before it is flown, and which go on from their rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from radmpc.errors import FileFormatError
+from radmpc.flying.measuring import measured
+from radmpc.flying.mission import Mission
+from radmpc.flying.recording.booking import booked
+from radmpc.flying.tick import Contact, Tick
+from radmpc.io.flights.record import NewLeg, TickRow, Touch
+from radmpc.model.plan import Plan
+
+__all__ = ["RecordedMission"]
+
+
+class RecordedMission(Mission):
+    """A mission that tells every tick before its controls are flown.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is flown first.
+    number : int
+        Of the mission, in its rows.
+    tell : callable
+        Takes a row; what it raises, `step` raises.
+    rows : sequence of TickRow
+        Of the mission so far, where it goes on.
+    planner : str or None
+        A preset's name; None never plans anew.
+    seed : int
+        Of every plan.
+
+    Raises
+    ------
+    FileFormatError
+        If the rows cannot be booked again.
+    RadmpcError
+        As of `Mission`.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        number: int,
+        tell: Callable[[TickRow], None],
+        rows: Sequence[TickRow] = (),
+        *,
+        planner: str | None = "certified",
+        seed: int = 0,
+    ) -> None:
+        super().__init__(plan, planner=planner, seed=seed)
+        self._number, self._tell = number, tell
+        if rows:
+            self._take_up(plan, rows)
+
+    def step(
+        self,
+        states: Mapping[str, npt.ArrayLike] | Sequence[npt.ArrayLike] | None,
+        *,
+        deadline: float | None = None,
+        contacts: Sequence[Contact] = (),
+    ) -> Tick:
+        """Decide what to do until the next step, and tell it.
+
+        Parameters
+        ----------
+        states, deadline, contacts
+            As in `Mission.step`.
+        """
+        expected = self._expected
+        tick = super().step(states, deadline=deadline, contacts=contacts)
+        given = measured(self._scenario, states)
+        known = expected if given is None else given
+        excess = 0.0
+        if tick.segments:
+            asked = self._leg.controls(tick.step, known)
+            pairs = zip(asked, tick.controls, strict=True)
+            excess = max(float(np.abs(u - flown).max(initial=0.0)) for u, flown in pairs)
+        account = self.balance
+        self._tell(
+            TickRow(
+                mission=self._number,
+                step=tick.step,
+                states=given,
+                contacts=tuple(Touch(c.step, c.cause, c.vehicle, c.other) for c in contacts),
+                choice=tick.choice,
+                reason=tick.reason,
+                value=tick.value,
+                wealth=tick.wealth,
+                price=tick.price,
+                next_step=tick.next_step,
+                tail=account.tail,
+                bank=account.bank,
+                controls=tick.controls,
+                excess=excess,
+                leg=self._new_leg() if tick.choice == "candidate" else None,
+                alarms=tick.alarms,
+                seconds=tick.seconds,
+            )
+        )
+        return tick
+
+    def _new_leg(self) -> NewLeg:
+        """Return what tells the leg in the air from any other."""
+        plan = self._leg.plan
+        return NewLeg(
+            plan.scenario.risk_bound,
+            tuple(v.start for v in plan.scenario.vehicles),
+            tuple(path.controls for path in plan.trajectories),
+        )
+
+    def _take_up(self, plan: Plan, rows: Sequence[TickRow]) -> None:
+        """Be where the rows end."""
+        book = booked(plan, rows)
+        if book.problems:
+            raise FileFormatError(f"cannot go on: {book.problems[0]}")
+        self._leg, self._account, self._watcher = book.leg, book.account, book.watcher
+        self._entries, self._ticks, self._contacts = book.entries, book.ticks, book.contacts
+        self._step, self._expected = rows[-1].step + 1, book.expected

@@ -1,0 +1,98 @@
+"""A flight judged from its record alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from radmpc.errors import RadmpcError
+from radmpc.flying.model import Model
+from radmpc.flying.recording.booking import booked
+from radmpc.flying.tick import Contact
+from radmpc.io.flights.record import FlightRecord, FlownMission, TickRow
+from radmpc.model.scenario import Scenario
+from radmpc.referee import certify
+
+__all__ = ["flight_problems"]
+
+_MOST_PROBLEMS = 20
+"""Problems of a flight that are told."""
+
+
+def flight_problems(record: FlightRecord) -> tuple[str, ...]:
+    """Return what in a flight is not true, one sentence each; empty where it holds.
+
+    The plan is certified anew, the account of every mission booked again, and in the model's own
+    dynamics what was hit is found again.
+
+    Parameters
+    ----------
+    record : FlightRecord
+        As read from a file.
+    """
+    problems = [f"line {line} of the file is not as it was written" for line in record.changed]
+    certificate = certify(record.plan)
+    problems += certificate.problems
+    if not certificate.problems:
+        for due, mission in enumerate(record.missions):
+            problems += _mission_problems(record, mission, due)
+    if len(record.missions) > record.settings.missions:
+        problems.append(
+            f"{len(record.missions)} missions were flown, {record.settings.missions} asked for"
+        )
+    hidden = len(problems) - _MOST_PROBLEMS
+    if hidden > 0:
+        return (*problems[:_MOST_PROBLEMS], f"{hidden} more like these")
+    return tuple(problems)
+
+
+def _mission_problems(record: FlightRecord, mission: FlownMission, due: int) -> list[str]:
+    """Return what in one mission is not true."""
+    if mission.number != due:
+        return [f"mission {mission.number} stands where mission {due} is due"]
+    if not mission.is_over and due < len(record.missions) - 1:
+        return [f"mission {mission.number} ends with step {mission.rows[-1].step}"]
+    try:
+        problems = booked(record.plan, mission.rows).problems
+    except RadmpcError as error:
+        return [f"mission {mission.number}: {error}"]
+    if record.settings.backend == "model":
+        problems += _contact_problems(record.plan.scenario, mission.rows)
+    return problems
+
+
+class _Geometry(Model):
+    """The model's own geometry, of steps that have been flown."""
+
+    def hit(self, before: TickRow | None, now: TickRow) -> tuple[Contact, ...]:
+        """Return what was hit on the way to a row."""
+        self._step = now.step
+        states = now.states or ()
+        if self._scenario.avoidance == "steps":
+            return self._contacts(states, states, None)
+        if before is None:
+            return ()
+        return self._contacts(before.states or (), states, before.controls)
+
+
+def _contact_problems(scenario: Scenario, rows: Sequence[TickRow]) -> list[str]:
+    """Return where what was hit is not what states and controls say."""
+    geometry = _Geometry(scenario)
+    problems = []
+    before = None
+    for row in rows:
+        if row.states is None or (before is not None and before.states is None):
+            before = row
+            continue
+        found = {(c.cause, c.vehicle, c.other) for c in geometry.hit(before, row)}
+        stated = {(c.cause, c.vehicle, c.other) for c in row.contacts}
+        before = row
+        for what, which in (
+            ("is hit, and not stated", found - stated),
+            ("is stated, and not hit", stated - found),
+        ):
+            problems += [
+                f"mission {row.mission}, step {row.step}: {vehicle!r} and "
+                f"{other or 'the border of the workspace'!r}: a contact that {what}"
+                for _, vehicle, other in sorted(which, key=str)
+            ]
+    return problems

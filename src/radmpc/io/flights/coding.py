@@ -1,0 +1,172 @@
+"""Flights to and from plain data, the shapes of all arrays checked against the plan's scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+
+from radmpc.arrays import Matrix, Vector, as_matrix, as_vector
+from radmpc.errors import ScenarioError
+from radmpc.io.flights.flight_schema import HeaderSpec, LegSpec, RowSpec
+from radmpc.io.flights.record import FlightSettings, NewLeg, TickRow, Touch
+from radmpc.io.native.checking import check_format, validated
+from radmpc.io.native.plan_file import decode_plan, encode_plan
+from radmpc.io.ranges import FLIGHT_FORMAT
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+
+__all__ = ["decode_header", "decode_row", "encode_header", "encode_row"]
+
+
+def encode_header(
+    plan: Plan, settings: FlightSettings, versions: Mapping[str, str]
+) -> dict[str, object]:
+    """Return the content of a flight file's first line.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is flown.
+    settings : FlightSettings
+        How.
+    versions : mapping of str to str
+        Of the packages that fly.
+    """
+    return {
+        "format": FLIGHT_FORMAT,
+        **asdict(settings),
+        "versions": dict(versions),
+        "plan": encode_plan(plan),
+    }
+
+
+def decode_header(data: object) -> tuple[Plan, FlightSettings, dict[str, str]]:
+    """Return the plan, how it was flown, and versions.
+
+    Parameters
+    ----------
+    data : mapping
+        The content of the first line.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is missing, unknown or not allowed.
+    """
+    spec = validated(HeaderSpec, check_format(data, FLIGHT_FORMAT))
+    try:
+        plan = decode_plan(spec.plan)
+    except ScenarioError as error:
+        raise error.under("plan") from error
+    if len(plan.trajectories) != plan.scenario.num_vehicles:
+        raise ScenarioError(
+            f"must be of all {plan.scenario.num_vehicles} vehicles, got {len(plan.trajectories)}",
+            ("plan", "vehicles"),
+        )
+    settings = FlightSettings(
+        spec.backend, spec.replan, spec.missions, spec.seed, spec.deadline, spec.options
+    )
+    return plan, settings, spec.versions
+
+
+def encode_row(row: TickRow) -> dict[str, object]:
+    """Return the content of a tick's line."""
+    leg = row.leg
+    return {
+        "mission": row.mission,
+        "step": row.step,
+        "states": None if row.states is None else _lists(row.states),
+        "contacts": [asdict(touch) for touch in row.contacts],
+        "choice": row.choice,
+        "reason": row.reason,
+        "value": row.value,
+        "wealth": row.wealth,
+        "price": row.price,
+        "next_step": row.next_step,
+        "tail": row.tail,
+        "bank": row.bank,
+        "controls": _lists(row.controls),
+        "excess": row.excess,
+        "leg": None
+        if leg is None
+        else {
+            "risk_bound": leg.risk_bound,
+            "starts": _lists(leg.starts),
+            "controls": _lists(leg.controls),
+        },
+        "alarms": list(row.alarms),
+        "seconds": row.seconds,
+    }
+
+
+def decode_row(data: object, scenario: Scenario) -> TickRow:
+    """Return a tick.
+
+    Parameters
+    ----------
+    data : mapping
+        The content of its line.
+    scenario : Scenario
+        Of the plan.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is missing, unknown or not allowed, or does not fit the scenario.
+    """
+    if not isinstance(data, Mapping):
+        raise ScenarioError("must be a mapping")
+    spec = validated(RowSpec, data)
+    if spec.step > scenario.horizon:
+        raise ScenarioError(f"must be at most {scenario.horizon}, got {spec.step}", ("step",))
+    states = [v.system.num_states for v in scenario.vehicles]
+    controls = [v.system.num_controls for v in scenario.vehicles] if spec.controls else []
+    return TickRow(
+        mission=spec.mission,
+        step=spec.step,
+        states=None if spec.states is None else _vectors(spec.states, states, "states"),
+        contacts=tuple(Touch(c.step, c.cause, c.vehicle, c.other) for c in spec.contacts),
+        choice=spec.choice,
+        reason=spec.reason,
+        value=spec.value,
+        wealth=spec.wealth,
+        price=spec.price,
+        next_step=spec.next_step,
+        tail=spec.tail,
+        bank=spec.bank,
+        controls=_vectors(spec.controls, controls, "controls"),
+        excess=spec.excess,
+        leg=None if spec.leg is None else _leg(spec.leg, scenario, scenario.horizon - spec.step),
+        alarms=tuple(spec.alarms),
+        seconds=spec.seconds,
+    )
+
+
+def _lists(arrays: Sequence[Matrix]) -> list[object]:
+    """Return arrays as lists of numbers."""
+    return [array.tolist() for array in arrays]
+
+
+def _vectors(rows: Sequence[Sequence[float]], sizes: Sequence[int], key: str) -> tuple[Vector, ...]:
+    """Return one vector per vehicle."""
+    if len(rows) != len(sizes):
+        raise ScenarioError(f"must be of {len(sizes)} vehicles, got {len(rows)}", (key,))
+    return tuple(
+        as_vector(row, size, (key, i))
+        for i, (row, size) in enumerate(zip(rows, sizes, strict=True))
+    )
+
+
+def _leg(spec: LegSpec, scenario: Scenario, left: int) -> NewLeg:
+    """Return a leg of the steps that are left."""
+    vehicles = scenario.vehicles
+    if len(spec.controls) != len(vehicles):
+        raise ScenarioError(
+            f"must be of {len(vehicles)} vehicles, got {len(spec.controls)}", ("leg", "controls")
+        )
+    controls = tuple(
+        as_matrix(rows, (left, vehicle.system.num_controls), ("leg", "controls", i))
+        for i, (rows, vehicle) in enumerate(zip(spec.controls, vehicles, strict=True))
+    )
+    sizes = [v.system.num_states for v in vehicles]
+    return NewLeg(spec.risk_bound, _vectors(spec.starts, sizes, "leg"), controls)

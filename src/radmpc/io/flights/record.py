@@ -1,0 +1,195 @@
+"""A flight as values: the plan, how it was flown, and a row for every tick."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import groupby
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.plan import Cause, Plan
+
+__all__ = ["FlightRecord", "FlightSettings", "FlownMission", "NewLeg", "TickRow", "Touch"]
+
+
+@dataclass(frozen=True, slots=True)
+class FlightSettings:
+    """How a plan is flown.
+
+    Attributes
+    ----------
+    backend : str
+        What it is flown with, by name.
+    replan : str or None
+        Preset that plans anew; None flies the plan as it is.
+    missions : int
+        How many times.
+    seed : int
+        Of the noise of all missions and of every plan.
+    deadline : float or None
+        Seconds for a decision; None is no limit [s].
+    options : mapping of str to str
+        What else the backend takes.
+    """
+
+    backend: str = "model"
+    replan: str | None = "certified"
+    missions: int = 1
+    seed: int = 0
+    deadline: float | None = None
+    options: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """Something was hit, or the workspace left.
+
+    Attributes
+    ----------
+    step : int
+        At which it was noticed.
+    cause : {'pair', 'obstacle', 'workspace'}
+        What was hit or left.
+    vehicle : str
+        The vehicle.
+    other : str or None
+        The other vehicle or the obstacle; None for the workspace.
+    """
+
+    step: int
+    cause: Cause
+    vehicle: str
+    other: str | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NewLeg:
+    """A leg that was adopted; means, covariances and rows follow from it.
+
+    Attributes
+    ----------
+    risk_bound : float
+        What it was allowed to risk [-].
+    starts : tuple of (n,) array
+        Where its nominal begins.
+    controls : tuple of (T − k, m) array
+        Its nominal controls.
+    """
+
+    risk_bound: float
+    starts: tuple[Vector, ...]
+    controls: tuple[Matrix, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TickRow:
+    """One tick of one mission: what was measured, decided and booked.
+
+    Attributes
+    ----------
+    mission, step : int
+        Which tick.
+    states : tuple of (n,) array, or None
+        Measured; None where nothing was.
+    contacts : tuple of Touch
+        What was hit since the tick before.
+    choice, reason : str
+        'tail' or 'candidate', and why.
+    value, price, next_step : float or None
+        As in `radmpc.Tick` [-].
+    wealth : float
+        What another leg might have cost [-].
+    tail, bank : float
+        The account after the decision [-].
+    controls : tuple of (m,) array
+        What is flown until the next step; empty at the end.
+    excess : float
+        By how much feedback asked for more control than there is [of the control's unit].
+    leg : NewLeg or None
+        The leg that was adopted, if one was.
+    alarms : tuple of str
+        Signs that the model is wrong.
+    seconds : float
+        What the decision took [s].
+    """
+
+    mission: int
+    step: int
+    states: tuple[Vector, ...] | None
+    contacts: tuple[Touch, ...]
+    choice: str
+    reason: str
+    value: float | None
+    wealth: float
+    price: float | None
+    next_step: float | None
+    tail: float
+    bank: float
+    controls: tuple[Vector, ...]
+    excess: float
+    leg: NewLeg | None
+    alarms: tuple[str, ...]
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlownMission:
+    """The rows of one mission.
+
+    Attributes
+    ----------
+    number : int
+        From 0.
+    rows : tuple of TickRow
+        In order.
+    horizon : int
+        Steps of the whole mission.
+    """
+
+    number: int
+    rows: tuple[TickRow, ...]
+    horizon: int
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it was flown to its end."""
+        return bool(self.rows) and self.rows[-1].step == self.horizon
+
+    @property
+    def contacts(self) -> tuple[Touch, ...]:
+        """What was hit."""
+        return tuple(touch for row in self.rows for touch in row.contacts)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightRecord:
+    """All that a flight file holds.
+
+    Attributes
+    ----------
+    plan : Plan
+        What was flown first, in every mission.
+    settings : FlightSettings
+        How.
+    rows : tuple of TickRow
+        Mission after mission.
+    changed : tuple of int
+        Lines of the file that are not as they were written, from 1.
+    versions : mapping of str to str
+        Of the packages that flew.
+    """
+
+    plan: Plan
+    settings: FlightSettings
+    rows: tuple[TickRow, ...] = ()
+    changed: tuple[int, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def missions(self) -> tuple[FlownMission, ...]:
+        """The missions, the last of which may not be over."""
+        horizon = self.plan.scenario.horizon
+        return tuple(
+            FlownMission(number, tuple(rows), horizon)
+            for number, rows in groupby(self.rows, key=lambda row: row.mission)
+        )

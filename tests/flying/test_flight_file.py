@@ -1,0 +1,276 @@
+"""Flight files: what is written reads back, what was changed is found, what was cut goes on."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorded_flights import beside_the_wall, forged, staked_rows, written
+
+import radmpc
+from radmpc.errors import FileFormatError
+from radmpc.flying.recording.flights import begin_flight, resume_flight
+from radmpc.flying.recording.summary import summary_of
+from radmpc.flying.recording.verifying import flight_problems
+from radmpc.io.flights.flight_file import FlightWriter, is_flight, load_flight
+from radmpc.io.flights.record import FlightRecord, FlightSettings, TickRow, Touch
+from radmpc.model.plan import Plan
+
+KEPT = FlightSettings(replan=None, missions=2, seed=4)
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    return beside_the_wall()
+
+
+@pytest.fixture(scope="module")
+def rows(plan: Plan) -> list[TickRow]:
+    rows = staked_rows(plan)
+    assert sum(row.leg is not None for row in rows) >= 2
+    return rows
+
+
+@pytest.fixture
+def path(tmp_path: Path, plan: Plan, rows: list[TickRow]) -> Path:
+    path = tmp_path / "wall.flight.jsonl"
+    written(path, plan, rows)
+    return path
+
+
+def told(value: object) -> object:
+    """Return a value with arrays as lists: rows are equal where these are."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [told(item) for item in value]
+    if hasattr(value, "__dataclass_fields__"):
+        return {field.name: told(getattr(value, field.name)) for field in fields(value)}
+    return value
+
+
+def without_seconds(record: FlightRecord) -> list[object]:
+    return [told(row) | {"seconds": 0.0} for row in record.rows]  # type: ignore[operator]
+
+
+def test_a_flight_reads_back_as_it_was_flown(path: Path, plan: Plan, rows: list[TickRow]) -> None:
+    record = load_flight(path)
+    assert told(record.rows) == told(tuple(rows))
+    assert record.settings == FlightSettings(replan=None)
+    assert record.changed == ()
+    assert radmpc.to_dict(record.plan) == radmpc.to_dict(plan)
+    assert flight_problems(record) == ()
+
+
+def test_only_a_flight_is_one(path: Path, tmp_path: Path) -> None:
+    assert is_flight(path)
+    other = tmp_path / "other.json"
+    other.write_text('{"format": "radmpc/plan/1"}', encoding="utf-8")
+    assert not is_flight(other)
+    assert not is_flight(tmp_path)
+    assert not is_flight(tmp_path / "missing")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"seconds": 0.', '"seconds": 1.'),
+        ('"contacts": []', '"contacts":  []'),
+        ('"reason": "', '"reason": "surely '),
+        ('"radmpc": "test"', '"radmpc": "tests"'),
+    ],
+)
+def test_whatever_is_changed_in_a_file_is_found(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    at = text.index(old)
+    path.write_text(text[:at] + new + text[at + len(old) :], encoding="utf-8")
+    line = 1 + text.count("\n", 0, at)
+    assert load_flight(path).changed[0] == line
+    problem = flight_problems(load_flight(path))[0]
+    assert problem == f"line {line} of the file is not as it was written"
+    with pytest.raises(FileFormatError, match=f":{line}: was changed after it was written"):
+        FlightWriter.go_on(path)
+
+
+def test_a_line_that_is_taken_out_is_found(path: Path) -> None:
+    lines = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join(lines[:4] + lines[5:]) + "\n", encoding="utf-8")
+    first, second, *_ = flight_problems(load_flight(path))
+    assert first == "line 5 of the file is not as it was written"
+    assert second == "mission 0, step 4: stands where step 3 is due"
+
+
+def _first_leg(rows: list[TickRow]) -> int:
+    return 2 + next(i for i, row in enumerate(rows) if row.leg is not None)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("bank", 0.049, "states a bank of 0.049"),
+        ("tail", 0.5, "states a tail of 0.5"),
+        ("wealth", 0.5, "states a wealth of 0.5"),
+        ("price", 1e-4, "states a price of 0.0001"),
+        ("value", 0.3, "states a value of 0.3"),
+        ("states", [[0.0, 3.0]], "booked again it is"),
+        ("controls", [[0.0, 0.0]], "the leg says"),
+        ("leg", None, "a leg only where one is adopted"),
+        ("mission", 3, "mission 3 stands where mission 0 is due"),
+        ("contacts", [{"step": 1, "cause": "obstacle", "vehicle": "v", "other": "wall"}],
+         "a contact that is stated, and not hit"),
+    ],
+)  # fmt: skip
+def test_a_file_that_was_signed_anew_is_found_out_by_booking_it_again(
+    path: Path, rows: list[TickRow], key: str, value: object, words: str
+) -> None:
+    forged(path, _first_leg(rows), lambda row: row.update({key: value}))
+    record = load_flight(path)
+    assert record.changed == ()
+    assert any(words in problem for problem in flight_problems(record)), flight_problems(record)
+
+
+def test_a_leg_that_could_not_be_afforded_is_found_out(path: Path, rows: list[TickRow]) -> None:
+    def dive(row: dict[str, object]) -> None:
+        row["leg"]["controls"][0][0][1] -= 0.1  # type: ignore[index]
+
+    forged(path, _first_leg(rows), dive)
+    problems = flight_problems(load_flight(path))
+    assert any("was not affordable: price must be at most the wealth" in p for p in problems)
+
+
+def test_a_collision_that_is_kept_quiet_is_found_out(tmp_path: Path, plan: Plan) -> None:
+    rows = next(r for r in (staked_rows(plan, s) for s in range(100)) if any(t.contacts for t in r))
+    path = tmp_path / "hit.jsonl"
+    written(path, plan, rows)
+    assert flight_problems(load_flight(path)) == ()
+    for line, row in enumerate(rows, start=2):
+        if row.contacts:
+            forged(path, line, lambda content: content.update({"contacts": []}))
+    problems = flight_problems(load_flight(path))
+    assert any("'wall': a contact that is hit, and not stated" in problem for problem in problems)
+
+
+def test_a_file_of_another_kind_is_refused_with_line_and_field(path: Path) -> None:
+    forged(path, 3, lambda row: row.update({"bank": "much"}))
+    with pytest.raises(FileFormatError, match=r"jsonl:3: bank: must be a number, got 'much'"):
+        load_flight(path)
+    forged(path, 3, lambda row: row.update({"bank": 0.1, "states": [[1.0]]}))
+    with pytest.raises(FileFormatError, match=r"jsonl:3: states\[0\]: must have 2 numbers, got 1"):
+        load_flight(path)
+    path.write_text("", encoding="utf-8")
+    with pytest.raises(FileFormatError, match="is empty"):
+        load_flight(path)
+
+
+def test_a_flight_that_was_stopped_goes_on_as_if_it_had_not(tmp_path: Path, plan: Plan) -> None:
+    whole = begin_flight(plan, KEPT, tmp_path / "whole.jsonl")
+    for ticks in (1, 5, 11, 14):
+        path = tmp_path / f"cut{ticks}.jsonl"
+        left = iter(range(ticks + 1 + ticks // 12))
+        cut = begin_flight(plan, KEPT, path, stop=lambda left=left: next(left, None) is None)
+        assert len(cut.rows) < len(whole.rows)
+        with path.open("a", encoding="utf-8") as file:
+            file.write('{"mission": 0, "step": 3, "sta')  # killed while writing
+        record = resume_flight(path)
+        assert without_seconds(record) == without_seconds(whole)
+        assert without_seconds(load_flight(path)) == without_seconds(whole)
+        assert load_flight(path).changed == ()
+
+
+KILLED = """
+import os, signal, sys
+from radmpc.flying.recording.flights import begin_flight
+from radmpc.io.flights.record import FlightSettings
+from radmpc import load_plan
+
+def told(mission, step):
+    if (mission, step) == (1, 3):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+settings = FlightSettings(replan=None, missions=2, seed=4)
+begin_flight(load_plan(sys.argv[1]), settings, sys.argv[2], progress=told)
+"""
+
+
+@pytest.mark.slow
+def test_a_flight_whose_process_is_killed_loses_no_tick(tmp_path: Path, plan: Plan) -> None:
+    radmpc.save_plan(plan, tmp_path / "plan.json")
+    path = tmp_path / "killed.jsonl"
+    command = [sys.executable, "-c", KILLED, str(tmp_path / "plan.json"), str(path)]
+    assert subprocess.run(command, timeout=120, check=False).returncode == -9
+    record = load_flight(path)
+    assert [(row.mission, row.step) for row in record.rows][-1] == (1, 3)
+    assert flight_problems(record) == ()
+    whole = begin_flight(plan, KEPT)
+    assert without_seconds(resume_flight(path)) == without_seconds(whole)
+
+
+def test_nothing_is_added_where_the_backend_is_elsewhere(tmp_path: Path, plan: Plan) -> None:
+    path = tmp_path / "flight.jsonl"
+    left = iter(range(4))
+    begin_flight(plan, KEPT, path, stop=lambda: next(left, None) is None)
+    forged(path, 1, lambda header: header.update({"seed": 5}))
+    before = path.read_bytes()
+    with pytest.raises(FileFormatError, match="cannot go on: at step 1 of mission 0 vehicle 'v'"):
+        resume_flight(path)
+    assert path.read_bytes() == before
+
+
+def test_two_processes_do_not_write_one_file(tmp_path: Path, plan: Plan) -> None:
+    path = tmp_path / "flight.jsonl"
+    with FlightWriter.begin(path, plan, KEPT, {}):
+        with pytest.raises(FileFormatError, match="is being written by another flight"):
+            FlightWriter.go_on(path)
+        with pytest.raises(FileFormatError, match="is being written by another flight"):
+            FlightWriter.begin(path, plan, KEPT, {})
+    writer, record = FlightWriter.go_on(path)
+    writer.close()
+    assert record.rows == ()
+
+
+def test_what_cannot_be_flown_leaves_no_file(tmp_path: Path, plan: Plan) -> None:
+    path = tmp_path / "flight.jsonl"
+    with pytest.raises(radmpc.ArgumentError, match="takes no option 'wind'"):
+        begin_flight(plan, FlightSettings(options={"wind": "3"}), path)
+    assert not path.exists()
+
+
+def test_a_recorded_flight_is_the_flight_it_records(plan: Plan) -> None:
+    record = begin_flight(plan, KEPT)
+    for number, mission in enumerate(record.missions):
+        rng = np.random.default_rng([KEPT.seed, number])
+        flight = radmpc.fly(radmpc.Mission(plan, planner=None), radmpc.Model(plan.scenario, rng))
+        assert told(tuple(row.states for row in mission.rows)) == told(flight.states)
+        assert [row.bank for row in mission.rows] == [entry.bank for entry in flight.account[1:]]
+    first, second = (told(mission.rows[1].states) for mission in record.missions)
+    assert first != second
+
+
+def test_a_flight_is_summed_up_by_hand(plan: Plan) -> None:
+    summary = summary_of(begin_flight(plan, KEPT))
+    assert summary.missions == summary.asked == 2
+    assert summary.flown is not None
+    # 0 of 2: what 0.025 = (1 - p)^2 says.
+    assert (summary.flown.rate_low, summary.flown.rate) == (0.0, 0.0)
+    assert summary.flown.rate_high == pytest.approx(1.0 - 0.025**0.5)
+    assert summary.effort == summary.effort_planned == 100.0
+    assert summary.miss == 0.0
+    assert (summary.accepted, summary.adopted) == (0.0, 0)
+    assert summary.certified == pytest.approx(plan.risk.certified)
+    assert summary.ticks == 22
+    assert summary.tick_p50 <= summary.tick_p99 <= summary.tick_max
+    assert summary.contradiction is None
+
+
+def test_a_rate_above_the_bound_is_called_one(plan: Plan, rows: list[TickRow]) -> None:
+    hit = replace(rows[-1], contacts=(Touch(10, "obstacle", "v", "wall"),), excess=0.5)
+    flown = [replace(row, mission=m) for m in range(4) for row in (*rows[:-1], hit)]
+    summary = summary_of(FlightRecord(plan, FlightSettings(missions=4), tuple(flown)))
+    assert summary.flown is not None
+    assert (summary.flown.rate, summary.flown.obstacle_rate, summary.flown.pair_rate) == (1, 1, 0)
+    assert summary.flown.saturation_rate == 1.0
+    assert "collision rate is at least 0.3976" in str(summary.contradiction)
