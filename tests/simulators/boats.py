@@ -19,11 +19,12 @@ def sea(
     avoidance: Avoidance = "intervals",
     horizon: int = 12,
     dimension: int = 2,
+    dt: float = 2.0,
     radius: float = 1.2,
     obstacles: tuple[Obstacle, ...] = (),
 ) -> Scenario:
     """Return two vehicles that meet head-on; the deviation is that of a step's velocity [m/s]."""
-    system = double_integrator(2.0, dimension)
+    system = double_integrator(dt, dimension)
     ones = np.ones(dimension)
     gain = lqr_gain(system, np.diag(np.r_[ones, 4.0 * ones]), 30.0 * np.eye(dimension))
     noise = deviation**2 * np.r_[4.0 * ones, ones]
@@ -43,7 +44,7 @@ def sea(
         )
         for name, begin, end, side in (("east", 0.0, 14.0, 1.0), ("west", 14.0, 0.0, -1.0))
     ]
-    return Scenario("sea", 2.0, horizon, 0.1, vehicles, obstacles, avoidance)
+    return Scenario("sea", dt, horizon, 0.1, vehicles, obstacles, avoidance)
 
 
 def asked(scenario: Scenario, states: tuple[Vector, ...], control: list[float]) -> list[Segment]:

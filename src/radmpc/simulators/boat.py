@@ -182,7 +182,7 @@ class Boat:
     def _pointed(self, reference: Reference) -> Vector:
         """Return headings of boats that wait for their first segment, pointing where it leads."""
         wanted = reference.at(_PILOT.ahead)[1] - self._water
-        headings = np.arctan2(wanted[:, 1], wanted[:, 0])
+        headings: Vector = np.arctan2(wanted[:, 1], wanted[:, 0])
         ahead, left = heading_vectors(headings)
         through = self._velocities - self._water
         self._relative[:, 0] = np.einsum("ij,ij->i", ahead, through)
