@@ -49,7 +49,9 @@ class Surroundings:
         """
         return self.contacts(0, np.zeros(1), positions[None])
 
-    def contacts(self, step: int, shares: Vector, positions: Tensor) -> tuple[Contact, ...]:
+    def contacts(
+        self, step: int, shares: Vector, positions: Tensor, tracked: Tensor | None = None
+    ) -> tuple[Contact, ...]:
         """Return what is hit on the way to a step.
 
         Parameters
@@ -59,8 +61,11 @@ class Surroundings:
         shares : (S,) array
             When samples were taken, from 0 at the step before to 1 [-]; at step 0 all 0.
         positions : (S, N, d) array
-            Of all vehicles [m].
+            Of the middles of all bodies [m].
+        tracked : (S, N, d) array or None
+            Of the points that must stay in the workspace [m]; None is the same.
         """
+        inside = positions if tracked is None else tracked
         vehicles, workspace = self._scenario.vehicles, self._scenario.workspace
         met = []
         for i, j in combinations(range(len(vehicles)), 2):
@@ -74,8 +79,8 @@ class Surroundings:
                 if self._hits(number, step, shares, positions[:, i], self._radii[i])
             ]
         if workspace is not None:
-            low = (positions < workspace.lower - _TOUCH).any(axis=(0, 2))
-            high = (positions > workspace.upper + _TOUCH).any(axis=(0, 2))
+            low = (inside < workspace.lower - _TOUCH).any(axis=(0, 2))
+            high = (inside > workspace.upper + _TOUCH).any(axis=(0, 2))
             met += [
                 Contact(step, "workspace", vehicles[i].name) for i in np.flatnonzero(low | high)
             ]
