@@ -1,0 +1,139 @@
+"""What a mission can be flown with, by name: the scenario's model, simulators, vehicles.
+
+A backend is loaded when it is asked for: simulators come as extras, and most runs need none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from types import MappingProxyType
+
+import numpy as np
+
+from radmpc.arguments import told
+from radmpc.errors import ArgumentError, ArgumentTypeError
+from radmpc.flying.model import Backend
+from radmpc.model.scenario import Scenario
+
+__all__ = ["BACKENDS", "Backend", "BackendKind", "backend_named"]
+
+
+@dataclass(frozen=True, slots=True)
+class BackendKind:
+    """A kind of backend, not loaded yet.
+
+    Attributes
+    ----------
+    name : str
+        As on the command line.
+    factory : str
+        Where it is made, as ``module:name``; called with the scenario, ``rng`` and options.
+    extra : str or None
+        The extra that it needs; None needs none.
+    help : str
+        What it is, in a few words.
+    """
+
+    name: str
+    factory: str
+    extra: str | None
+    help: str
+
+    def make(
+        self, scenario: Scenario, rng: np.random.Generator | int | None = None, **options: object
+    ) -> Backend:
+        """Return one of it.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            What is flown.
+        rng : Generator or int or None
+            Source of its noise, or its seed.
+        **options : object
+            What else it takes.
+
+        Raises
+        ------
+        ArgumentError
+            If its extra is not installed.
+        ArgumentTypeError
+            If it does not take an option.
+        RadmpcError
+            If it cannot fly the scenario.
+        """
+        try:
+            made = self._loaded()(scenario, rng=rng, **options)
+        except ImportError as error:
+            raise ArgumentError(self._lack(error)) from error
+        except TypeError as error:
+            # Python's word for an argument that a function does not take has no class of its own.
+            wrong = [name for name in options if f"argument '{name}'" in str(error)]
+            if not wrong:
+                raise
+            raise ArgumentTypeError(
+                f"backend {self.name!r} takes no option {wrong[0]!r}, got {told(options[wrong[0]])}"
+            ) from error
+        return made
+
+    def _loaded(self) -> Callable[..., Backend]:
+        """Return the factory."""
+        module, name = self.factory.split(":")
+        found: Callable[..., Backend] = getattr(import_module(module), name)
+        return found
+
+    def _lack(self, error: ImportError) -> str:
+        """Return what is missing, and what installs it."""
+        if self.extra is None:
+            return f"backend {self.name!r} cannot be loaded: {error}"
+        return f"backend {self.name!r} needs: pip install 'radmpc[{self.extra}]' ({error})"
+
+
+BACKENDS: Mapping[str, BackendKind] = MappingProxyType(
+    {
+        kind.name: kind
+        for kind in (
+            BackendKind("model", "radmpc.flying.model:Model", None, "the scenario's own dynamics"),
+            BackendKind(
+                "rotorpy",
+                "radmpc.simulators.rotorpy:Rotorpy",
+                "rotorpy",
+                "quadrotors with drag, motor lag and gusts",
+            ),
+            BackendKind(
+                "irsim",
+                "radmpc.simulators.irsim:IrSim",
+                "irsim",
+                "differential and car-like robots",
+            ),
+            BackendKind("boat", "radmpc.simulators.boat:Boat", None, "boats in a current"),
+            BackendKind(
+                "mavlink",
+                "radmpc.simulators.mavlink:Mavlink",
+                "mavlink",
+                "vehicles that speak MAVLink",
+            ),
+        )
+    }
+)
+"""Kinds of backend by name."""
+
+
+def backend_named(name: str) -> BackendKind:
+    """Return the kind of backend that has a name.
+
+    Parameters
+    ----------
+    name : str
+        As on the command line.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none of this name.
+    """
+    if name not in BACKENDS:
+        raise ArgumentError(f"backend must be one of {', '.join(BACKENDS)}, got {told(name)}")
+    return BACKENDS[name]

@@ -1,0 +1,58 @@
+"""Backends by name: found, refused, and loaded no sooner than they are asked for."""
+
+import sys
+from types import ModuleType
+
+import pytest
+
+import radmpc
+from radmpc.errors import ArgumentError, ArgumentTypeError
+from radmpc.experiments.families import paper
+from radmpc.flying.backends import BACKENDS, BackendKind, backend_named
+
+
+def test_the_model_is_a_backend_and_its_seed_counts() -> None:
+    scenario = paper(2, seed=1)
+    one, two, other = (backend_named("model").make(scenario, rng=seed) for seed in (3, 3, 4))
+    assert isinstance(one, radmpc.Model)
+    states = [backend.reset()[0][0].tolist() for backend in (one, two, other)]
+    assert states[0] == states[1] != states[2]
+
+
+def test_a_name_that_no_backend_has_is_refused_with_those_there_are() -> None:
+    with pytest.raises(ArgumentError, match="one of model, rotorpy, irsim, boat, mavlink, got 'x'"):
+        backend_named("x")
+
+
+@pytest.mark.parametrize("name", ["rotorpy", "irsim", "mavlink"])
+def test_a_backend_whose_extra_is_missing_names_what_installs_it(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kind = BACKENDS[name]
+    monkeypatch.setitem(sys.modules, kind.factory.split(":")[0], None)
+    with pytest.raises(ArgumentError) as error:
+        kind.make(paper(2, seed=1), rng=0)
+    assert f"backend {name!r} needs: pip install 'radmpc[{name}]'" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_an_extra_that_is_missed_only_when_the_backend_is_made_is_named_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def factory(*given: object, **options: object) -> None:
+        raise ModuleNotFoundError("No module named 'rotor'")
+
+    module = ModuleType("made_up")
+    monkeypatch.setattr(module, "factory", factory, raising=False)
+    monkeypatch.setitem(sys.modules, "made_up", module)
+    kind = BackendKind("rotor", "made_up:factory", "rotor", "")
+    with pytest.raises(ArgumentError, match=r"pip install 'radmpc\[rotor\]' \(No module named"):
+        kind.make(paper(2, seed=1), rng=0)
+    without = BackendKind("rotor", "made_up:factory", None, "")
+    with pytest.raises(ArgumentError, match="backend 'rotor' cannot be loaded: No module named"):
+        without.make(paper(2, seed=1), rng=0)
+
+
+def test_an_option_that_a_backend_does_not_take_is_named() -> None:
+    with pytest.raises(ArgumentTypeError, match="'model' takes no option 'wind', got 3"):
+        backend_named("model").make(paper(2, seed=1), rng=0, wind=3)
