@@ -104,6 +104,11 @@ def test_the_sea_pushes_as_hard_as_it_is_told_to() -> None:
     assert 3.5 < heavy / light < 4.5
 
 
+def test_options_may_be_given_as_they_are_typed() -> None:
+    typed = flown(sea(), STRAIGHT[:1], force="5", current="0.1,-0.2")
+    assert np.array_equal(typed, flown(sea(), STRAIGHT[:1], force=5.0, current=[0.1, -0.2]))
+
+
 def test_the_same_seed_is_the_same_sea_and_another_is_not() -> None:
     def end(seed: int, resets: int) -> np.ndarray:
         simulator = Boat(sea(), rng=seed)
@@ -151,7 +156,9 @@ def test_a_scenario_for_no_boat_is_refused_in_one_line(scenario: Scenario, line:
         ({"force": "much"}, ArgumentTypeError, "force must be a number, got 'much'"),
         ({"gust_time": 0.0}, ArgumentError, "gust_time must be from 0.01 to 1000 s, got 0"),
         ({"current": (3.0, 0.0)}, ArgumentError, "current must be at most 2 m/s, got [3.0, 0.0]"),
-        ({"current": (3.0,)}, ArgumentError, "current: must have 2"),
+        ({"current": (3.0,)}, ArgumentTypeError, "current must be 2 numbers, got"),
+        ({"current": "1,x"}, ArgumentTypeError, "current must be 2 numbers, got '1,x'"),
+        ({"current": 3.0}, ArgumentTypeError, "current must be 2 numbers, got 3.0"),
         ({"rng": -1}, ArgumentError, "rng"),
     ],
 )

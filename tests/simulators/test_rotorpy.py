@@ -99,7 +99,7 @@ def test_a_scenario_for_no_quadrotor_is_refused_in_one_line(scenario: Scenario, 
         ({"kind": "albatross"}, "kind must be one of hummingbird, crazyflie, got 'albatross'"),
         ({"gust": -0.1}, "gust must be from 0 to 20 m/s, got -0.1"),
         ({"wind": (30.0, 0.0, 0.0)}, "wind must be at most 20 m/s, got [30.0, 0.0, 0.0]"),
-        ({"wind": (1.0, 0.0)}, "wind: must have 3"),
+        ({"wind": (1.0, 0.0)}, "wind must be 3 numbers, got (1.0, 0.0)"),
     ],
 )
 def test_what_no_quadrotor_flies_in_is_refused(options: dict[str, object], line: str) -> None:

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector, as_vector
-from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ScenarioError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.gusts import Gusts
+from radmpc.simulators.options import number_within, vector_within
 from radmpc.simulators.otter import OTTER, accelerations, heading_vectors, thrust_of
 from radmpc.simulators.surroundings import Surroundings
 from radmpc.simulators.tracking import (
     Reference,
     States,
-    check_range,
     check_simulated,
     random_from,
     started,
@@ -107,23 +107,23 @@ class Boat:
         scenario: Scenario,
         rng: np.random.Generator | int | None = None,
         *,
-        current: Sequence[float] = (0.0, 0.0),
-        current_deviation: float = 0.02,
-        force: float = 20.0,
-        gust_time: float = 1.0,
+        current: Sequence[float] | str = (0.0, 0.0),
+        current_deviation: float | str = 0.02,
+        force: float | str = 20.0,
+        gust_time: float | str = 1.0,
     ) -> None:
         check_simulated(scenario, "a boat", (2,))
         _check_radii(scenario)
         source = random_from(rng)
-        check_range(current_deviation, "current_deviation", 0.0, 2.0, "m/s")
-        check_range(force, "force", 0.0, 500.0, "N")
-        check_range(gust_time, "gust_time", 0.01, 1000.0, "s")
-        self._current = _current(current)
+        spread = number_within(current_deviation, "current_deviation", 0.0, 2.0, "m/s")
+        push = number_within(force, "force", 0.0, 500.0, "N")
+        memory = number_within(gust_time, "gust_time", 0.01, 1000.0, "s")
+        self._current = vector_within(current, "current", 2, 2.0, "m/s")
         self._scenario = scenario
         self._rng = source
         count = scenario.num_vehicles
-        self._pushes = Gusts(np.tile([force, force, 0.25 * force], (count, 1)), gust_time, source)
-        self._streams = Gusts(np.full((1, 2), current_deviation), 30.0, source)
+        self._pushes = Gusts(np.tile([push, push, 0.25 * push], (count, 1)), memory, source)
+        self._streams = Gusts(np.full((1, 2), spread), 30.0, source)
         self._num_samples = max(1, math.ceil(scenario.dt / _SAMPLE - 1e-9))
         self._surroundings = Surroundings(scenario)
         self._inverse = OTTER.mass_inverse
@@ -229,17 +229,6 @@ class Boat:
         gained = gained + _PILOT.surge_rate * (wanted - self._relative[:, 0])
         force: Vector = surge * gained + OTTER.damping[0] * wanted
         return thrust_of(OTTER, force, moment)
-
-
-def _current(given: Sequence[float]) -> Vector:
-    """Return the mean velocity of the water, checked."""
-    try:
-        current = as_vector(given, 2, ("current",))
-    except ScenarioError as error:
-        raise ArgumentError(str(error)) from error
-    if float(np.linalg.norm(current)) > 2.0:
-        raise ArgumentError(f"current must be at most 2 m/s, got {current.tolist()}")
-    return current
 
 
 def _check_radii(scenario: Scenario) -> None:

@@ -16,11 +16,11 @@ from radmpc.errors import ScenarioError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.optional import loaded
+from radmpc.simulators.options import number_within
 from radmpc.simulators.surroundings import Surroundings
 from radmpc.simulators.tracking import (
     Reference,
     States,
-    check_range,
     check_simulated,
     random_from,
     started,
@@ -73,16 +73,16 @@ class IrSim:
         scenario: Scenario,
         rng: np.random.Generator | int | None = None,
         *,
-        lead: float = 0.2,
-        slip: float = 0.03,
+        lead: float | str = 0.2,
+        slip: float | str = 0.03,
     ) -> None:
         check_simulated(scenario, "robots on wheels", (2,))
-        self._lead = check_range(lead, "lead", 0.01, 10.0, "m")
-        self._slip = check_range(slip, "slip", 0.0, 1.0, "")
+        self._lead = number_within(lead, "lead", 0.01, 10.0, "m")
+        self._slip = number_within(slip, "slip", 0.0, 1.0, "")
         for i, vehicle in enumerate(scenario.vehicles):
-            if vehicle.radius <= lead:
+            if vehicle.radius <= self._lead:
                 raise ScenarioError(
-                    f"must be above {lead:g} m to be flown with robots on wheels, which are "
+                    f"must be above {self._lead:g} m to be flown with robots on wheels, which are "
                     f"tracked so far ahead of their axle, got {vehicle.radius:g} m",
                     ("vehicles", i, "radius"),
                 )
@@ -90,7 +90,7 @@ class IrSim:
         self._rng = random_from(rng)
         self._num_samples = max(1, math.ceil(scenario.dt / _SAMPLE - 1e-9))
         self._tick = scenario.dt / self._num_samples
-        self._surroundings = Surroundings(scenario, margin=-lead)
+        self._surroundings = Surroundings(scenario, margin=-self._lead)
         self._world = self._made()
         self.reset()
 

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from radmpc.arrays import Vector, as_vector
+from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.gusts import Gusts
 from radmpc.simulators.optional import loaded, without
+from radmpc.simulators.options import number_within, vector_within
 from radmpc.simulators.surroundings import Surroundings
 from radmpc.simulators.tracking import (
     Reference,
     States,
-    check_range,
     check_simulated,
     random_from,
     started,
@@ -74,27 +74,27 @@ class Rotorpy:
         rng: np.random.Generator | int | None = None,
         *,
         kind: str = "hummingbird",
-        wind: Sequence[float] = (0.0, 0.0, 0.0),
-        gust: float = 0.5,
-        gust_time: float = 1.0,
-        motor_noise: float = 0.0,
+        wind: Sequence[float] | str = (0.0, 0.0, 0.0),
+        gust: float | str = 0.5,
+        gust_time: float | str = 1.0,
+        motor_noise: float | str = 0.0,
     ) -> None:
         check_simulated(scenario, "a quadrotor", (3,))
         if kind not in _KINDS:
             raise ArgumentError(f"kind must be one of {', '.join(_KINDS)}, got {kind!r}")
         _check_radii(scenario, kind)
-        check_range(gust, "gust", 0.0, 20.0, "m/s")
-        check_range(gust_time, "gust_time", 0.01, 1000.0, "s")
-        check_range(motor_noise, "motor_noise", 0.0, 1000.0, "rad/s")
-        self._wind = _wind(wind)
+        spread = number_within(gust, "gust", 0.0, 20.0, "m/s")
+        memory = number_within(gust_time, "gust_time", 0.01, 1000.0, "s")
+        jitter = number_within(motor_noise, "motor_noise", 0.0, 1000.0, "rad/s")
+        self._wind = vector_within(wind, "wind", 3, 20.0, "m/s")
         self._scenario = scenario
         self._rng = random_from(rng)
-        self._gusts = Gusts(np.full((scenario.num_vehicles, 3), gust), gust_time, self._rng)
+        self._gusts = Gusts(np.full((scenario.num_vehicles, 3), spread), memory, self._rng)
         with without("torch"):  # which takes seconds to load, and is for batches alone
             vehicles = loaded("rotorpy.vehicles.multirotor", "rotorpy")
             controls = loaded("rotorpy.controllers.quadrotor_control", "rotorpy")
         known = loaded(f"rotorpy.vehicles.{kind}_params", "rotorpy").quad_params
-        self._data: dict[str, Any] = {**known, "motor_noise_std": motor_noise}
+        self._data: dict[str, Any] = {**known, "motor_noise_std": jitter}
         self._body = vehicles.Multirotor(self._data)
         self._controller = controls.SE3Control(self._data)
         self._num_samples = max(1, math.ceil(scenario.dt / _SAMPLE - 1e-9))
@@ -192,17 +192,6 @@ class Rotorpy:
         finally:
             self._legacy = np.random.get_state()  # noqa: NPY002 - rotorpy draws from it
             np.random.set_state(others)  # noqa: NPY002 - rotorpy draws from it
-
-
-def _wind(given: Sequence[float]) -> Vector:
-    """Return the mean velocity of the air, checked."""
-    try:
-        wind = as_vector(given, 3, ("wind",))
-    except ScenarioError as error:
-        raise ArgumentError(str(error)) from error
-    if float(np.linalg.norm(wind)) > 20.0:
-        raise ArgumentError(f"wind must be at most 20 m/s, got {wind.tolist()}")
-    return wind
 
 
 def _check_radii(scenario: Scenario, kind: str) -> None:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arguments import check_rng, is_number, told
+from radmpc.arguments import check_rng
 from radmpc.arrays import Matrix, Vector
-from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.errors import ScenarioError
 from radmpc.flying.tick import Segment
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
@@ -17,7 +17,6 @@ from radmpc.model.scenario import Scenario
 __all__ = [
     "Reference",
     "States",
-    "check_range",
     "check_simulated",
     "random_from",
     "started",
@@ -66,34 +65,6 @@ def check_simulated(scenario: Scenario, what: str, dimensions: Sequence[int] = (
                 "accelerations",
                 ("vehicles", i, "dynamics"),
             )
-
-
-def check_range(value: object, name: str, low: float, high: float, unit: str) -> float:
-    """Return an option that is a number within a range.
-
-    Parameters
-    ----------
-    value : object
-        As given.
-    name : str
-        What it is called.
-    low, high : float
-        Least and largest allowed.
-    unit : str
-        For the message.
-
-    Raises
-    ------
-    ArgumentTypeError
-        If it is no number.
-    ArgumentError
-        If it is out of the range.
-    """
-    if not is_number(value):
-        raise ArgumentTypeError(f"{name} must be a number, got {told(value)}")
-    if not low <= value <= high:
-        raise ArgumentError(f"{name} must be from {low:g} to {high:g} {unit}, got {value:g}")
-    return float(value)
 
 
 def random_from(rng: np.random.Generator | int | None) -> np.random.Generator:
