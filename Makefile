@@ -9,6 +9,7 @@ WORKERS ?= 2
 OLDEST ?= .venv-oldest
 INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
+INSTALLED_SIMULATORS := $(VENV)/.installed-simulators
 
 # Workers share the processors already: threads within small matrices only stand in their way.
 export OPENBLAS_NUM_THREADS ?= 1
@@ -70,7 +71,7 @@ pictures: $(INSTALLED_DEV) ## the pictures in docs/images and the gallery's page
 	$(BIN)/python docs/hooks/figures.py
 
 nightly: export RADMPC_THOROUGH = 1
-nightly: coverage oldest ## what takes too long for every check: all cases, coverage, oldest, a hunt
+nightly: $(INSTALLED_SIMULATORS) coverage oldest ## what takes too long: all cases, simulators, a hunt
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
 # The lowest versions that pyproject.toml allows of what it names; they may warn of what newer
@@ -108,3 +109,7 @@ $(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
 $(INSTALLED_DEV): pyproject.toml constraints.txt | $(BIN)/python
 	$(call install,'.[dev]')
 	@touch $@ $(INSTALLED)
+
+$(INSTALLED_SIMULATORS): $(INSTALLED_DEV)
+	$(call install,'.[dev,simulators]')
+	@touch $@
