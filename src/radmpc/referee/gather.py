@@ -16,7 +16,7 @@ from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
 
-__all__ = ["Gathered", "gather_obstacles", "gather_pairs"]
+__all__ = ["Gathered", "NearPiece", "gather_obstacles", "gather_pairs", "near_pieces"]
 
 Flags = npt.NDArray[np.bool_]
 
@@ -41,8 +41,18 @@ class Gathered:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Near:
-    """A convex piece (one shape, or one per step), and the vehicles that come near it."""
+class NearPiece:
+    """A convex piece, and the vehicles that come near it.
+
+    Attributes
+    ----------
+    obstacle, piece : int
+        Their numbers.
+    vehicles : (n,) int array
+        Those that come near.
+    shapes : sequence of Polytope
+        One shape, or one per step.
+    """
 
     obstacle: int
     piece: int
@@ -135,8 +145,8 @@ def gather_obstacles(
     balls = motion_balls(motion, intervals=intervals)
     num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
     explicit = count * num_pieces <= _EXPLICIT
-    chosen: dict[bool, list[_Near]] = {False: [], True: []}
-    for number, piece, pieces in _pieces(scenario):
+    chosen: dict[bool, list[NearPiece]] = {False: [], True: []}
+    for number, piece, pieces in _pieces(scenario, 0):
         lower, upper = _boxes(pieces, balls, intervals=intervals)
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
         if always is not None:
@@ -144,16 +154,37 @@ def gather_obstacles(
         skipped += far
         near = np.flatnonzero(~far)
         if near.size:
-            chosen[len(pieces) > 1].append(_Near(number, piece, near, pieces))
+            chosen[len(pieces) > 1].append(NearPiece(number, piece, near, pieces))
     batches = tuple(_obstacle_batch(motion, group) for group in chosen.values() if group)
     return Gathered(batches, skipped)
 
 
-def _pieces(scenario: Scenario) -> Iterator[tuple[int, int, Sequence[Polytope]]]:
-    """Yield each convex piece with its numbers: one shape, or one per step if it moves."""
+def near_pieces(
+    scenario: Scenario, balls: Balls, step: int, *, intervals: bool
+) -> Iterator[NearPiece]:
+    """Yield the pieces of obstacles that vehicles may come near from a step on.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    balls : Balls
+        Where vehicles are in each window from there on.
+    step : int
+        The first.
+    intervals : bool
+        Whether windows are intervals, or steps.
+    """
+    for number, piece, shapes in _pieces(scenario, step):
+        lower, upper = _boxes(shapes, balls, intervals=intervals)
+        yield NearPiece(number, piece, np.flatnonzero(~far_from_box(balls, lower, upper)), shapes)
+
+
+def _pieces(scenario: Scenario, step: int) -> Iterator[tuple[int, int, Sequence[Polytope]]]:
+    """Yield each convex piece with its numbers: one shape, or one per step on if it moves."""
     for number, obstacle in enumerate(scenario.obstacles):
         if obstacle.is_moving:
-            yield number, 0, [obstacle.at(k)[0] for k in range(scenario.horizon + 1)]
+            yield number, 0, [obstacle.at(k)[0] for k in range(step, scenario.horizon + 1)]
         else:
             for piece, shape in enumerate(obstacle.at(0)):
                 yield number, piece, [shape]
@@ -172,7 +203,7 @@ def _boxes(pieces: Sequence[Polytope], balls: Balls, *, intervals: bool) -> tupl
     return lower, upper
 
 
-def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
+def _obstacle_batch(motion: FleetMotion, group: Sequence[NearPiece]) -> Encounters:
     """Stack pieces of unequal size, padded by repeating a corner or a face."""
     first = np.concatenate([near.vehicles for near in group])
     sizes = [len(near.vehicles) for near in group]
