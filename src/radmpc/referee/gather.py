@@ -16,7 +16,7 @@ from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import CUTOFF, Balls, far_from_box, motion_balls, near_pairs
 
-__all__ = ["Gathered", "gather_obstacles", "gather_pairs"]
+__all__ = ["Gathered", "NearPiece", "gather_obstacles", "gather_pairs", "near_pieces"]
 
 Flags = npt.NDArray[np.bool_]
 
@@ -41,10 +41,19 @@ class Gathered:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Near:
-    """A convex piece (one shape, or one per step), and the vehicles that come near it.
+class NearPiece:
+    """A convex piece, and the vehicles that come near it.
 
-    ``spread`` holds covariances of its place, (T+1, d, d), None where it is known exactly.
+    Attributes
+    ----------
+    obstacle, piece : int
+        Their numbers.
+    vehicles : (n,) int array
+        Those that come near.
+    shapes : sequence of Polytope
+        One shape, or one per step.
+    spread : (T+1, d, d) array or None
+        Covariances of its place; None where it is known exactly.
     """
 
     obstacle: int
@@ -140,11 +149,11 @@ def gather_obstacles(
     num_pieces = sum(len(o.at(0)) for o in scenario.obstacles)
     explicit = count * num_pieces <= _EXPLICIT
     # Batches of one kind each: what stands still, what moves, what moves and is not known exactly.
-    chosen: dict[tuple[bool, bool], list[_Near]] = {
+    chosen: dict[tuple[bool, bool], list[NearPiece]] = {
         kind: [] for kind in ((False, False), (True, False), (True, True))
     }
     tracks = motion.tracks
-    for number, piece, pieces in _pieces(scenario):
+    for number, piece, pieces in _pieces(scenario, 0):
         lower, upper = _boxes(pieces, balls, intervals=intervals)
         spread = None
         if tracks is not None and tracks.places[number] >= 0:
@@ -160,16 +169,38 @@ def gather_obstacles(
         near = np.flatnonzero(~far)
         if near.size:
             kind = len(pieces) > 1, spread is not None
-            chosen[kind].append(_Near(number, piece, near, pieces, spread))
+            chosen[kind].append(NearPiece(number, piece, near, pieces, spread))
     batches = tuple(_obstacle_batch(motion, group) for group in chosen.values() if group)
     return Gathered(batches, skipped)
 
 
-def _pieces(scenario: Scenario) -> Iterator[tuple[int, int, Sequence[Polytope]]]:
-    """Yield each convex piece with its numbers: one shape, or one per step if it moves."""
+def near_pieces(
+    scenario: Scenario, balls: Balls, step: int, *, intervals: bool
+) -> Iterator[NearPiece]:
+    """Yield the pieces of obstacles that vehicles may come near from a step on.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan's.
+    balls : Balls
+        Where vehicles are in each window from there on.
+    step : int
+        The first.
+    intervals : bool
+        Whether windows are intervals, or steps.
+    """
+    for number, piece, shapes in _pieces(scenario, step):
+        lower, upper = _boxes(shapes, balls, intervals=intervals)
+        near = np.flatnonzero(~far_from_box(balls, lower, upper))
+        yield NearPiece(number, piece, near, shapes, None)
+
+
+def _pieces(scenario: Scenario, step: int) -> Iterator[tuple[int, int, Sequence[Polytope]]]:
+    """Yield each convex piece with its numbers: one shape, or one per step on if it moves."""
     for number, obstacle in enumerate(scenario.obstacles):
         if obstacle.is_moving:
-            yield number, 0, [obstacle.at(k)[0] for k in range(scenario.horizon + 1)]
+            yield number, 0, [obstacle.at(k)[0] for k in range(step, scenario.horizon + 1)]
         else:
             for piece, shape in enumerate(obstacle.at(0)):
                 yield number, piece, [shape]
@@ -193,7 +224,7 @@ def _in_windows(deviations: Vector, *, intervals: bool) -> Vector:
     return np.maximum(deviations[:-1], deviations[1:]) if intervals else deviations
 
 
-def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
+def _obstacle_batch(motion: FleetMotion, group: Sequence[NearPiece]) -> Encounters:
     """Stack pieces of unequal size, padded by repeating a corner or a face."""
     first = np.concatenate([near.vehicles for near in group])
     sizes = [len(near.vehicles) for near in group]

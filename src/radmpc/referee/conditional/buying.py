@@ -20,6 +20,7 @@ from radmpc.referee.bound.workspace import WORTH, faces_of
 from radmpc.referee.claims import shape_problems
 from radmpc.referee.conditional.choices import Choice, interval_choices
 from radmpc.referee.conditional.compiling import compiled
+from radmpc.referee.conditional.far import Far, far_of
 from radmpc.referee.conditional.loops import Loops, loops_of, since
 from radmpc.referee.conditional.rows import (
     HalfspaceRows,
@@ -34,14 +35,11 @@ from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion, propagate
 from radmpc.referee.reserve import in_deviations
 
-__all__ = ["witnesses_of"]
+__all__ = ["unseen_of", "witnesses_of"]
 
 
 def witnesses_of(plan: Plan) -> Witnesses:
     """Return the events that the certificate of a plan charges, as they are at its step 0.
-
-    All encounters are written down, also those so far apart that the certificate charges them
-    unseen: in large fleets this takes memory with the square of the number of vehicles.
 
     Parameters
     ----------
@@ -74,16 +72,36 @@ def witnesses_of(plan: Plan) -> Witnesses:
     if motion.tracks is not None:
         raise ScenarioError("rows take obstacles whose place is known exactly", ("obstacles",))
     intervals = scenario.avoidance == "intervals"
-    always = np.ones(scenario.num_vehicles, dtype=bool)
     purchase = _Purchase(motion)
-    for gather in (gather_obstacles, gather_pairs):
-        for batch in gather(scenario, motion, intervals=intervals, always=always).batches:
-            for block in blocks(batch):
-                purchase.take(block, intervals=intervals)
+    obstacles = gather_obstacles(scenario, motion, intervals=intervals)
+    pairs = gather_pairs(scenario, motion, intervals=intervals)
+    for batch in (*obstacles.batches, *pairs.batches):
+        purchase.take_all(batch, intervals=intervals)
     if scenario.workspace is not None:
         for normal, batch in faces_of(scenario.workspace, motion):
             purchase.take_face(normal, batch, intervals=intervals)
-    return purchase.finished(plan)
+    return purchase.finished(plan, far_of(scenario, obstacles, pairs))
+
+
+def unseen_of(witnesses: Witnesses) -> Witnesses:
+    """Return the events of what was far when a leg was bought, as they would have been bought.
+
+    In large fleets this takes memory with the square of the number of vehicles.
+
+    Parameters
+    ----------
+    witnesses : Witnesses
+        Of the leg.
+    """
+    plan, motion, far = witnesses.plan, witnesses.motion, witnesses.far
+    everyone = np.ones(plan.scenario.num_vehicles, dtype=bool)
+    purchase, intervals = _Purchase(motion), witnesses.intervals
+    for gather in (gather_obstacles, gather_pairs):
+        for batch in gather(plan.scenario, motion, intervals=intervals, always=everyone).batches:
+            left_out = far.leaves_out(batch, everyone.size)
+            if left_out.size:
+                purchase.take_all(batch.take(left_out), intervals=intervals)
+    return purchase.finished(plan, replace(far, count=0))
 
 
 @dataclass(slots=True, eq=False)
@@ -98,7 +116,12 @@ class _Purchase:
     tables: list[Moments] = field(default_factory=list)
     integrals: list[IntegralRows] = field(default_factory=list)
 
-    def take(self, block: Encounters, *, intervals: bool) -> None:
+    def take_all(self, batch: Encounters, *, intervals: bool) -> None:
+        """Write down the rows of pairs or obstacles, block by block."""
+        for block in blocks(batch):
+            self._take(block, intervals=intervals)
+
+    def _take(self, block: Encounters, *, intervals: bool) -> None:
         """Write down the rows of a block of pairs or obstacles."""
         numbers = self._enter(block)
         if not intervals:
@@ -131,7 +154,7 @@ class _Purchase:
             parted = Choice(near, NUM_PARTS, np.repeat(held[near], NUM_PARTS, axis=1), begins[near])
             self._take_choice(batch.take(near), numbers[near], parted)
 
-    def finished(self, plan: Plan) -> Witnesses:
+    def finished(self, plan: Plan, far: Far) -> Witnesses:
         """Return all rows; links that the certificate does not use are cut."""
         none = np.zeros(0, dtype=np.int64)
         parties = Parties(
@@ -144,7 +167,7 @@ class _Purchase:
         rows = compiled(joined(self.tables, d), parties, loops)
         widths = np.concatenate([np.zeros(0), *self.widths])
         rows = _with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
-        return Witnesses(plan, self.motion, parties, rows, all_integrals(self.integrals, d))
+        return Witnesses(plan, self.motion, parties, rows, all_integrals(self.integrals, d), far)
 
     def _enter(self, block: Encounters) -> Indices:
         """Give the encounters of a block their numbers."""

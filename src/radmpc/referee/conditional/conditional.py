@@ -21,9 +21,10 @@ import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector, as_array, as_vector
 from radmpc.errors import ArgumentError, ScenarioError
-from radmpc.referee.conditional.buying import witnesses_of
+from radmpc.referee.conditional.buying import unseen_of, witnesses_of
+from radmpc.referee.conditional.far import is_surprised
 from radmpc.referee.conditional.loops import loops_of, since
-from radmpc.referee.conditional.rows import Witnesses
+from radmpc.referee.conditional.rows import HalfspaceRows, IntegralRows, Witnesses
 from radmpc.referee.conditional.valuing import Values, halfspace_values, integral_values
 
 __all__ = ["Conditional", "Conditionals", "conditional", "conditionals", "witnesses_of"]
@@ -149,39 +150,48 @@ def conditionals(
         If states do not fit the vehicles, or are not finite.
     """
     motion, intervals = witnesses.motion, witnesses.intervals
-    horizon = witnesses.plan.scenario.horizon
-    is_measured = states is not None
+    scenario, is_measured = witnesses.plan.scenario, states is not None
     loops = loops_of(motion)
-    noise = since(loops, horizon, step, is_measured=is_measured)
-    size = loops.transitions.shape[1]
-    deviations = _deviations(witnesses, step, states, size)
+    noise = since(loops, scenario.horizon, step, is_measured=is_measured)
+    deviations = _deviations(witnesses, step, states, loops.transitions.shape[1])
     half = halfspace_values(witnesses.halfspaces, witnesses.parties, noise, deviations)
     exact = integral_values(witnesses.integrals, witnesses.parties, loops, noise, deviations)
     # At steps, what is measured tells what was hit there; an interval's near end tells what is not
     # yet to be hit.
     past = step if is_measured and not intervals else step - 1
-    tables = (
-        (witnesses.halfspaces.encounters, witnesses.halfspaces.windows, half),
-        (witnesses.integrals.encounters, witnesses.integrals.windows, exact),
-    )
-    shape = (len(witnesses.parties.causes), len(deviations))
+    total, least, soon = _sums(witnesses, past, (half, exact))
+    far = witnesses.far
+    if is_measured and is_surprised(far, scenario, motion, (loops, noise), deviations):
+        unseen = conditionals(unseen_of(witnesses), step, states)
+        total, least = total + unseen.total, least + unseen.least
+        soon = soon + unseen.next_step
+    else:
+        left = (scenario.horizon if intervals else scenario.horizon + 1) - past - 1
+        total = total + far.charge(left, intervals=intervals, is_measured=is_measured)
+        one = min(left, 1)
+        soon = soon + far.charge(one, intervals=intervals, is_measured=is_measured)
+    return Conditionals(total, least, soon, half, exact)
+
+
+def _sums(
+    witnesses: Witnesses, past: int, values: tuple[Values, Values]
+) -> tuple[Vector, Vector, Vector]:
+    """Return what rows after a window come to from above and below, and those of the next one."""
+    rows: tuple[HalfspaceRows | IntegralRows, ...] = witnesses.halfspaces, witnesses.integrals
+    shape = (len(witnesses.parties.causes), values[0].above.shape[1])
     above, below, soon = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    for encounters, windows, values in tables:
-        left = np.flatnonzero(windows > past)
-        np.add.at(above, encounters[left], values.above[left])
-        np.add.at(below, encounters[left], values.below[left])
-        following = left[windows[left] == past + 1]
-        np.add.at(soon, encounters[following], values.above[following])
+    for table, found in zip(rows, values, strict=True):
+        left = np.flatnonzero(table.windows > past)
+        np.add.at(above, table.encounters[left], found.above[left])
+        np.add.at(below, table.encounters[left], found.below[left])
+        following = left[table.windows[left] == past + 1]
+        np.add.at(soon, table.encounters[following], found.above[following])
     # What surely happens once need not be charged for more; as the certificate has it.
     cap = np.where(witnesses.parties.are_capped, 1.0, np.inf)[:, None]
     scale = np.minimum(cap / np.maximum(above, 1e-300), 1.0)
-    return Conditionals(
-        (above * scale).sum(axis=0),
-        np.minimum(below, cap).sum(axis=0),
-        (soon * scale).sum(axis=0),
-        half,
-        exact,
-    )
+    sums = (above * scale, np.minimum(below, cap), soon * scale)
+    total, least, next_step = (each.sum(axis=0) for each in sums)
+    return total, least, next_step
 
 
 def _deviations(

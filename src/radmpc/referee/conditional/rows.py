@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.plan import Cause, Plan
+from radmpc.referee.conditional.far import Far
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["Flags", "HalfspaceRows", "IntegralRows", "Parties", "Witnesses"]
@@ -144,6 +145,8 @@ class Witnesses:
         Events by half-spaces.
     integrals : IntegralRows
         Events by integrals.
+    far : Far
+        Encounters charged unseen.
     """
 
     plan: Plan
@@ -151,6 +154,7 @@ class Witnesses:
     parties: Parties
     halfspaces: HalfspaceRows
     integrals: IntegralRows
+    far: Far
 
     @property
     def intervals(self) -> bool:

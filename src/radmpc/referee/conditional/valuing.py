@@ -72,15 +72,13 @@ def halfspace_values(
     steps = np.where(coming, rows.windows - noise.step, 0)
     first, other = parties.first[rows.encounters], parties.other[rows.encounters]
     are_pairs = parties.are_pairs[rows.encounters]
-    for vehicle in np.flatnonzero(deviations.any(axis=(0, 2))).tolist():
-        measured = deviations[:, vehicle].T
-        for involved, on_state, sign in (
-            (first == vehicle, rows.first, 1.0),
-            (are_pairs & (other == vehicle), rows.other, -1.0),
-        ):
-            at = np.flatnonzero(coming & involved)
-            onward = np.matmul(on_state[at, None], noise.powers[steps[at], vehicle])[:, 0]
-            shift[at] += sign * (onward @ measured)
+    # What is known of every vehicle at every step, (steps, N, n, S): rows pick from it.
+    onward = np.einsum("knij,snj->knis", noise.powers, deviations)
+    for on_state, vehicles, sign in ((rows.first, first, 1.0), (rows.other, other, -1.0)):
+        at = np.flatnonzero(coming if sign > 0.0 else coming & are_pairs)
+        for axis in range(on_state.shape[1]):
+            reached = onward[steps[at], vehicles[at], axis]
+            shift[at] += sign * on_state[at, axis, None] * reached
     levels = in_deviations(rows.margins[:, None] + shift, spread[:, None])
     above = np.where(coming[:, None], ndtr(-levels), 0.0)
     below = above.copy()
