@@ -61,14 +61,17 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If a vehicle's disturbances last longer than a step, or its state is measured with noise.
+        If a vehicle's disturbances last longer than a step or are shared, or its state is measured
+        with noise.
     """
     for i, vehicle in enumerate(scenario.vehicles):
         if vehicle.has_memory:
             key = "disturbance_correlation" if vehicle.measurement is None else "measurement"
+            if vehicle.shared:
+                key = "shared"
             message = (
                 f"{vehicle.name!r} cannot be flown under way: a mission takes states known "
-                "exactly and noise that is new at every step"
+                "exactly and noise of its own that is new at every step"
             )
             raise ScenarioError(message, ("vehicles", i, key))
 

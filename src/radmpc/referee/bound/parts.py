@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Tensor
+from radmpc.referee.bound.crossings import crossings
 from radmpc.referee.bound.halfspace import unit
 from radmpc.referee.bound.moments import Moments, moments_of
 from radmpc.referee.bound.persistence import Crossed, path_charges
@@ -166,4 +167,7 @@ def _relative(encounters: Encounters, motion: FleetMotion, parts: int) -> Moment
     first = np.searchsorted(vehicles, encounters.first)
     if not pairs:
         return of_all.of(first)
-    return of_all.of(first).minus(of_all.of(np.searchsorted(vehicles, encounters.other)))
+    apart = of_all.of(first).minus(of_all.of(np.searchsorted(vehicles, encounters.other)))
+    if motion.common is None:
+        return apart
+    return apart.correlated(crossings(motion.common, encounters.first, encounters.other, parts))

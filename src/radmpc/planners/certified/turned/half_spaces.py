@@ -260,15 +260,9 @@ def _noise(
     hazards: Hazards, window: Indices, first: Indices, second: Indices | None
 ) -> tuple[tuple[Tensor, ...], ...]:
     """Return the covariances at the windows' ends, those of bent paths beside them."""
-
-    def joint(covariances: Tensor, steps: Indices) -> Tensor:
-        mine = covariances[first, steps]
-        return mine if second is None else mine + covariances[second, steps]
-
-    end = (joint(hazards.covariances, window + 1),)
+    end = (hazards.joint(window + 1, first, second),)
     if not hazards.intervals:
         return (end,)
-    start = [joint(hazards.covariances, window)]
-    if hazards.bent is not None:
-        start.append(joint(hazards.bent, window))
-    return (tuple(start), end)
+    start = [hazards.joint(window, first, second)]
+    bent = hazards.joint_bent(window, first, second)
+    return ((*start, *([] if bent is None else [bent])), end)
