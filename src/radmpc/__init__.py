@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from radmpc.io.tables import to_pandas, to_xarray
     from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
     from radmpc.model.noise.measurement import Measurement
+    from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.obstacle import Obstacle
     from radmpc.model.obstacle_reported import track_from_course
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
@@ -90,6 +91,7 @@ __all__ = [
     "RiskError",
     "Scenario",
     "ScenarioError",
+    "SharedDisturbance",
     "Simulation",
     "SolverError",
     "Status",
@@ -151,6 +153,7 @@ _HOMES = {
     "io.tables": ("to_pandas", "to_xarray"),
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
     "model.noise.measurement": ("Measurement",),
+    "model.noise.shared": ("SharedDisturbance",),
     "model.obstacle": ("Obstacle",),
     "model.obstacle_reported": ("track_from_course",),
     "model.plan": ("Coupling", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"),

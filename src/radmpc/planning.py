@@ -15,7 +15,7 @@ import scipy
 
 from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
 from radmpc.arrays import Matrix
-from radmpc.errors import ArgumentTypeError
+from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.model.dynamics import rollout
 from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
@@ -75,7 +75,7 @@ def plan(
     Raises
     ------
     ScenarioError
-        If there is no such planner.
+        If there is no such planner, or it does not take disturbances that vehicles share.
     ArgumentTypeError
         If an argument is of another kind; the message says what to do instead.
     ArgumentError
@@ -88,6 +88,7 @@ def plan(
     begun = time.perf_counter()
     check_scenario(scenario)
     record = _record(planner)
+    _check_shared(scenario, record)
     _check_options(rng, time_limit, executor, progress, stop)
     check_callable(found, "found")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
@@ -129,6 +130,16 @@ def _record(planner: str | Planner) -> Planner:
         return planner
     known = ", ".join(PRESETS)
     raise ArgumentTypeError(f"planner must be a Planner or one of {known}, got {told(planner)}")
+
+
+def _check_shared(scenario: Scenario, planner: Planner) -> None:
+    """Refuse shared disturbances where others' paths count as independent of one's own."""
+    if scenario.has_shared and not planner.decomposition.takes_shared:
+        raise ScenarioError(
+            f"are not for '{planner.decomposition}', which plans one vehicle at a time; take "
+            "certified, ira or distance",
+            ("shared_disturbances",),
+        )
 
 
 def _check_options(

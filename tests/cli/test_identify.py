@@ -68,30 +68,53 @@ def test_a_scenario_takes_the_block_as_it_is(
     log(tmp_path, truth, kind)
     assert run("identify", "wind.csv", "-o", "noise.yaml").exit_code == 0
     block = read_document("noise.yaml").value
-    assert set(block) == {"defaults"}
+    assert set(block) == {"defaults"} | ({"shared_disturbances"} if truth.share else set())
     path = tmp_path / "fleet.yaml"
     path.write_text(SCENARIO, encoding="utf-8")
     content = read_document(path).value
     kept = {k: v for k, v in content["defaults"].items() if not k.startswith("disturbance")}
-    content["defaults"] = kept | block["defaults"]
+    content = content | block | {"defaults": kept | block["defaults"]}
     vehicle = decode_scenario(content).vehicles[0]
+    total = vehicle.disturbance_covariance + sum(
+        part.matrix @ part.covariance @ part.matrix.T for part in vehicle.shared
+    )
     # No color makes more of noise than white noise with this covariance does.
-    assert np.trace(vehicle.disturbance_covariance) > 0.8 * np.trace(truth.spread)
+    assert np.trace(total) > 0.8 * np.trace(truth.spread)
     assert (vehicle.gain is not None) == (kind in {"references", "both"})
     text = (tmp_path / "noise.yaml").read_text(encoding="utf-8")
     assert "# logs: wind.csv" in text
     assert "# by: radmpc" in text
 
 
-def test_what_the_format_does_not_take_yet_is_a_comment(run: Run, tmp_path: Path) -> None:
+def test_what_vehicles_share_stands_beside_what_each_has_alone(run: Run, tmp_path: Path) -> None:
     log(tmp_path, Truth(color=0.7, drift=(0.05, 0.0, 0.0, 0.0), vehicles=2, share=0.5))
     run("identify", "wind.csv", "-o", "noise.yaml")
-    text = (tmp_path / "noise.yaml").read_text(encoding="utf-8")
-    comments = "\n".join(line for line in text.splitlines() if line.startswith("#"))
-    assert "shared_disturbances:" in comments
-    keys = set(read_document("noise.yaml").value["defaults"])
-    assert {"disturbance", "drift"} <= keys
-    assert all(KEYS[key] for key in keys)
+    block = read_document("noise.yaml").value
+    assert {"disturbance", "drift"} <= set(block["defaults"])
+    assert all(KEYS[key] for key in block["defaults"])
+    [shared] = block["shared_disturbances"]
+    assert shared["time_constant"] == block["defaults"]["disturbance"]["time_constant"]
+    own = np.trace(block["defaults"]["disturbance"]["covariance"])
+    assert np.trace(shared["covariance"]) == pytest.approx(own, rel=0.5)
+
+
+def test_a_scenario_gets_what_its_vehicles_share_in_the_order_of_their_states(
+    run: Run, tmp_path: Path, scenario: Path
+) -> None:
+    text = SCENARIO.replace(
+        "  radius: 0.4",
+        "  radius: 0.4\n  dynamics:\n    A: [[1, 0, 0, 0], [0.5, 1, 0, 0], [0, 0, 1, 0], "
+        "[0, 0, 0.5, 1]]\n    B: [[0.5, 0], [0.125, 0], [0, 0.5], [0, 0.125]]\n"
+        "    position: [1, 3]\n    velocity: [0, 2]",
+    )
+    text = text.replace("start: [1, 5]", "start: [0, 1, 0, 5]")
+    scenario.write_text(text.replace("start: [9, 5.2]", "start: [0, 9, 0, 5.2]"), encoding="utf-8")
+    log(tmp_path, Truth(vehicles=2, share=0.5))
+    result = run("identify", "wind.csv", "--scenario", scenario, "-o", "new.yaml")
+    assert result.exit_code == 0, result.output
+    for vehicle in load_scenario(tmp_path / "new.yaml").vehicles:
+        (part,) = vehicle.shared
+        assert part.matrix[[1, 3, 0, 2]].tolist() == np.eye(4).tolist()
 
 
 def test_vehicles_that_differ_are_written_by_name(run: Run, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.linalg import block_diag
 from scipy.spatial import ConvexHull
 
 from radmpc.model.obstacle import BoxShape, MovingShape, Obstacle, PolygonShape, TrackShape
@@ -62,8 +63,9 @@ def fly(plan: Plan, missions: int, seed: int) -> Flown:
     rng = np.random.default_rng(seed)
     scenario = plan.scenario
     saturated = np.zeros(missions, dtype=bool)
+    gusts = _gusts(scenario, missions, rng)
     paths = [
-        list(_paths(v, t.controls, scenario.dt, missions, rng, saturated))
+        list(_paths(v, t.controls, scenario.dt, missions, rng, saturated, gusts))
         for v, t in zip(scenario.vehicles, plan.trajectories, strict=True)
     ]
     strays = [_strays(thing, scenario, missions, rng) for thing in scenario.obstacles]
@@ -114,6 +116,22 @@ def _stray(stray: np.ndarray, k: int, moving: bool) -> Path:
     return Path(stray[k], way, np.zeros_like(way))
 
 
+def _gusts(
+    scenario: Scenario, missions: int, rng: np.random.Generator
+) -> dict[str, list[np.ndarray]]:
+    """Draw what vehicles share, once for all: by source and step, (S, r)."""
+    sources = {part.name: part for vehicle in scenario.vehicles for part in vehicle.shared}
+    found = {}
+    for name, part in sources.items():
+        zero, rho = np.zeros(part.size), part.correlation
+        series = []
+        for k in range(scenario.horizon):
+            fresh = rng.multivariate_normal(zero, part.covariance, missions, method="svd")
+            series.append(rho * series[-1] + np.sqrt(1.0 - rho**2) * fresh if k else fresh)
+        found[name] = series
+    return found
+
+
 def _paths(
     vehicle: Vehicle,
     controls: np.ndarray,
@@ -121,6 +139,7 @@ def _paths(
     missions: int,
     rng: np.random.Generator,
     saturated: np.ndarray,
+    gusts: dict[str, list[np.ndarray]],
 ) -> Iterator[Path]:
     """Draw a vehicle's missions and yield each step's path."""
     A, B, axes = vehicle.system.A, vehicle.system.B, list(vehicle.system.position)
@@ -133,7 +152,7 @@ def _paths(
     rho = vehicle.disturbance_correlation
     noise: np.ndarray | None = None
     watch = _Filter(vehicle, missions) if vehicle.measurement else None
-    for planned in controls:
+    for k, planned in enumerate(controls):
         asked = np.tile(planned, (missions, 1))
         known = state if watch is None else watch.look(state, rng)
         if vehicle.gain is not None:
@@ -143,12 +162,13 @@ def _paths(
         given = asked if vehicle.gain is None else np.clip(asked, -limit, limit)
         fresh = _disturbances(vehicle, missions, rng)
         noise = fresh if noise is None else rho * noise + np.sqrt(1.0 - rho**2) * fresh
-        following = state @ A.T + given @ B.T + noise + drift
+        pushed = noise + sum(gusts[part.name][k] @ part.matrix.T for part in vehicle.shared)
+        following = state @ A.T + given @ B.T + pushed + drift
         if is_pushed_point(A, B, axes, dt):
             velocity = ((state @ A.T - state) / dt)[:, axes]
             acceleration = (given @ B.T)[:, axes] * 2.0 / dt**2
             # p + v t + a t²/2 + (t/dt) (c + w), written in s = t/dt.
-            way = velocity * dt + 0.5 * acceleration * dt**2 + (noise + drift)[:, axes]
+            way = velocity * dt + 0.5 * acceleration * dt**2 + (pushed + drift)[:, axes]
             yield Path(state[:, axes], way, 0.5 * acceleration * dt**2)
         else:
             begin = state[:, axes]
@@ -165,15 +185,19 @@ class _Filter:
     def __init__(self, vehicle: Vehicle, missions: int) -> None:
         n = len(vehicle.start)
         self.vehicle, self.n = vehicle, n
-        self.guess = np.hstack([np.tile(vehicle.start, (missions, 1)), np.zeros((missions, n))])
-        self.doubt = np.zeros((2 * n, 2 * n))
-        self.doubt[:n, :n] = vehicle.initial_covariance
-        self.doubt[n:, n:] = vehicle.disturbance_covariance
+        own = (np.eye(n), vehicle.disturbance_covariance, vehicle.disturbance_correlation)
+        shared = [(part.matrix, part.covariance, part.correlation) for part in vehicle.shared]
+        matrices, noises, lasting = zip(own, *shared, strict=True)
+        rest = sum(map(len, noises))
+        self.effect, self.noise = np.hstack(matrices), block_diag(*noises)
+        self.lasting = np.repeat(lasting, [len(noise) for noise in noises])
+        self.guess = np.hstack([np.tile(vehicle.start, (missions, 1)), np.zeros((missions, rest))])
+        self.doubt = block_diag(vehicle.initial_covariance, self.noise)
 
     def look(self, state: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         """Measure, and return the states as they are thought to be."""
         C, R = self.vehicle.measurement.matrix, self.vehicle.measurement.covariance
-        wide = np.hstack([C, np.zeros_like(C)])
+        wide = np.hstack([C, np.zeros((len(C), len(self.noise)))])
         noise = rng.multivariate_normal(np.zeros(len(R)), R, len(state), method="svd")
         surprise = state @ C.T + noise - self.guess @ wide.T
         gain = self.doubt @ wide.T @ np.linalg.pinv(wide @ self.doubt @ wide.T + R, 1e-10)
@@ -183,13 +207,13 @@ class _Filter:
 
     def move(self, pushed: np.ndarray) -> None:
         """Go on to the next step, as a push that is known moves the state."""
-        n, rho = self.n, self.vehicle.disturbance_correlation
-        step = np.zeros((2 * n, 2 * n))
-        step[:n, :n], step[:n, n:], step[n:, n:] = self.vehicle.system.A, np.eye(n), rho * np.eye(n)
+        n, rho = self.n, self.lasting
+        step = block_diag(self.vehicle.system.A, np.diag(rho))
+        step[:n, n:] = self.effect
         self.guess = self.guess @ step.T
         self.guess[:, :n] += pushed
         self.doubt = step @ self.doubt @ step.T
-        self.doubt[n:, n:] += (1.0 - rho**2) * self.vehicle.disturbance_covariance
+        self.doubt[n:, n:] += np.diag(1.0 - rho**2) @ self.noise
 
 
 def _disturbances(vehicle: Vehicle, missions: int, rng: np.random.Generator) -> np.ndarray:

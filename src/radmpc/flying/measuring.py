@@ -61,8 +61,8 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If a vehicle's disturbances last longer than a step, its state is measured with noise, or
-        an obstacle's place is not known exactly.
+        If a vehicle's disturbances last longer than a step or are shared, its state is measured
+        with noise, or an obstacle's place is not known exactly.
     """
     for i, obstacle in enumerate(scenario.obstacles):
         if obstacle.spread is not None:
@@ -74,9 +74,11 @@ def check_memory(scenario: Scenario) -> None:
     for i, vehicle in enumerate(scenario.vehicles):
         if vehicle.has_memory:
             key = "disturbance_correlation" if vehicle.measurement is None else "measurement"
+            if vehicle.shared:
+                key = "shared"
             message = (
                 f"{vehicle.name!r} cannot be flown under way: a mission takes states known "
-                "exactly and noise that is new at every step"
+                "exactly and noise of its own that is new at every step"
             )
             raise ScenarioError(message, ("vehicles", i, key))
 

@@ -62,13 +62,17 @@ def check_vehicle_numbers(radius: float, control_sigmas: float, cost_weight: flo
     )
 
 
-def check_correlation(correlation: float) -> None:
+def check_correlation(
+    correlation: float, path: tuple[str, ...] = ("disturbance", "correlation")
+) -> None:
     """Refuse what no stationary disturbance has as the correlation of consecutive steps.
 
     Parameters
     ----------
     correlation : float
         ρ.
+    path : tuple of str
+        Where it stands, for the message.
 
     Raises
     ------
@@ -77,7 +81,7 @@ def check_correlation(correlation: float) -> None:
     """
     if not 0.0 <= correlation < 1.0:
         text = f"must be from 0 to below 1, got {correlation}"
-        raise ScenarioError(text, ("disturbance", "correlation"))
+        raise ScenarioError(text, path)
 
 
 def _check_not_negative(value: float, name: str) -> None:

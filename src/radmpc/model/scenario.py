@@ -101,6 +101,10 @@ class Scenario:
         object.__setattr__(self, "obstacles", obstacles)
         check_moving(self.obstacles, self.horizon)
         check_step(self.vehicles, self.dt)
+        if self.has_shared:
+            from radmpc.model.noise.shared import check_sources  # noqa: PLC0415 - few share
+
+            check_sources(vehicle.shared for vehicle in self.vehicles)
 
     def __repr__(self) -> str:
         """Return the scenario in one line."""
@@ -163,6 +167,11 @@ class Scenario:
     def dimension(self) -> int:
         """Number of coordinates, 2 or 3."""
         return self.vehicles[0].system.dimension
+
+    @property
+    def has_shared(self) -> bool:
+        """Whether any vehicle has a part in a shared disturbance."""
+        return any(vehicle.shared for vehicle in self.vehicles)
 
     @property
     def num_vehicles(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,6 +28,7 @@ from radmpc.model.numbers import check_correlation, check_positive, check_vehicl
 
 if TYPE_CHECKING:
     from radmpc.model.noise.measurement import Measurement
+    from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.noise.spread import Spread
 
 __all__ = ["Goal", "Vehicle"]
@@ -75,6 +77,8 @@ class Vehicle(Frozen):
     measurement : Measurement or None
         What the vehicle measures of its state: feedback is then ``u = ū + K (x̂ − x̄)`` with the
         estimate x̂ of a Kalman filter. None is that the state is known exactly.
+    shared : tuple of SharedDisturbance
+        Its part in disturbances that others meet, too; names distinct.
     """
 
     name: str
@@ -92,6 +96,7 @@ class Vehicle(Frozen):
     drift: Vector | None = None
     disturbance_correlation: float = 0.0
     measurement: Measurement | None = None
+    shared: tuple[SharedDisturbance, ...] = ()
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -112,6 +117,7 @@ class Vehicle(Frozen):
             drift: npt.ArrayLike | None = None,
             disturbance_correlation: float = 0.0,
             measurement: Measurement | None = None,
+            shared: Sequence[SharedDisturbance] = (),
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -163,13 +169,18 @@ class Vehicle(Frozen):
             from radmpc.model.noise.measurement import Measurement  # noqa: PLC0415 - few measure
 
             kinds["measurement"] = Measurement
+        put = object.__setattr__
         for name, kind in kinds.items():
             part = getattr(self, name)
             if not isinstance(part, kind):
                 raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
+        if self.shared != ():
+            from radmpc.model.noise.shared import as_shared  # noqa: PLC0415 - few share
+
+            put(self, "shared", as_shared(self.shared, self.system.num_states))
         numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
         for name in numbers:
-            object.__setattr__(self, name, field_number(getattr(self, name), (name,)))
+            put(self, name, field_number(getattr(self, name), (name,)))
 
     @property
     def start_position(self) -> Vector:
@@ -178,8 +189,9 @@ class Vehicle(Frozen):
 
     @property
     def has_memory(self) -> bool:
-        """Whether more than the state's own deviation decides about what becomes of it."""
-        return self.disturbance_correlation > 0.0 or self.measurement is not None
+        """Whether more than the state's own deviation and noise decides what becomes of it."""
+        lasts = self.disturbance_correlation > 0.0
+        return lasts or self.measurement is not None or bool(self.shared)
 
     def spread(self, horizon: int) -> Spread:
         """Return covariances of the deviation, of the disturbance, and of what is known of both.
@@ -201,6 +213,7 @@ class Vehicle(Frozen):
             self.disturbance_covariance,
             self.disturbance_correlation,
             self.measurement,
+            self.shared,
         )
         return spread_of(self.system, noise, self.gain, horizon)
 

@@ -22,6 +22,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
 from radmpc.planners.boxes import Box, Shapes
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.relative import relative_covariances
 from radmpc.referee.bound.bounds import instant_risks
 from radmpc.referee.contact import solid_distances, solid_of
 from radmpc.referee.encounters import Encounters
@@ -150,7 +151,7 @@ def _hazards(
     for i, box in enumerate(boxes):
         hazards, least[i] = _of_vehicle(scenario, i, box, shapes, at_goal=at_goal)
         found += hazards
-    found += _of_pairs(scenario, boxes, at_goal=at_goal)
+    found += _of_pairs(scenario, models, boxes, at_goal=at_goal)
     return tuple(sorted(found, key=lambda hazard: -hazard.risk)), least
 
 
@@ -198,7 +199,9 @@ def _of_vehicle(
     return [hazard for hazard in hazards if hazard.risk > 0.0], least
 
 
-def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> list[EndpointHazard]:
+def _of_pairs(
+    scenario: Scenario, models: Sequence[CondensedModel], boxes: Sequence[Box], *, at_goal: bool
+) -> list[EndpointHazard]:
     """Return what pairs risk at their endpoints."""
     if len(boxes) < 2:
         return []
@@ -211,7 +214,8 @@ def _of_pairs(scenario: Scenario, boxes: Sequence[Box], *, at_goal: bool) -> lis
     found = []
     for i, j in near_pairs(centers, float(near)).tolist():
         one, two = boxes[i], boxes[j]
-        box = Box(one.lower - two.upper, one.upper - two.lower, one.covariance + two.covariance)
+        covariance = relative_covariances(models[i], models[j])[-1 if at_goal else 0]
+        box = Box(one.lower - two.upper, one.upper - two.lower, covariance)
         points = box.corners(1)
         most = float(np.linalg.norm(points, axis=1).max())
         if most >= radii[i] + radii[j] + far * box.spread + 1e-6:

@@ -69,6 +69,9 @@ class Decomposition(ABC):
     needs_proof: ClassVar[bool] = False
     """Whether it takes "none found" for "there is none", or costs for the least."""
 
+    takes_shared: ClassVar[bool] = True
+    """Whether it plans vehicles whose disturbances are partly the same."""
+
     default_seconds: ClassVar[float | None] = None
     """Time limit where none is given [s]; None is no limit."""
 

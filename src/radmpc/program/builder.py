@@ -23,12 +23,13 @@ from radmpc.program.assembly import (
     stacked_hard_rows,
 )
 from radmpc.program.avoidance import Body, Part, RowBlock, Windows
-from radmpc.program.condensed import CondensedModel, joint_bent_covariances
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.joined import batches, faces_at_start, joined_windows
 from radmpc.program.keepout import KeepOut
 from radmpc.program.layout import ProgramLayout, owners_of_runs
 from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram, RiskItem
+from radmpc.program.relative import relative_bent_covariances, relative_covariances
 from radmpc.program.rows import avoidance_rows
 
 __all__ = ["ProgramBuilder"]
@@ -135,8 +136,8 @@ class ProgramBuilder:
         body = Body(
             one.reach_lower - two.reach_upper,
             one.reach_upper - two.reach_lower,
-            one.position_covariances + two.position_covariances,
-            joint_bent_covariances((one, two)),
+            relative_covariances(one, two),
+            relative_bent_covariances(one, two),
             (self.parts[i], replace(other, sign=-1.0)),
         )
         if self.first_step == 0:

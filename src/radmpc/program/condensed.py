@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +9,13 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.vehicle import Vehicle
+from radmpc.program.response import PositionResponse
 
 __all__ = [
     "CondensedModel",
     "PredictionMatrices",
     "bent_covariances",
     "condense",
-    "joint_bent_covariances",
 ]
 
 
@@ -107,6 +106,8 @@ class CondensedModel:
         Positions and velocities without control, the vehicle's drift included.
     reach_lower, reach_upper : (T+1, d) array
         Box that holds the mean position under every admissible control [m].
+    common : PositionResponse or None
+        How its position answers disturbances that others meet, too; None is not at all.
     """
 
     vehicle: Vehicle
@@ -120,6 +121,7 @@ class CondensedModel:
     drift_velocity: Matrix | None
     reach_lower: Matrix
     reach_upper: Matrix
+    common: PositionResponse | None = None
 
 
 def condense(
@@ -129,6 +131,7 @@ def condense(
     covariances: Tensor,
     bounds: Matrix,
     first_step: int = 0,
+    common: PositionResponse | None = None,
 ) -> CondensedModel:
     """Return a vehicle condensed over the steps that are left, from its state at the first of them.
 
@@ -146,6 +149,8 @@ def condense(
         Largest nominal |ū|, see `Vehicle.control_bounds`.
     first_step : int
         Step of the vehicle's noise at which the covariances begin.
+    common : PositionResponse or None
+        See `CondensedModel.common`.
 
     Returns
     -------
@@ -179,6 +184,7 @@ def condense(
         drift_velocity=drift_velocity,
         reach_lower=lower,
         reach_upper=upper,
+        common=common,
     )
 
 
@@ -213,29 +219,6 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor, first_step: int = 0)
         return vehicle.spread(last).of_sums(slice(first_step, last), picked, -bend)
     bent = np.eye(system.num_states)[place] - system.B[place] @ vehicle.gain
     return np.asarray(bent @ covariances[:-1] @ bent.T)
-
-
-def joint_bent_covariances(models: Sequence[CondensedModel]) -> Tensor | None:
-    """Return the bent covariance of one vehicle, or of the position of one relative to another.
-
-    Parameters
-    ----------
-    models : sequence of CondensedModel
-        One vehicle, or two.
-
-    Returns
-    -------
-    (T, d, d) array or None
-        Covariances summed [m²], a vehicle's own where its path does not bend; None where no path
-        does.
-    """
-    if all(s.bent_covariances is None for s in models):
-        return None
-    parts = [
-        s.position_covariances[:-1] if s.bent_covariances is None else s.bent_covariances
-        for s in models
-    ]
-    return np.asarray(np.sum(parts, axis=0))
 
 
 def _reach_by_boxes(

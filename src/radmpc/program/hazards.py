@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
+from radmpc.program.response import PositionResponse, side_by_side, without_common
 
 __all__ = ["Hazards", "Shapes"]
 
@@ -106,6 +108,9 @@ class Hazards:
         Lower and upper bounds of where centers may be [m].
     moves : (N,) array
         How far each vehicle gets in a step, along an axis, at most [m].
+    common, common_bent : (N, T+1, d, E) and (N, T, d, E) array, or None
+        What normals behind shared disturbances make of positions, and what feedback held over a
+        step makes of that [m]; None where nothing is shared.
     """
 
     models: tuple[CondensedModel, ...]
@@ -117,6 +122,8 @@ class Hazards:
     shapes: Shapes
     workspace: tuple[Vector, Vector] | None
     moves: Vector
+    common: Tensor | None = None
+    common_bent: Tensor | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, models: Sequence[CondensedModel]) -> Hazards:
@@ -135,17 +142,46 @@ class Hazards:
         workspace = scenario.workspace
         reaches = [(model.reach_lower, model.reach_upper) for model in models]
         covariances = np.array([model.position_covariances for model in models])
+        variances = np.maximum(np.trace(covariances[:, 1:], axis1=2, axis2=3), 0.0)
+        shared = [] if not scenario.has_shared else [m.common for m in models]
         return cls(
             tuple(models),
             np.array([model.vehicle.radius for model in models]),
             covariances,
-            np.maximum(np.trace(covariances[:, 1:], axis1=2, axis2=3), 0.0),
+            # Of a pair at most (σ_1 + σ_2)² ≤ 2 σ_1² + 2 σ_2², however it is correlated.
+            2.0 * variances if shared else variances,
             bent,
             scenario.avoidance == "intervals",
             Shapes.of(scenario),
             None if workspace is None else (workspace.lower, workspace.upper),
             np.array([max(np.abs(np.diff(r, axis=0)).max() for r in both) for both in reaches]),
+            _responses(shared, "positions"),
+            _responses(shared, "bent"),
         )
+
+    def joint(self, steps: Indices, first: Indices, second: Indices | None) -> Tensor:
+        """Return the covariances of (relative) positions at some steps, (w, d, d) [m²].
+
+        Parameters
+        ----------
+        steps : (w,) int array
+            The steps.
+        first, second : (w,) int array, or None
+            Vehicles; None is no second one.
+        """
+        return _joint(self.covariances, self.common, steps, (first, second))
+
+    def joint_bent(self, steps: Indices, first: Indices, second: Indices | None) -> Tensor | None:
+        """Return the same for what feedback makes of them, None where no path bends.
+
+        Parameters
+        ----------
+        steps, first, second
+            As in `joint`.
+        """
+        if self.bent is None:
+            return None
+        return _joint(self.bent, self.common_bent, steps, (first, second))
 
     @property
     def count(self) -> int:
@@ -177,3 +213,34 @@ def _bent(model: CondensedModel) -> Tensor:
     """Return what feedback makes of a vehicle's covariances, its own where nothing."""
     bent = model.bent_covariances
     return model.position_covariances[:-1] if bent is None else bent
+
+
+def _joint(
+    covariances: Tensor,
+    common: Tensor | None,
+    steps: Indices,
+    who: tuple[Indices, Indices | None],
+) -> Tensor:
+    """Return the covariances of one vehicle, or of one relative to another, (w, d, d)."""
+    first, second = who
+    mine: Tensor = covariances[first, steps]
+    if second is None:
+        return mine
+    total = mine + covariances[second, steps]
+    if common is None:
+        return total
+    return without_common(total, common[first, steps], common[second, steps])
+
+
+def _responses(
+    shared: Sequence[PositionResponse | None], kind: Literal["positions", "bent"]
+) -> Tensor | None:
+    """Return what shared disturbances make of everybody, zeros where nothing, (N, …, E)."""
+    found = side_by_side(
+        [None if one is None else one.columns for one in shared],
+        [None if one is None else getattr(one, kind) for one in shared],
+    )
+    shapes = [one for one in found if one is not None]
+    if not shapes:
+        return None
+    return np.array([np.zeros_like(shapes[0]) if one is None else one for one in found])

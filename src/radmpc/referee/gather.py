@@ -11,6 +11,7 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
+from radmpc.referee.common import relative
 from radmpc.referee.contact import solid_of
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
@@ -90,16 +91,15 @@ def gather_pairs(
         return Gathered((), skipped)
     d = scenario.dimension
     faces = _pair_directions(scenario.num_pair_faces, d)
+    covariances, bent = _pair_covariances(motion, i, j)
     batch = Encounters(
         kind="pair",
         first=i,
         other=j,
         piece=np.zeros(len(pairs), dtype=np.int64),
         means=motion.positions[i] - motion.positions[j],
-        covariances=motion.position_covariances[i] + motion.position_covariances[j],
-        bent_covariances=(
-            motion.bent_covariances[i] + motion.bent_covariances[j] if motion.is_bent else None
-        ),
+        covariances=covariances,
+        bent_covariances=bent,
         sagittas=motion.sagittas[i] - motion.sagittas[j],
         radii=motion.radii[i] + motion.radii[j],
         vertices=np.zeros((len(pairs), 1, 1, d)),
@@ -107,6 +107,19 @@ def gather_pairs(
         edges=np.zeros((len(pairs), 1, 0, 2, d)),
     )
     return Gathered((batch,), skipped)
+
+
+def _pair_covariances(motion: FleetMotion, i: Indices, j: Indices) -> tuple[Tensor, Tensor | None]:
+    """Return the covariances of relative positions, and of those that feedback bends."""
+    covariances = motion.position_covariances[i] + motion.position_covariances[j]
+    bent = motion.bent_covariances[i] + motion.bent_covariances[j] if motion.is_bent else None
+    if motion.common is None:
+        return covariances, bent
+    crossed = motion.common.positions(i, j)
+    return (
+        relative(covariances, crossed[0]),
+        None if bent is None else relative(bent, crossed[1]),
+    )
 
 
 def _pair_directions(count: int, dimension: int) -> Matrix:

@@ -13,21 +13,49 @@ step that follows,
 
 .. math:: \xi^+ = G\,\xi + BK\,\hat\xi + \epsilon, \qquad
           \hat\xi^+ = (G + BK)\,\hat\xi + L\,\bigl(H\,(G\,(\xi - \hat\xi) + \epsilon) + v\bigr).
+
+A disturbance that others meet, too, is part of ζ if it lasts, and of the noise if it does not. What
+is new in it is made of standard normals that are the same for all, and kept apart from the rest.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
+from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["Loop", "loop_of"]
+__all__ = ["Common", "Loop", "loop_of"]
 
 _NOTHING = 1e-12
 """Share of the largest eigenvalue of what a sensor sees below which one is rounding [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Common:
+    """What a loop has of the noise that others meet, too, and what it has alone.
+
+    Attributes
+    ----------
+    columns : mapping of str to slice
+        Those of each source in what follows.
+    first : (q, R) array
+        What the sources' first standard normals make of ζ at k = 0.
+    pushes : (S, q, R) array
+        What those of every step add.
+    own_initial, own_disturbances : (q, q) and (S, q, q) array
+        Covariances of all other noise.
+    """
+
+    columns: Mapping[str, slice]
+    first: Matrix
+    pushes: Tensor
+    own_initial: Matrix
+    own_disturbances: Tensor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,12 +70,41 @@ class Loop:
         Covariance of ζ at k = 0.
     seen : int
         Where in ζ the deviation begins that feedback acts on: 0 where it is known exactly.
+    common : Common or None
+        The noise that others meet, too; None is none.
     """
 
     transitions: Tensor
     disturbances: Tensor
     initial: Matrix
     seen: int
+    common: Common | None = None
+
+
+@dataclass(slots=True, eq=False)
+class _Open:
+    """What there is, ξ: what becomes of it freely and by feedback, and its noise.
+
+    ``first`` and ``pushes``, (p, R) arrays, are those of `Common`; ``initial`` and ``fresh`` the
+    covariances of all other noise.
+    """
+
+    free: Matrix
+    pushed: Matrix
+    initial: Matrix
+    fresh: Matrix
+    first: Matrix
+    pushes: Matrix
+    columns: dict[str, slice] = field(default_factory=dict)
+
+    def total(self) -> tuple[Matrix, Matrix]:
+        """Return the covariances of ξ at k = 0 and of the noise of every step."""
+        if not self.columns:
+            return self.initial, self.fresh
+        return (
+            self.initial + self.first @ self.first.T,
+            self.fresh + self.pushes @ self.pushes.T,
+        )
 
 
 def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
@@ -72,34 +129,66 @@ def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
         pushed = _stacked(pushed, none, none)
         initial = _stacked(initial, none, fresh)
         fresh = _stacked(none, none, (1.0 - rho * rho) * fresh)
+    nothing = np.zeros((len(free), 0))
+    xi = _Open(free, pushed, initial, fresh, nothing, nothing)
+    for part in vehicle.shared:
+        xi = _widened(xi, part)
     if vehicle.measurement is not None:
-        return _filtered(vehicle, (free, pushed), (initial, fresh), horizon)
-    closed = free if vehicle.gain is None else free + pushed
-    return Loop(closed[None], fresh[None], initial, 0)
+        return _filtered(vehicle, xi, horizon)
+    closed = xi.free if vehicle.gain is None else xi.free + xi.pushed
+    initial, fresh = xi.total()
+    if not xi.columns:
+        return Loop(closed[None], fresh[None], initial, 0)
+    common = Common(xi.columns, xi.first, xi.pushes[None], xi.initial, xi.fresh[None])
+    return Loop(closed[None], fresh[None], initial, 0, common)
+
+
+def _widened(xi: _Open, part: SharedDisturbance) -> _Open:
+    """Return what there is with one more disturbance that others meet, too."""
+    values, vectors = np.linalg.eigh(part.covariance)
+    root = vectors * np.sqrt(values.clip(min=0.0))
+    n, p, r = len(part.matrix), len(xi.free), part.size
+    effect = np.zeros((p, r))
+    effect[:n] = part.matrix
+    start = xi.first.shape[1]
+    columns = {**xi.columns, part.name: slice(start, start + r)}
+    if part.correlation == 0.0:
+        first = np.hstack([xi.first, np.zeros((p, r))])
+        pushes = np.hstack([xi.pushes, effect @ root])
+        return _Open(xi.free, xi.pushed, xi.initial, xi.fresh, first, pushes, columns)
+    rho, none = part.correlation, np.zeros((p, r))
+    wide = ((0, r), (0, r))
+    below = (np.zeros((r, start)), np.sqrt(1.0 - rho * rho) * root)
+    return _Open(
+        _stacked(xi.free, effect, rho * np.eye(r)),
+        np.pad(xi.pushed, wide),
+        np.pad(xi.initial, wide),
+        np.pad(xi.fresh, wide),
+        np.block([[xi.first, none], [below[0], root]]),
+        np.block([[xi.pushes, none], list(below)]),
+        columns,
+    )
 
 
 def _stacked(first: Matrix, second: Matrix, last: Matrix) -> Matrix:
     """Return an upper block triangle."""
-    return np.block([[first, second], [np.zeros_like(second), last]])
+    return np.block([[first, second], [np.zeros_like(second.T), last]])
 
 
-def _filtered(
-    vehicle: Vehicle, acts: tuple[Matrix, Matrix], noises: tuple[Matrix, Matrix], horizon: int
-) -> Loop:
+def _filtered(vehicle: Vehicle, xi: _Open, horizon: int) -> Loop:
     """Return the loop of a vehicle and its filter.
 
     Parameters
     ----------
     vehicle : Vehicle
         With a measurement.
-    acts : pair of (p, p) array
-        What becomes of ξ without control, and what feedback on its estimate adds.
-    noises : pair of (p, p) array
-        Covariance of ξ at k = 0, and of the noise of every step.
+    xi : _Open
+        What there is.
     horizon : int
         Number of steps T.
     """
-    (free, pushed), (initial, fresh) = acts, noises
+    free, pushed = xi.free, xi.pushed
+    initial, fresh = xi.total()
     size = len(free)
     H, R = _sensor(vehicle, size)
     error, gains = initial, []
@@ -113,7 +202,17 @@ def _filtered(
         corrected = gain @ H @ free
         transitions[k] = np.block([[free, pushed], [corrected, free + pushed - corrected]])
         disturbances[k] = _told(gain, H, R, fresh)
-    return Loop(transitions, disturbances, _told(gains[0], H, R, initial), size)
+    loop = Loop(transitions, disturbances, _told(gains[0], H, R, initial), size)
+    if not xi.columns:
+        return loop
+    common = Common(
+        xi.columns,
+        _seen_of(gains[0], H) @ xi.first,
+        np.array([_seen_of(gain, H) @ xi.pushes for gain in gains[1:]]),
+        _told(gains[0], H, R, xi.initial),
+        np.array([_told(gain, H, R, xi.fresh) for gain in gains[1:]]),
+    )
+    return replace(loop, common=common)
 
 
 def _sensor(vehicle: Vehicle, size: int) -> tuple[Matrix, Matrix]:
@@ -126,9 +225,14 @@ def _sensor(vehicle: Vehicle, size: int) -> tuple[Matrix, Matrix]:
 
 def _told(gain: Matrix, H: Matrix, R: Matrix, noise: Matrix) -> Matrix:
     """Return the joint covariance of a noise, and of what a filter makes of it and of its own."""
-    both = np.vstack([np.eye(len(noise)), gain @ H])
+    both = _seen_of(gain, H)
     own = np.vstack([np.zeros_like(gain), gain])
     return np.asarray(both @ noise @ both.T + own @ R @ own.T)
+
+
+def _seen_of(gain: Matrix, H: Matrix) -> Matrix:
+    """Return a noise, and what a filter makes of it."""
+    return np.vstack([np.eye(H.shape[1]), gain @ H])
 
 
 def _inverse(matrix: Matrix) -> Matrix:

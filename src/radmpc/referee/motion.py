@@ -10,6 +10,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.referee.common import FleetCommon, fleet_common
 from radmpc.referee.loop import Loop, loop_of
 from radmpc.referee.tracks import Tracks, tracks_of
 
@@ -32,6 +33,8 @@ class Group:
         Added at every step.
     position : (g, d) int array
         State indices of the position.
+    own_initial, own_disturbances : (g, q, q) and (g, S, q, q) array
+        Covariances without noise that others meet, too; where there is none, the same arrays.
     """
 
     members: Indices
@@ -39,6 +42,8 @@ class Group:
     initial: Tensor
     disturbances: Tensor
     position: Indices
+    own_initial: Tensor
+    own_disturbances: Tensor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,6 +82,8 @@ class FleetMotion:
         Hull radii [m].
     tracks : Tracks or None
         Obstacles whose place is not known exactly; None where all are.
+    common : FleetCommon or None
+        Noise that vehicles have in common; None is none.
     """
 
     names: tuple[str, ...]
@@ -93,6 +100,7 @@ class FleetMotion:
     bent_covariances: Tensor
     radii: Vector
     tracks: Tracks | None = None
+    common: FleetCommon | None = None
 
     @property
     def is_bent(self) -> bool:
@@ -139,6 +147,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     seen = [_part(p, one.seen, v) for p, one, v in zip(loops, described, vehicles, strict=True)]
     axes = [list(v.system.position) for v in vehicles]
     sagittas = np.zeros((len(vehicles), horizon, d))
+    picks: list[Matrix] = []
     bends: list[Matrix | None] = []
     bent = np.empty((len(vehicles), horizon, d, d))
     for i, vehicle in enumerate(vehicles):
@@ -149,6 +158,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
             sagittas[i] = controls[i] @ vehicle.system.B[axes[i]].T / 4.0
             bend = None if vehicle.gain is None else _bend(vehicle, described[i])
         picked = np.eye(loops[i].shape[1])[axes[i]]
+        picks.append(picked)
         turned = picked if bend is None else picked - bend
         bends.append(bend)
         with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported elsewhere
@@ -170,6 +180,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         bent_covariances=bent,
         radii=np.array([v.radius for v in vehicles]),
         tracks=tracks_of(scenario),
+        common=fleet_common(described, picks, bends, horizon),
     )
 
 
@@ -204,15 +215,29 @@ def _grouped(vehicles: Sequence[Vehicle], loops: Sequence[Loop]) -> tuple[Group,
     by_size: dict[tuple[int, ...], list[int]] = {}
     for i, loop in enumerate(loops):
         by_size.setdefault(loop.transitions.shape, []).append(i)
-    return tuple(
-        Group(
-            np.array(members),
-            np.stack([loops[i].transitions for i in members]),
-            np.stack([loops[i].initial for i in members]),
-            np.stack([loops[i].disturbances for i in members]),
-            np.array([vehicles[i].system.position for i in members]),
+    return tuple(_group(vehicles, loops, members) for members in by_size.values())
+
+
+def _group(vehicles: Sequence[Vehicle], loops: Sequence[Loop], members: list[int]) -> Group:
+    """Stack some loops."""
+    chosen = [loops[i] for i in members]
+    initial = np.stack([loop.initial for loop in chosen])
+    disturbances = np.stack([loop.disturbances for loop in chosen])
+    own = initial, disturbances
+    if any(loop.common is not None for loop in chosen):
+        own = (
+            np.stack([one.common.own_initial if one.common else one.initial for one in chosen]),
+            np.stack(
+                [one.common.own_disturbances if one.common else one.disturbances for one in chosen]
+            ),
         )
-        for members in by_size.values()
+    return Group(
+        np.array(members),
+        np.stack([loop.transitions for loop in chosen]),
+        initial,
+        disturbances,
+        np.array([vehicles[i].system.position for i in members]),
+        *own,
     )
 
 

@@ -48,12 +48,16 @@ class Sampler:
         The same of each obstacle, whose deviation stands there if its place is not known exactly.
     blocks : tuple
         Vehicles of one size of state, drawn together.
+    first, pushes : (width, R) and (S, width, R) array, or None
+        What standard normals that all meet add at k = 0 and in every step; None is nothing.
     """
 
     width: int
     starts: Indices
     track_starts: Indices
     blocks: tuple[_Block, ...]
+    first: Matrix | None = None
+    pushes: Tensor | None = None
 
     @classmethod
     def of(cls, motion: FleetMotion, needed: Indices, obstacles: Indices) -> Sampler:
@@ -88,7 +92,9 @@ class Sampler:
             track_starts[chosen] = row + n * np.arange(chosen.size)
             blocks.append(_track_block(tracks, tracks.places[chosen], row))
             row += n * chosen.size
-        return cls(row, starts, track_starts, tuple(blocks))
+        if motion.common is None:
+            return cls(row, starts, track_starts, tuple(blocks))
+        return cls(row, starts, track_starts, tuple(blocks), *_common(motion, starts, row))
 
     def draw(
         self,
@@ -119,12 +125,17 @@ class Sampler:
         rng.standard_normal(out=noise)
         for block in self.blocks:
             _scale(block.initial, noise[block.rows], state[block.rows], block.shape)
+        if self.first is not None:
+            state += self.first @ rng.standard_normal((self.first.shape[1], size))
         yield state
         for k in range(horizon):
             rng.standard_normal(out=noise)
             for block in self.blocks:
                 factor = block.disturbances[min(k, len(block.disturbances) - 1)]
                 _scale(factor, noise[block.rows], spare[block.rows], block.shape)
+            if self.pushes is not None:
+                pushes = self.pushes[min(k, len(self.pushes) - 1)]
+                spare += pushes @ rng.standard_normal((pushes.shape[1], size))
             # The noise has been used: its array holds what the dynamics make of the state.
             for block in self.blocks:
                 np.matmul(
@@ -143,8 +154,8 @@ def _block(group: Group, kept: Indices, rows: slice) -> _Block:
     return _Block(
         rows,
         np.ascontiguousarray(group.transitions[kept].swapaxes(0, 1)),
-        _factor(group.initial[kept]),
-        _factor(group.disturbances[kept].swapaxes(0, 1)),
+        _factor(group.own_initial[kept]),
+        _factor(group.own_disturbances[kept].swapaxes(0, 1)),
     )
 
 
@@ -157,6 +168,21 @@ def _track_block(tracks: Tracks, places: Indices, row: int) -> _Block:
         _factor(tracks.initial[places]),
         _factor(tracks.disturbances[places][None]),
     )
+
+
+def _common(motion: FleetMotion, starts: Indices, width: int) -> tuple[Matrix, Tensor]:
+    """Return what normals that all meet add to the stacked states, at k = 0 and in every step."""
+    common = motion.common
+    if common is None:
+        return np.zeros((width, 0)), np.zeros((1, width, 0))
+    steps, num = common.pushes.shape[1], common.first.shape[2]
+    first, pushes = np.zeros((width, num)), np.zeros((steps, width, num))
+    for i, start in enumerate(starts.tolist()):
+        if start >= 0:
+            q = motion.loops[i].shape[-1]
+            first[start : start + q] = common.first[i, :q]
+            pushes[:, start : start + q] = common.pushes[i, :, :q]
+    return first, pushes
 
 
 def _factor(covariances: Tensor) -> Tensor:

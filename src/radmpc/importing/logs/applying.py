@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -137,21 +137,41 @@ def with_noise(
             f"is {scenario.dt:g} s, and the noise is that of steps of {found.model.dt:g} s", ("dt",)
         )
     content = encode_scenario(scenario)
-    entries, warnings = _entries(scenario, content, found)
+    orders = [_order(vehicle, found, i) for i, vehicle in enumerate(scenario.vehicles)]
+    entries, warnings = _entries(scenario, content, found, orders)
     block = noise_block(found)
     if block.pending:
         parts = [part for part in block.pending.values() if isinstance(part, dict)]
         keys = {key for part in parts for key in part} | set(block.pending) & {_SHARED}
         warnings.append(f"identified, and not a part of scenarios yet: {', '.join(sorted(keys))}")
     source = {**(scenario.source or {}), "noise": provenance(found, day)}
-    shared = {_SHARED: block.content[_SHARED]} if _SHARED in block.content else {}
+    kept = {key: part for key, part in content.items() if key != _SHARED}
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    shared = _shared(block.content, dict(zip(names, orders, strict=True)))
     # By way of the format: what it takes, scenarios have.
-    changed = {**content, "defaults": {}, "vehicles": entries, **shared, "source": source}
+    changed = {**kept, "defaults": {}, "vehicles": entries, **shared, "source": source}
     return decode_scenario(changed), tuple(warnings)
 
 
+def _shared(
+    content: Mapping[str, Any], orders: Mapping[str, Sequence[int]]
+) -> dict[str, list[dict[str, object]]]:
+    """Return what vehicles share, for states in their own order."""
+    if _SHARED not in content:
+        return {}
+    entries = []
+    for entry in content[_SHARED]:
+        rows = entry["on"]["default"]
+        on = {name: [rows[k] for k in np.argsort(order)] for name, order in orders.items()}
+        entries.append({**entry, "on": on})
+    return {_SHARED: entries}
+
+
 def _entries(
-    scenario: Scenario, content: Mapping[str, Any], found: Identification
+    scenario: Scenario,
+    content: Mapping[str, Any],
+    found: Identification,
+    orders: Sequence[Sequence[int]],
 ) -> tuple[list[dict[str, object]], list[str]]:
     """Return the vehicles of a scenario's file with their new noise."""
     by_name = {one.vehicles[0]: one for one in found.each} if found.differ else {}
@@ -163,7 +183,7 @@ def _entries(
                 f"vehicle {vehicle.name!r} is in no log: it gets the mean of the others"
             )
         one = by_name.get(vehicle.name, found.pooled)
-        fields = reordered(vehicle_fields(one, found)[0], _order(vehicle, found, i))
+        fields = reordered(vehicle_fields(one, found)[0], orders[i])
         fields.pop("dynamics", None)
         replaced = {"disturbance", "disturbance_covariance"}
         replaced |= set() if found.evidence == "states" else {"drift", "covariance_samples"}

@@ -23,7 +23,7 @@ KEYS: Mapping[str, bool] = {
     "drift": True,  # {velocity} or {state}
     "measurement": True,  # {of, covariance}
     "covariance_samples": False,
-    "shared_disturbances": False,  # beside `vehicles`, not in them
+    "shared_disturbances": True,  # beside `vehicles`, not in them
 }
 """Keys that identification has values for, and whether the scenario format takes them yet. What it
 does not take is written as a comment."""

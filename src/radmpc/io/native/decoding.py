@@ -96,6 +96,10 @@ def _build(spec: ScenarioSpec) -> Scenario:
     vehicles = parts.made(lambda: _vehicles(spec, dt))
     parts.made(lambda: check_scenario_numbers(spec.dt, spec.horizon, spec.risk_bound))
     raise_together(parts.errors)
+    if spec.shared_disturbances and vehicles:
+        from radmpc.io.native.shared import with_shared  # noqa: PLC0415 - few share
+
+        vehicles = with_shared(vehicles, spec.shared_disturbances, spec.dt)
     return Scenario(
         name=spec.name,
         dt=spec.dt,

@@ -72,6 +72,10 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         content["defaults"] = defaults
         vehicles = [{k: e for k, e in v.items() if k not in defaults} for v in vehicles]
     content["vehicles"] = vehicles
+    if scenario.has_shared:
+        from radmpc.io.native.shared import encode_shared  # noqa: PLC0415 - few share
+
+        content["shared_disturbances"] = encode_shared(scenario.vehicles, scenario.dt)
     if scenario.source is not None:
         content["source"] = plain_mapping(scenario.source, ("source",))
     return content

@@ -19,6 +19,7 @@ __all__ = [
     "build_disturbance",
     "build_drift",
     "build_measurement",
+    "correlation_of",
     "encode_correlation",
     "encode_drift",
     "encode_sensor",
@@ -57,15 +58,36 @@ def build_disturbance(spec: VehicleSpec, num_states: int, dt: float) -> tuple[Ma
         text = "needs only one of: disturbance, disturbance_covariance; got both"
         raise ScenarioError(text, ("disturbance",))
     covariance = as_covariance(given.covariance, num_states, ("disturbance", "covariance"))
-    if given.time_constant is None:
-        return covariance, 0.0 if given.correlation is None else given.correlation
-    if given.correlation is not None:
-        text = "needs only one of: time_constant, correlation; got both"
-        raise ScenarioError(text, ("disturbance",))
-    if given.time_constant <= 0.0:
-        text = f"must be > 0 s, got {given.time_constant}"
-        raise ScenarioError(text, ("disturbance", "time_constant"))
-    return covariance, math.exp(-dt / given.time_constant)
+    try:
+        return covariance, correlation_of(given.time_constant, given.correlation, dt)
+    except ScenarioError as error:
+        raise error.under("disturbance") from error
+
+
+def correlation_of(time_constant: float | None, correlation: float | None, dt: float) -> float:
+    """Return the correlation of consecutive steps that either number states, 0 without any.
+
+    Parameters
+    ----------
+    time_constant : float or None
+        τ [s], above 0.
+    correlation : float or None
+        ρ itself [-].
+    dt : float
+        Step [s].
+
+    Raises
+    ------
+    ScenarioError
+        If both are given, or the time constant is not above 0.
+    """
+    if time_constant is None:
+        return 0.0 if correlation is None else correlation
+    if correlation is not None:
+        raise ScenarioError("needs only one of: time_constant, correlation; got both", ())
+    if time_constant <= 0.0:
+        raise ScenarioError(f"must be > 0 s, got {time_constant}", ("time_constant",))
+    return math.exp(-dt / time_constant)
 
 
 def encode_correlation(correlation: float, dt: float) -> dict[str, object]:

@@ -21,6 +21,7 @@ __all__ = [
     "MeasurementSpec",
     "ObstacleSpec",
     "ScenarioSpec",
+    "SharedDisturbanceSpec",
     "TrackSpec",
     "VehicleSpec",
     "WorkspaceSpec",
@@ -176,6 +177,16 @@ class VehicleSpec(FileModel):
     measurement: MeasurementSpec | None = None
 
 
+class SharedDisturbanceSpec(FileModel):
+    """``{name, covariance, on}``, and ``time_constant`` or ``correlation``."""
+
+    name: Text
+    covariance: Square
+    time_constant: Number | None = None
+    correlation: Number | None = None
+    on: dict[str, Square | None]
+
+
 class ScenarioSpec(FileModel):
     """A whole scenario."""
 
@@ -190,4 +201,5 @@ class ScenarioSpec(FileModel):
     obstacles: Annotated[list[ObstacleSpec], Field(max_length=MOST_OBSTACLES)] = []
     defaults: VehicleSpec = VehicleSpec.model_construct()
     vehicles: Annotated[list[VehicleSpec], Field(max_length=MOST_VEHICLES)]
+    shared_disturbances: Annotated[list[SharedDisturbanceSpec], Field(max_length=_MOST_STATES)] = []
     source: dict[str, Any] | None = None

@@ -24,8 +24,9 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.measurement import Measurement
+from radmpc.model.noise.shared import SharedDisturbance
 
-__all__ = ["Noise", "Spread", "spread_of"]
+__all__ = ["Chain", "Noise", "Spread", "chain_of", "learning", "spread_of", "stacked"]
 
 _SINGULAR = 1e-12
 """Share of the largest eigenvalue of a measurement's covariance below which one counts as 0 [-]:
@@ -46,33 +47,39 @@ class Noise:
         ρ of consecutive disturbances, from 0 to below 1 [-].
     measurement : Measurement or None
         What is known of the state; None is all, exactly.
+    shared : tuple of SharedDisturbance
+        What others meet, too, added to the disturbance.
     """
 
     initial: Matrix
     disturbance: Matrix
     correlation: float
     measurement: Measurement | None
+    shared: tuple[SharedDisturbance, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spread:
-    """Covariances of the deviation ``δ = x − x̄`` and of the disturbance w that follows it.
+    """Covariances of the deviation ``δ = x − x̄`` and of the disturbances that follow it.
 
     Attributes
     ----------
-    known : (T+1, 2n, 2n) array
-        Of the estimate of both, stacked; of both where nothing is estimated.
-    unknown : (T+1, 2n, 2n) array or None
+    mixing : (n, p) array
+        What its own and shared disturbances, stacked, add to the state: ``[I, G_1, G_2, …]``.
+    known : (T+1, n + p, n + p) array
+        Of the estimate of all, stacked; of all where nothing is estimated.
+    unknown : (T+1, n + p, n + p) array or None
         Of the estimate's error; None is none.
     """
 
+    mixing: Matrix
     known: Tensor
     unknown: Tensor | None
 
     @property
     def num_states(self) -> int:
         """Length n of the state."""
-        return int(self.known.shape[1]) // 2
+        return len(self.mixing)
 
     @property
     def estimates(self) -> Tensor:
@@ -102,15 +109,89 @@ class Spread:
         of_state, of_estimate : (r, n) or (k, r, n) array
             M and L.
         of_disturbance : (r, n) or (k, r, n) array or None
-            N; None is 0.
+            N, of everything that is added to the state; None is 0.
         """
-        last = np.zeros_like(of_state) if of_disturbance is None else of_disturbance
-        whole = np.concatenate([of_state + of_estimate, last], axis=-1)
+        whole, part = stacked(self.mixing, of_state, of_estimate, of_disturbance)
         found = whole @ self.known[steps] @ np.swapaxes(whole, -1, -2)
         if self.unknown is not None:
-            part = np.concatenate([of_state, last], axis=-1)
             found = found + part @ self.unknown[steps] @ np.swapaxes(part, -1, -2)
         return np.asarray(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """A vehicle with everything that lasts: ξ holds deviation, own and shared disturbances.
+
+    Attributes
+    ----------
+    mixing : (n, p) array
+        See `Spread.mixing`.
+    free, loop : (n + p, n + p) array
+        What becomes of ξ without control, and of its estimate with feedback.
+    initial, fresh : (n + p, n + p) array
+        Covariance of ξ at k = 0, and of what is new at every step.
+    """
+
+    mixing: Matrix
+    free: Matrix
+    loop: Matrix
+    initial: Matrix
+    fresh: Matrix
+
+
+def stacked(
+    mixing: Matrix, of_state: Tensor, of_estimate: Tensor, of_disturbance: Tensor | None
+) -> tuple[Tensor, Tensor]:
+    """Return what ``M δ + L δ̂ + N w`` takes from ξ's estimate, and from the estimate's error.
+
+    Parameters
+    ----------
+    mixing : (n, p) array
+        See `Spread.mixing`.
+    of_state, of_estimate, of_disturbance
+        As in `Spread.of_sums`.
+    """
+    if of_disturbance is None:
+        last = np.zeros((*of_state.shape[:-1], mixing.shape[1]))
+    else:
+        last = of_disturbance @ mixing
+    return (
+        np.concatenate([of_state + of_estimate, last], axis=-1),
+        np.concatenate([of_state, last], axis=-1),
+    )
+
+
+def chain_of(system: LinearSystem, noise: Noise, gain: Matrix | None) -> Chain:
+    """Return a vehicle with everything that lasts, as one linear system.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        The dynamics.
+    noise : Noise
+        What shakes the vehicle.
+    gain : (m, n) array or None
+        Feedback K; None is open loop.
+    """
+    n = system.num_states
+    mixing = np.hstack([np.eye(n), *(part.matrix for part in noise.shared)])
+    sources = [(noise.disturbance, noise.correlation)]
+    sources += [(part.covariance, part.correlation) for part in noise.shared]
+    size = n + mixing.shape[1]
+    free, initial, fresh = np.zeros((3, size, size))
+    free[:n, :n], free[:n, n:] = system.A, mixing
+    initial[:n, :n] = noise.initial
+    at = n
+    for covariance, rho in sources:
+        own = slice(at, at + len(covariance))
+        free[own, own] = rho * np.eye(len(covariance))
+        initial[own, own] = covariance
+        fresh[own, own] = (1.0 - rho**2) * covariance
+        at = own.stop
+    loop = free.copy()
+    if gain is not None:
+        loop[:n, :n] += system.B @ gain
+    return Chain(mixing, free, loop, initial, fresh)
 
 
 def spread_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: int) -> Spread:
@@ -132,37 +213,45 @@ def spread_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: 
     Spread
         At k = 0..T.
     """
-    n, rho = system.num_states, noise.correlation
-    none = np.zeros((n, n))
-    free = np.block([[system.A, np.eye(n)], [none, rho * np.eye(n)]])
-    loop = free.copy()
-    if gain is not None:
-        loop[:n, :n] += system.B @ gain
-    fresh = np.block([[none, none], [none, (1.0 - rho**2) * noise.disturbance]])
-    ahead = np.block([[noise.initial, none], [none, noise.disturbance]])
-    known = np.empty((horizon + 1, 2 * n, 2 * n))
+    chain = chain_of(system, noise, gain)
+    ahead, loop = chain.initial, chain.loop
+    known = np.empty((horizon + 1, *ahead.shape))
     if noise.measurement is None:
         known[0] = ahead
         for k in range(horizon):
-            known[k + 1] = _even(loop @ known[k] @ loop.T + fresh)
-        return Spread(known, None)
+            known[k + 1] = _even(loop @ known[k] @ loop.T + chain.fresh)
+        return Spread(chain.mixing, known, None)
     unknown = np.empty_like(known)
     before = np.zeros_like(ahead)
     for k in range(horizon + 1):
-        learned = _learned(noise.measurement, ahead)
+        seen, gained = learning(noise.measurement, ahead)
+        learned = gained @ seen
         unknown[k] = _even(ahead - learned)
         known[k] = _even(before + learned)
         before = loop @ known[k] @ loop.T
-        ahead = _even(free @ unknown[k] @ free.T + fresh)
-    return Spread(known, unknown)
+        ahead = _even(chain.free @ unknown[k] @ chain.free.T + chain.fresh)
+    return Spread(chain.mixing, known, unknown)
 
 
-def _learned(measurement: Measurement, covariance: Matrix) -> Matrix:
-    """Return what a measurement takes off the covariance of what is not known."""
+def learning(measurement: Measurement, covariance: Matrix) -> tuple[Matrix, Matrix]:
+    """Return what is measured, by its covariance with everything, and the filter's gain.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        What is seen of the first part of ξ.
+    covariance : (q, q) array
+        Of what is not known of ξ.
+
+    Returns
+    -------
+    (p, q) and (q, p) array
+        Their product, the other way round, is what a measurement takes off the covariance.
+    """
     n = measurement.matrix.shape[1]
     seen = measurement.matrix @ covariance[:n]
     surprise = _even(seen[:, :n] @ measurement.matrix.T + measurement.covariance)
-    return np.asarray(seen.T @ np.linalg.pinv(surprise, _SINGULAR, hermitian=True) @ seen)
+    return seen, np.asarray(seen.T @ np.linalg.pinv(surprise, _SINGULAR, hermitian=True))
 
 
 def _even(matrix: Matrix) -> Matrix:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from radmpc.arrays import Indices, Tensor
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import tail_probability
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
@@ -79,6 +79,7 @@ def pair_risks_across_sets(
     covariances: Tensor,
     owners: Indices,
     sagittas: Tensor | None = None,
+    common: Tensor | None = None,
 ) -> dict[tuple[int, int], float]:
     """Estimate the collision risk of every two vehicles of different sets.
 
@@ -98,6 +99,8 @@ def pair_risks_across_sets(
     sagittas : (N, T, d) array or None
         ``dt²/8 · ū``: how far each mean curve leaves its chord along each axis, against the
         acceleration [m]; 0 where the path is straight, None where all are.
+    common : (N, T+1, d, E) array or None
+        What the normals behind shared disturbances make of positions [m]; None is nothing.
 
     Returns
     -------
@@ -108,7 +111,10 @@ def pair_risks_across_sets(
         return {}
     radii = np.array([v.radius for v in scenario.vehicles])
     longest = 0.0 if sagittas is None else float(np.linalg.norm(sagittas, axis=2).max(initial=0.0))
-    one, two = _neighbors(scenario, means, covariances, radii, longest)
+    # However two are correlated, σ_1 + σ_2 is the most by which they deviate from each other.
+    noise_factor = np.sqrt(2.0) if common is None else 2.0
+    largest = noise_factor * np.sqrt(_largest_variances(covariances))
+    one, two = _neighbors(scenario, means, largest, radii, longest)
     apart = owners[one] != owners[two]
     one, two = one[apart], two[apart]
     if one.size == 0:
@@ -116,7 +122,10 @@ def pair_risks_across_sets(
     faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
     apart_by = (means[one] - means[two]) @ faces.T - (radii[one] + radii[two])[:, None, None]
     noise = np.sum((faces @ covariances) * faces, axis=3)
-    deviations = np.sqrt(np.maximum(noise[one] + noise[two], 0.0))
+    variances = noise[one] + noise[two]
+    if common is not None:
+        variances = variances - 2.0 * _along(faces, common, (one, two))
+    deviations = np.sqrt(np.maximum(variances, 0.0))
     if scenario.avoidance == "intervals":
         sagitta = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
         if sagittas is not None:
@@ -152,18 +161,26 @@ def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:
     return np.asarray(tail_probability(clearances))
 
 
+def _along(faces: Matrix, common: Tensor, pairs: tuple[Indices, Indices]) -> Tensor:
+    """Return the covariances of pairs along faces that shared disturbances make, (p, T+1, f)."""
+    felt = faces @ common
+    return np.asarray(np.einsum("ptfe,ptfe->ptf", felt[pairs[0]], felt[pairs[1]]))
+
+
+def _largest_variances(covariances: Tensor) -> Vector:
+    """Return no less than the largest variance in any direction at every step, (T+1,) [m²]."""
+    return np.maximum(np.trace(covariances, axis1=2, axis2=3).max(axis=0), 0.0)
+
+
 def _neighbors(
-    scenario: Scenario, means: Tensor, covariances: Tensor, radii: np.ndarray, sagitta: float
+    scenario: Scenario, means: Tensor, spreads: Vector, radii: np.ndarray, sagitta: float
 ) -> tuple[Indices, Indices]:
     """Return the pairs of vehicles that come near each other at any step."""
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
     path = float(steps) + 2.0 * sagitta if scenario.avoidance == "intervals" else 0.0
     found = []
-    # No less than the largest variance in any direction.
-    largest = np.trace(covariances, axis1=2, axis2=3).max(axis=0)
     for k in range(means.shape[1]):
-        spread = float(np.sqrt(max(float(largest[k]), 0.0)))
-        near = 2.0 * radii.max() + _FAR * np.sqrt(2.0) * spread + path
+        near = 2.0 * radii.max() + _FAR * float(spreads[k]) + path
         near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
         found.append(near_pairs(means[:, k], float(near)))
     pairs, count = np.concatenate(found), len(means)

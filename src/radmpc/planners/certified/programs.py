@@ -154,7 +154,12 @@ class SetPrograms:
             places = list(members)
             means[places], sagittas[places] = self._motion(members, z)
         return pair_risks_across_sets(
-            self.scenario, means, self.covariances, owners_of(sets), sagittas
+            self.scenario,
+            means,
+            self.covariances,
+            owners_of(sets),
+            sagittas,
+            self.hazards.common,
         )
 
     def _motion(self, members: Members, z: Vector) -> tuple[Tensor, Tensor]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.model.noise.response import response_of
 from radmpc.model.obstacle_track import TrackSpread
+from radmpc.model.vehicle import Vehicle
 from radmpc.program.avoidance import Part
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.response import side_by_side, without_common
 
 __all__ = ["Instants"]
 
@@ -31,6 +34,10 @@ class Instants:
         Box that holds its mean under every admissible control [m].
     parts : tuple of Part
         One vehicle, or two with signs +1 and −1.
+    columns : mapping of str to slice, or None
+        Of the sources of shared disturbances in what follows; None is none.
+    common : (I, d, E) array or None
+        What the normals behind them make of the position [m].
     """
 
     windows: Indices
@@ -39,6 +46,8 @@ class Instants:
     lower: Matrix
     upper: Matrix
     parts: tuple[Part, ...]
+    columns: Mapping[str, slice] | None = None
+    common: Tensor | None = None
 
     @property
     def count(self) -> int:
@@ -68,8 +77,15 @@ class Instants:
             (1.0 - s) * reach[windows] + s * reach[windows + 1]
             for reach in (model.reach_lower, model.reach_upper)
         )
-        covariances = _covariances(model, windows, share)
-        return cls(windows, share, covariances, lower - spread, upper + spread, (part,))
+        return cls(
+            windows,
+            share,
+            _covariances(model, windows, share),
+            lower - spread,
+            upper + spread,
+            (part,),
+            *_common(model, windows, share),
+        )
 
     def near(self, lower: Matrix, upper: Matrix, room: Vector) -> Indices:
         """Return the numbers of the instants at which the body may come near boxes.
@@ -93,6 +109,8 @@ class Instants:
             self.lower[chosen],
             self.upper[chosen],
             self.parts,
+            self.columns,
+            None if self.common is None else self.common[chosen],
         )
 
     def seen_from(self, spread: TrackSpread | None) -> Instants:
@@ -111,10 +129,12 @@ class Instants:
     def relative_to(self, other: Instants) -> Instants:
         """Return the position of this vehicle relative to another, at the same instants."""
         away = tuple(replace(part, sign=-part.sign) for part in other.parts)
+        total = self.covariances + other.covariances
+        common = side_by_side([self.columns, other.columns], [self.common, other.common])
         return Instants(
             self.windows,
             self.shares,
-            self.covariances + other.covariances,
+            without_common(total, *common),
             self.lower - other.upper,
             self.upper - other.lower,
             self.parts + away,
@@ -129,6 +149,38 @@ def _covariances(model: CondensedModel, windows: Indices, shares: Vector) -> Ten
     measures has ``B K`` and G act on the estimate of δ_k.
     """
     vehicle = model.vehicle
+    if vehicle.has_memory:
+        return vehicle.spread(model.horizon).of_sums(windows, *_between(vehicle, shares))
+    picked, loop, bend = _acts(vehicle)
+    s = shares[:, None, None]
+    moved = (1.0 - s) * picked - s * (1.0 - s) * bend + s * (picked @ loop)
+    states = vehicle.covariances(model.horizon)[windows]
+    fresh = picked @ vehicle.disturbance_covariance @ picked.T
+    return np.asarray(moved @ states @ moved.transpose(0, 2, 1) + s**2 * fresh)
+
+
+def _common(
+    model: CondensedModel, windows: Indices, shares: Vector
+) -> tuple[Mapping[str, slice] | None, Tensor | None]:
+    """Return what shared disturbances make of positions between steps, (I, d, E)."""
+    if not model.vehicle.shared:
+        return None, None
+    response = response_of(model.vehicle, model.horizon)
+    return response.columns, response.of_sums(windows, *_between(model.vehicle, shares))
+
+
+def _between(vehicle: Vehicle, shares: Vector) -> tuple[Tensor, Tensor, Tensor]:
+    """Return what states, their estimates and disturbances do to positions between steps."""
+    picked, loop, bend = _acts(vehicle)
+    s = shares[:, None, None]
+    # What happens freely happens to the state itself, what feedback does to its estimate.
+    free = (1.0 - s) * picked + s * (picked @ vehicle.system.A)
+    pushed = s * (picked @ (loop - vehicle.system.A)) - s * (1.0 - s) * bend
+    return free, pushed, s * picked
+
+
+def _acts(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix]:
+    """Return P, F and G."""
     system = vehicle.system
     picked = np.eye(system.num_states)[list(system.position)]
     loop, bend = system.A, np.zeros_like(picked)
@@ -136,13 +188,4 @@ def _covariances(model: CondensedModel, windows: Indices, shares: Vector) -> Ten
         loop = system.A + system.B @ vehicle.gain
         if system.is_double_integrator:
             bend = picked @ system.B @ vehicle.gain
-    s = shares[:, None, None]
-    if vehicle.has_memory:
-        # What happens freely happens to the state itself, what feedback does to its estimate.
-        free = (1.0 - s) * picked + s * (picked @ system.A)
-        pushed = s * (picked @ (loop - system.A)) - s * (1.0 - s) * bend
-        return vehicle.spread(model.horizon).of_sums(windows, free, pushed, s * picked)
-    moved = (1.0 - s) * picked - s * (1.0 - s) * bend + s * (picked @ loop)
-    states = vehicle.covariances(model.horizon)[windows]
-    fresh = picked @ vehicle.disturbance_covariance @ picked.T
-    return np.asarray(moved @ states @ moved.transpose(0, 2, 1) + s**2 * fresh)
+    return picked, loop, bend

@@ -17,11 +17,13 @@ for the deviation in between.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.referee.bound.crossings import Crossings
+from radmpc.referee.common import relative
 from radmpc.referee.motion import FleetMotion, Group
 from radmpc.referee.tracks import Tracks
 
@@ -62,6 +64,16 @@ class Moments:
             self.bent[vehicles],
             self.near_with_bent[vehicles],
             self.bent_with_far[vehicles],
+        )
+
+    def correlated(self, crossed: Crossings) -> Moments:
+        """Return moments of differences whose positions are correlated, from their sums' ones."""
+        return replace(
+            self,
+            own=relative(self.own, crossed.own),
+            bent=relative(self.bent, crossed.bent),
+            near_with_bent=self.near_with_bent - crossed.near_with_bent,
+            bent_with_far=self.bent_with_far - crossed.bent_with_far,
         )
 
     def minus(self, other: Moments) -> Moments:

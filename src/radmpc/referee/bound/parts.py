@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Tensor
+from radmpc.referee.bound.crossings import crossings
 from radmpc.referee.bound.halfspace import unit
 from radmpc.referee.bound.moments import Moments, moments_of, moments_of_tracks
 from radmpc.referee.bound.persistence import Crossed, path_charges
@@ -174,4 +175,7 @@ def _relative(encounters: Encounters, motion: FleetMotion, parts: int) -> Moment
             return of_vehicles
         tracks, place = np.unique(places, return_inverse=True)
         return of_vehicles.minus(moments_of_tracks(motion.tracks, tracks, parts).of(place))
-    return of_all.of(first).minus(of_all.of(np.searchsorted(vehicles, encounters.other)))
+    apart = of_all.of(first).minus(of_all.of(np.searchsorted(vehicles, encounters.other)))
+    if motion.common is None:
+        return apart
+    return apart.correlated(crossings(motion.common, encounters.first, encounters.other, parts))

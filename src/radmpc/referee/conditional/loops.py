@@ -66,8 +66,11 @@ def loops_of(motion: FleetMotion) -> Loops:
     Raises
     ------
     ScenarioError
-        If a loop remembers more than its vehicle's state, which alone is measured.
+        If a loop remembers more than its vehicle's state, which alone is measured, or vehicles
+        have noise in common.
     """
+    if motion.common is not None:
+        raise ScenarioError("what is left of a plan is valued under noise that nobody shares")
     count, _, d = motion.positions.shape
     n = max(len(states[0]) for states in motion.states)
     if any(

@@ -266,16 +266,13 @@ def _noise(
     """Return the covariances at the windows' ends, those of bent paths beside them."""
     of_pieces = hazards.shapes.covariances
 
-    def joint(covariances: Tensor, steps: Indices) -> Tensor:
-        mine = covariances[first, steps]
-        if piece is not None and of_pieces is not None:
-            mine = mine + of_pieces[piece, steps]
-        return mine if second is None else mine + covariances[second, steps]
+    def seen(found: Tensor, steps: Indices) -> Tensor:
+        return found if piece is None or of_pieces is None else found + of_pieces[piece, steps]
 
-    end = (joint(hazards.covariances, window + 1),)
+    end = (seen(hazards.joint(window + 1, first, second), window + 1),)
     if not hazards.intervals:
         return (end,)
-    start = [joint(hazards.covariances, window)]
-    if hazards.bent is not None:
-        start.append(joint(hazards.bent, window))
-    return (tuple(start), end)
+    start = [hazards.joint(window, first, second)]
+    bent = hazards.joint_bent(window, first, second)
+    start += [] if bent is None else [bent]
+    return (tuple(seen(found, window) for found in start), end)
