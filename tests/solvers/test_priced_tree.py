@@ -208,6 +208,22 @@ def test_a_node_limit_leaves_a_bound_and_a_way_to_go_on():
     assert early <= tree.bound <= tree.value
 
 
+def test_after_the_limit_no_node_is_solved_and_none_is_lost():
+    program = program_of(tiny(0))
+    whole = search(program, 0.05, 0.3)
+    for most in range(1, 6):
+        is_stopped = True
+        limits = Limits(is_stopped=lambda most=most: is_stopped and tree.nodes >= most)
+        tree = RiskTree(program, 0.05, 0.3, gap=GAP, scale=1e-3, limits=limits)
+        tree.run(10_000)
+        assert tree.nodes == most
+        assert tree.is_limited
+        assert tree.bound <= whole.value
+        is_stopped = False
+        tree.run(10_000)
+        assert tree.value == pytest.approx(whole.value, rel=2.0 * GAP)
+
+
 @pytest.mark.parametrize("unit", [1e-8, 1e-12])
 def test_the_priced_search_closes_its_gap_where_risks_are_tiny(unit):
     scenario = tiny(0, unit)

@@ -204,6 +204,10 @@ class RiskTree:
         children = []
         for alternative in node.alternatives:
             child = self._node(node.bound, self._choice.replaced(node.chosen, alternative))
+            if self.limits.reached:
+                # A linear program may take half a second: no other is begun.
+                self._open.open(child)
+                continue
             self._solve(child)
             if child.alternatives:
                 children.append(child)
