@@ -208,20 +208,20 @@ def test_a_node_limit_leaves_a_bound_and_a_way_to_go_on():
     assert early <= tree.bound <= tree.value
 
 
-def test_after_the_limit_no_node_is_solved_and_none_is_lost():
+@pytest.mark.parametrize("most", range(1, 6))
+def test_after_the_limit_no_node_is_solved_and_none_is_lost(most):
     program = program_of(tiny(0))
     whole = search(program, 0.05, 0.3)
-    for most in range(1, 6):
-        is_stopped = True
-        limits = Limits(is_stopped=lambda most=most: is_stopped and tree.nodes >= most)
-        tree = RiskTree(program, 0.05, 0.3, gap=GAP, scale=1e-3, limits=limits)
-        tree.run(10_000)
-        assert tree.nodes == most
-        assert tree.is_limited
-        assert tree.bound <= whole.value
-        is_stopped = False
-        tree.run(10_000)
-        assert tree.value == pytest.approx(whole.value, rel=2.0 * GAP)
+    is_patient = [False]
+    limits = Limits(is_stopped=lambda: not is_patient[0] and tree.nodes >= most)
+    tree = RiskTree(program, 0.05, 0.3, gap=GAP, scale=1e-3, limits=limits)
+    tree.run(10_000)
+    assert tree.nodes == most
+    assert tree.is_limited
+    assert tree.bound <= whole.value
+    is_patient[0] = True
+    tree.run(10_000)
+    assert tree.value == pytest.approx(whole.value, rel=2.0 * GAP)
 
 
 @pytest.mark.parametrize("unit", [1e-8, 1e-12])
