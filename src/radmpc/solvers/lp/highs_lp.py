@@ -57,8 +57,8 @@ _WEAK = 1e-6
 _PIVOTS = 1.5
 """Pivots per row and column after which HiGHS is stopped, beside `_LEAST_PIVOTS` [-]: it can cycle,
 and no deadline reaches it there. Solves that ended took 0.45 at most (20,000 of fleets of 6 to 20
-vehicles). What goes in circles is noticed the later the more there are: after 0.25 s at 5 each, with
-1,300 rows and columns."""
+vehicles). The more, the later a circle is noticed: at 5 each after 0.25 s of 1,300 rows and
+columns."""
 
 _LEAST_PIVOTS = 500
 """Pivots that every solve may take in any case [-], so that the smallest programs end."""
