@@ -16,6 +16,7 @@ from radmpc.geodesy import Origin, to_local
 from radmpc.importing.formats import ImportOptions, import_scenario
 from radmpc.io.export.origin import Placement, scenario_origin
 from radmpc.io.native.scenario_file import load_scenario, save_scenario
+from radmpc.model.obstacle import PolygonShape
 from radmpc.model.scenario import Scenario
 from radmpc.planning import plan
 
@@ -480,13 +481,22 @@ def test_a_drawing_that_cannot_be_meant_is_one_line(
         import_scenario(written(tmp_path, content))
 
 
-def test_an_obstacle_with_a_hole_is_refused(tmp_path: Path) -> None:
+def test_a_hole_of_an_obstacle_stays_free(tmp_path: Path) -> None:
     content = drawing()
     hole = [(0.02, 0.0), (0.05, 0.0), (0.05, 0.05), (0.02, 0.0)]
     content["features"][0]["geometry"]["coordinates"].append([place(*c) for c in hole])
-    with pytest.raises(
-        FileFormatError, match=r"features\[0\].geometry.coordinates: must have no h"
-    ):
+    scenario = import_scenario(written(tmp_path, content)).scenario
+    shape = scenario.obstacles[0].shape
+    assert isinstance(shape, PolygonShape)
+    (free,) = shape.holes
+    assert free.shape == (3, 2)
+
+
+def test_a_hole_beside_its_obstacle_is_refused(tmp_path: Path) -> None:
+    content = drawing()
+    hole = [(9.02, 0.0), (9.05, 0.0), (9.05, 0.05), (9.02, 0.0)]
+    content["features"][0]["geometry"]["coordinates"].append([place(*c) for c in hole])
+    with pytest.raises(FileFormatError, match=r"features\[0\].geometry.coordinates: .*Hole"):
         import_scenario(written(tmp_path, content))
 
 

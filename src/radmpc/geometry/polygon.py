@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy.typing as npt
@@ -25,13 +26,17 @@ def planar(piece: Polytope) -> shapely.Geometry:
     return shapely.LineString(corners) if len(corners) == 2 else shapely.Polygon(corners)
 
 
-def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
+def convex_pieces(
+    vertices: npt.ArrayLike, holes: Sequence[npt.ArrayLike] = ()
+) -> tuple[Polytope, ...]:
     """Split a simple polygon into convex pieces that cover it exactly.
 
     Parameters
     ----------
     vertices : (v, 2) array_like
         Corners in order, either way round; all on one line make a segment [m].
+    holes : sequence of (h, 2) array_like
+        Corners of what is left out, in order, either way round [m].
 
     Returns
     -------
@@ -41,15 +46,16 @@ def convex_pieces(vertices: npt.ArrayLike) -> tuple[Polytope, ...]:
     Raises
     ------
     ScenarioError
-        If there is no corner, or the outline crosses itself.
+        If there is no corner, an outline crosses itself, or holes are not within it, apart.
     """
     outline = as_matrix(vertices, (None, 2))
     around = hull(outline)
-    if len(around.vertices) < 3 or _goes_around(outline, around.vertices):
+    free = [as_matrix(hole, (None, 2)) for hole in holes]
+    if not free and (len(around.vertices) < 3 or _goes_around(outline, around.vertices)):
         return (around,)
     from radmpc.geometry.splitting import split  # noqa: PLC0415 - loads shapely
 
-    return split(outline, around)
+    return split(outline, around, free)
 
 
 def _goes_around(outline: Matrix, corners: Matrix) -> bool:

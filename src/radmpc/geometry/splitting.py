@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +16,7 @@ from radmpc.geometry.polytope import Polytope, hull
 __all__ = ["split"]
 
 
-def split(outline: Matrix, around: Polytope) -> tuple[Polytope, ...]:
+def split(outline: Matrix, around: Polytope, holes: Sequence[Matrix] = ()) -> tuple[Polytope, ...]:
     """Split a simple polygon into convex pieces that cover it exactly.
 
     Parameters
@@ -24,17 +25,24 @@ def split(outline: Matrix, around: Polytope) -> tuple[Polytope, ...]:
         Corners in order, either way round [m].
     around : Polytope
         Its hull, which is returned where the polygon fills it.
+    holes : sequence of (h, 2) array
+        Corners of what is left out, in order, either way round [m].
 
     Raises
     ------
     ScenarioError
-        If the outline crosses itself.
+        If an outline crosses itself, or holes are not within it, apart from one another.
     """
-    polygon = shapely.Polygon(outline)
+    few = next((len(hole) for hole in holes if len(hole) < 3), None)
+    if few is not None or (holes and len(outline) < 3):
+        which = "the outline" if few is None else "every hole"
+        number = len(outline) if few is None else few
+        raise ScenarioError(f"{which} must have at least 3 corners, got {number}")
+    polygon = shapely.Polygon(outline, holes)
     if not polygon.is_valid or polygon.area <= 0.0:
         why = shapely.is_valid_reason(polygon)
         raise ScenarioError(f"must be a simple polygon with an area, got one with: {why}")
-    if _is_convex(polygon):
+    if not holes and _is_convex(polygon):
         return (around,)
     pieces = list(shapely.constrained_delaunay_triangles(polygon).geoms)
     return tuple(hull(np.array(piece.exterior.coords)[:-1]) for piece in _merge_convex(pieces))

@@ -109,8 +109,10 @@ class Obstacle(Frozen):
         return replace(self, steps=pieces, spread=self.shape.spread(dt, horizon), dt=dt)
 
     @classmethod
-    def polygon(cls, name: str, vertices: npt.ArrayLike) -> Obstacle:
-        """Make an obstacle of a simple polygon; in 3-D of the hull of points.
+    def polygon(
+        cls, name: str, vertices: npt.ArrayLike, holes: Iterable[npt.ArrayLike] = ()
+    ) -> Obstacle:
+        """Make an obstacle of a simple polygon, perhaps with holes; in 3-D of the hull of points.
 
         Parameters
         ----------
@@ -119,6 +121,9 @@ class Obstacle(Frozen):
         vertices : (v, d) array
             Corners [m], either way round; in the plane the outline need not be convex. Corners
             on one line make a wall, in space those in one plane a plate; one is a post.
+        holes : iterable of (h, 2) array
+            Corners of parts of it that are free, such as a basin within a mole [m]; in the plane
+            alone. They lie within the outline and apart from one another.
 
         Returns
         -------
@@ -128,14 +133,17 @@ class Obstacle(Frozen):
         Raises
         ------
         ScenarioError
-            If there is no corner, or the outline crosses itself.
+            If there is no corner, an outline crosses itself, or holes are not within it.
         """
         points = _places(vertices, ("vertices",))
+        free = tuple(_places(hole, ("holes", i)) for i, hole in enumerate(holes))
+        if free and points.shape[1] != 2:
+            raise ScenarioError("must be left out in space: only polygons have holes", ("holes",))
         try:
-            pieces = convex_pieces(points) if points.shape[1] == 2 else (hull(points),)
+            pieces = convex_pieces(points, free) if points.shape[1] == 2 else (hull(points),)
         except ScenarioError as error:
             raise error.under("vertices") from error
-        return cls(name, PolygonShape(points), (pieces,))
+        return cls(name, PolygonShape(points, free), (pieces,))
 
     @classmethod
     def line(cls, name: str, points: npt.ArrayLike) -> Obstacle:

@@ -25,9 +25,12 @@ class PolygonShape(Frozen):
     ----------
     vertices : (v, d) array
         Corners in order, or points [m].
+    holes : tuple of (h, 2) array
+        Outlines of what is left out of it [m].
     """
 
     vertices: Matrix
+    holes: tuple[Matrix, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -184,12 +184,6 @@ def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
     taken: dict[str, Feature] = {}
     counts: dict[str, int] = {}
     for i, feature in enumerate(features):
-        if len(feature.rings) > 1:
-            raise ScenarioError(
-                "must have no holes as an obstacle: nothing could get in or out; draw it as two "
-                "polygons",
-                feature.shape_path,
-            )
         name = feature.name or f"{_UNNAMED[feature.kind]}{i + 1}"
         if taken.setdefault(name, feature).path != feature.path:
             raise ScenarioError(
@@ -200,8 +194,12 @@ def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
         count = counts[name] = counts.get(name, 0) + 1
         full = name if count == 1 else f"{name} ({count})"
         try:
-            make = Obstacle.line if feature.kind == "LineString" else Obstacle.polygon
-            obstacles.append(make(full, placed.outlines(feature)[0]))
+            outer, *free = placed.outlines(feature)
+            is_line = feature.kind == "LineString"
+            obstacle = (
+                Obstacle.line(full, outer) if is_line else Obstacle.polygon(full, outer, free)
+            )
+            obstacles.append(obstacle)
         except ScenarioError as error:
             raise ScenarioError(error.message, feature.shape_path) from error
     return obstacles

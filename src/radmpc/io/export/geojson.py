@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope
 from radmpc.io.export.job import Job
 from radmpc.io.export.origin import Placement
-from radmpc.io.export.outlines import Kind, footprint, goal_outline, outline
+from radmpc.io.export.outlines import Kind, footprint, goal_outline, holes, outline
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track
 from radmpc.io.text.json_text import write_json
@@ -99,7 +99,7 @@ def _obstacles(job: Job) -> Iterator[Feature]:
             time = _when(obstacle, step, job.plan.scenario.dt)
             if obstacle.dimension == 2:
                 kind, corners = outline(obstacle, step)
-                places = _shape(kind, corners, job.place)
+                places = _shape(kind, corners, job.place, holes(obstacle))
                 yield _feature("obstacle", obstacle.name, kind, places, **time)
                 continue
             for piece in obstacle.at(step):
@@ -143,10 +143,10 @@ def _raised(corners: Matrix, height: float, dimension: int) -> Matrix:
     return np.column_stack([corners, np.full(len(corners), height)])
 
 
-def _shape(kind: Kind, corners: Matrix, place: Placement) -> object:
-    """Return the coordinates of what has corners."""
+def _shape(kind: Kind, corners: Matrix, place: Placement, free: Sequence[Matrix] = ()) -> object:
+    """Return the coordinates of what has corners, and perhaps holes."""
     if kind == "Polygon":
-        return [_ring(corners, place)]
+        return [_ring(ring, place) for ring in (corners, *free)]
     positions = _positions(corners, place)
     return positions[0] if kind == "Point" else positions
 

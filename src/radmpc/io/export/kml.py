@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -12,7 +13,7 @@ from radmpc.arrays import Matrix
 from radmpc.io.export.job import Job
 from radmpc.io.export.names import xml_text
 from radmpc.io.export.origin import Placement
-from radmpc.io.export.outlines import Kind, goal_outline, kind_of, outline, triangles
+from radmpc.io.export.outlines import Kind, goal_outline, holes, kind_of, outline, triangles
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track, check_duration
 from radmpc.model.obstacle import Obstacle
@@ -118,7 +119,7 @@ def _obstacle(parent: Element, obstacle: Obstacle, job: Job) -> None:
             # The schema wants the time before the style.
             mark.insert(1, span)
         if obstacle.dimension == 2:
-            _shape(mark, *outline(obstacle, step), job.place)
+            _shape(mark, *outline(obstacle, step), job.place, holes(obstacle))
             continue
         surface = SubElement(mark, "MultiGeometry")
         for piece in obstacle.at(step):
@@ -128,10 +129,12 @@ def _obstacle(parent: Element, obstacle: Obstacle, job: Job) -> None:
                 _polygon(surface, face, job.place)
 
 
-def _shape(parent: Element, kind: Kind, corners: Matrix, place: Placement) -> None:
-    """Add what has corners."""
+def _shape(
+    parent: Element, kind: Kind, corners: Matrix, place: Placement, free: Sequence[Matrix] = ()
+) -> None:
+    """Add what has corners, and perhaps holes."""
     if kind == "Polygon":
-        _polygon(parent, corners, place)
+        _polygon(parent, corners, place, free)
     elif kind == "Point":
         _point(parent, corners, place)
     else:
@@ -155,13 +158,17 @@ def _point(parent: Element, points: Matrix, place: Placement) -> None:
     _text(point, "coordinates", ",".join(_points(points, place)[0]))
 
 
-def _polygon(parent: Element, corners: Matrix, place: Placement) -> None:
-    """Add a polygon."""
+def _polygon(
+    parent: Element, corners: Matrix, place: Placement, free: Sequence[Matrix] = ()
+) -> None:
+    """Add a polygon, perhaps with holes."""
     polygon = SubElement(parent, "Polygon")
     _text(polygon, "altitudeMode", "relativeToGround")
-    ring = SubElement(SubElement(polygon, "outerBoundaryIs"), "LinearRing")
-    points = _points(corners, place)
-    _text(ring, "coordinates", " ".join(",".join(point) for point in [*points, points[0]]))
+    outside = [("outerBoundaryIs", corners)]
+    for border, around in [*outside, *(("innerBoundaryIs", hole) for hole in free)]:
+        ring = SubElement(SubElement(polygon, border), "LinearRing")
+        points = _points(around, place)
+        _text(ring, "coordinates", " ".join(",".join(point) for point in [*points, points[0]]))
 
 
 def _points(points: Matrix, place: Placement) -> list[tuple[str, str, str]]:

@@ -12,7 +12,7 @@ from radmpc.geometry import Polytope
 from radmpc.model.obstacle import LineShape, Obstacle, PolygonShape
 from radmpc.model.vehicle import Goal
 
-__all__ = ["Kind", "footprint", "goal_outline", "kind_of", "outline", "triangles"]
+__all__ = ["Kind", "footprint", "goal_outline", "holes", "kind_of", "outline", "triangles"]
 
 Kind = Literal["Polygon", "LineString", "Point"]
 """What maps call what has an area, a length, or neither."""
@@ -38,6 +38,18 @@ def outline(obstacle: Obstacle, step: int) -> tuple[Kind, Matrix]:
     if len(corners) > 1 and isinstance(obstacle.shape, LineShape):
         return "LineString", obstacle.shape.points
     return kind_of(corners), corners
+
+
+def holes(obstacle: Obstacle) -> list[Matrix]:
+    """Return the corners of an obstacle's holes, clockwise, (h, 2) each [m].
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        In the plane; only polygons have holes.
+    """
+    free = obstacle.shape.holes if isinstance(obstacle.shape, PolygonShape) else ()
+    return [corners if _area(corners) < 0.0 else corners[::-1] for corners in free]
 
 
 def kind_of(corners: Matrix) -> Kind:

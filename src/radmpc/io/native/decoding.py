@@ -190,7 +190,9 @@ def _obstacle(index: int, spec: ObstacleSpec) -> Obstacle:
     given = [key for kind in _OBSTACLE_KINDS for key in kind if getattr(spec, key) is not None]
     try:
         if spec.vertices is not None and given == ["vertices"]:
-            return Obstacle.polygon(spec.name, spec.vertices)
+            return Obstacle.polygon(spec.name, spec.vertices, spec.holes or ())
+        if spec.holes is not None:
+            raise ScenarioError("stand beside vertices alone", ("holes",))
         if spec.line is not None and given == ["line"]:
             return Obstacle.line(spec.name, spec.line)
         if spec.min is not None and spec.max is not None and given == ["min", "max"]:

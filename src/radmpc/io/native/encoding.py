@@ -98,7 +98,8 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
     """Return an obstacle as it was described."""
     shape = obstacle.shape
     if isinstance(shape, PolygonShape):
-        return {"name": obstacle.name, "vertices": shape.vertices.tolist()}
+        holes = {"holes": [hole.tolist() for hole in shape.holes]} if shape.holes else {}
+        return {"name": obstacle.name, "vertices": shape.vertices.tolist(), **holes}
     if isinstance(shape, LineShape):
         return {"name": obstacle.name, "line": shape.points.tolist()}
     if isinstance(shape, BoxShape):

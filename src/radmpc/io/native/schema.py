@@ -85,6 +85,7 @@ class ObstacleSpec(FileModel):
 
     name: Text
     vertices: Annotated[Matrix, Field(max_length=_MOST_CORNERS)] | None = None
+    holes: Annotated[list[Matrix], Field(max_length=_MOST_CORNERS)] | None = None
     line: Annotated[Matrix, Field(max_length=_MOST_CORNERS)] | None = None
     min: Vector | None = None
     max: Vector | None = None

@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
 from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope, planar
@@ -67,8 +68,8 @@ def draw_obstacle(
                 board.avoid(along_lines(np.vstack([ends, ends[:1]])))
             continue
         ax.add_patch(
-            Polygon(
-                ring_of(outline),
+            PathPatch(
+                _path_of(outline),
                 facecolor=OBSTACLE_FILL,
                 edgecolor=OBSTACLE_EDGE,
                 linewidth=0.6,
@@ -156,6 +157,16 @@ def seen(piece: Polytope, plane: Plane) -> shapely.Geometry:
     if piece.vertices.shape[1] == 2:
         return planar(piece)
     return shapely.MultiPoint(piece.vertices[:, list(plane)]).convex_hull
+
+
+def _path_of(polygon: shapely.Geometry) -> Path:
+    """Return a polygon's outline and its holes as one path."""
+    rings = [ring_of(polygon)]
+    if polygon.geom_type == "Polygon" and polygon.interiors:
+        # Renderers leave free what goes round the other way.
+        turned = shapely.orient_polygons(polygon)
+        rings = [np.asarray(ring.coords) for ring in (turned.exterior, *turned.interiors)]
+    return Path.make_compound_path(*(Path(ring, closed=True) for ring in rings))
 
 
 def ring_of(polygon: shapely.Geometry) -> Matrix:
