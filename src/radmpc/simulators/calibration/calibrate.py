@@ -117,7 +117,7 @@ def _tracks(
     scenario: Scenario, flights: Sequence[Flight], orders: Sequence[Sequence[int]]
 ) -> list[Track]:
     """Return flights as logs: every flight has a clock of its own."""
-    times = scenario.dt * np.arange(scenario.horizon + 1)
+    times = scenario.dt * np.arange(scenario.horizon + 1, dtype=np.float64)
     d = scenario.dimension
     tracks = []
     for i, vehicle in enumerate(scenario.vehicles):
