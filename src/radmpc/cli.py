@@ -259,6 +259,31 @@ def identify_noise(
 
 
 @app.command()
+def calibrate(
+    plan_file: given.PlanFile,
+    backend: Annotated[str, typer.Option("--with", help="What it is flown with: boat, …")],
+    output: given.ScenarioOutput,
+    plan_output: Annotated[
+        Path | None, typer.Option("--plan", help="Plan that scenario, fly it, write it here.")
+    ] = None,
+    flights: Annotated[int, typer.Option("--flights", min=1, help="How often to fly.")] = 20,
+    seed: given.Seed = 0,
+    option: Annotated[
+        list[str] | None,
+        typer.Option("--option", help="KEY=VALUE for what it is flown with; may be repeated."),
+    ] = None,
+    as_json: given.AsJson = False,
+) -> int:
+    """Learn noise from a plan's own flights in a simulator."""
+    from radmpc.console.commands.calibrating import CalibrateRequest, run_calibrate
+
+    options = tuple(option or ())
+    return run_calibrate(
+        CalibrateRequest(plan_file, backend, output, plan_output, flights, seed, options, as_json)
+    )
+
+
+@app.command()
 def draw(source: given.DrawnFile, output: given.DrawnOutput, view: given.View = None) -> int:
     """Draw a scenario or a plan, or film it."""
     from radmpc.console.commands.drawing import run_draw

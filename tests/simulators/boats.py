@@ -26,7 +26,7 @@ def sea(
     """Return two vehicles that meet head-on; the deviation is that of a step's velocity [m/s]."""
     system = double_integrator(dt, dimension)
     ones = np.ones(dimension)
-    gain = lqr_gain(system, np.diag(np.r_[ones, 4.0 * ones]), 30.0 * np.eye(dimension))
+    gain = lqr_gain(system, np.diag(np.r_[ones, 4.0 * ones]), 60.0 * np.eye(dimension))
     noise = deviation**2 * np.r_[4.0 * ones, ones]
     third = [0.0] * (dimension - 2)
     vehicles = [

@@ -59,7 +59,7 @@ def test_propellers_give_what_they_can_and_the_moment_first() -> None:
 
 def flown(scenario: Scenario, controls: list[list[float]], **options: object) -> np.ndarray:
     """Return how far the model is off after each step, (steps, N, n)."""
-    simulator = Boat(scenario, rng=4, **options)  # type: ignore[arg-type] - of any kind
+    simulator = Boat(scenario, rng=4, **options)  # type: ignore[arg-type] # of any kind
     states, _ = simulator.reset()
     rest = []
     for control in controls:
@@ -166,5 +166,5 @@ def test_options_out_of_range_are_refused(
     options: dict[str, object], kind: type[Exception], line: str
 ) -> None:
     with pytest.raises(kind) as caught:
-        Boat(sea(), **options)  # type: ignore[arg-type] - of any kind
+        Boat(sea(), **options)  # type: ignore[arg-type] # of any kind
     assert line in str(caught.value)

@@ -21,7 +21,7 @@ PATH = [[1.0, 0.0, 0.2], [0.0, 0.5, 0.0], [-1.0, -0.5, -0.2]]
 
 def flown(seed: int = 0, **options: object) -> np.ndarray:
     """Return how far the model is off after each step, (steps, N, n)."""
-    simulator = Rotorpy(SPACE, rng=seed, **options)  # type: ignore[arg-type] - of any kind
+    simulator = Rotorpy(SPACE, rng=seed, **options)  # type: ignore[arg-type] # of any kind
     states, contacts = simulator.reset()
     assert not contacts
     system = SPACE.vehicles[0].system
@@ -104,5 +104,5 @@ def test_a_scenario_for_no_quadrotor_is_refused_in_one_line(scenario: Scenario, 
 )
 def test_what_no_quadrotor_flies_in_is_refused(options: dict[str, object], line: str) -> None:
     with pytest.raises(ArgumentError) as caught:
-        Rotorpy(SPACE, **options)  # type: ignore[arg-type] - of any kind
+        Rotorpy(SPACE, **options)  # type: ignore[arg-type] # of any kind
     assert line in str(caught.value)

@@ -50,7 +50,8 @@ def without(module: str) -> Iterator[None]:
     if module in sys.modules:
         yield
         return
-    sys.modules[module] = None  # type: ignore[assignment] - which is how imports are told to fail
+    # This is how imports are told to fail.
+    sys.modules[module] = None  # type: ignore[assignment] # the stubs know of modules alone
     try:
         yield
     finally:

@@ -1,0 +1,161 @@
+"""Fly, identify, cover: a scenario whose noise is that of a simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from radmpc.errors import ScenarioError
+from radmpc.flying.flight import Flight
+from radmpc.identification import Identification, Track, identify
+from radmpc.importing.logs.applying import provenance
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.simulators.calibration.covering import Cover, Strays, covering
+from radmpc.simulators.calibration.flights import (
+    Making,
+    Rate,
+    controls_of_vehicle,
+    flown,
+    rate_of,
+    states_of_vehicle,
+)
+
+__all__ = ["Calibration", "calibrate"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibration:
+    """What flights tell of a simulator.
+
+    Attributes
+    ----------
+    identification : Identification
+        Of what steps left unexplained: covariance, drift, time constant, tails, with intervals.
+    covers : tuple of Cover
+        What is planned with; one for all vehicles, or one for each where they differ.
+    scenario : Scenario
+        The plan's, with that noise.
+    rate : Rate
+        How often the plan collided that was flown.
+    """
+
+    identification: Identification
+    covers: tuple[Cover, ...]
+    scenario: Scenario
+    rate: Rate
+
+
+def calibrate(
+    plan: Plan,
+    making: Making,
+    *,
+    flights: int = 20,
+    seed: int = 0,
+    day: str,
+    told: Callable[[int], None] | None = None,
+) -> Calibration:
+    """Fly a plan, and return its scenario with the noise that explains the flights.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of double integrators, within its risk bound; its own noise counts for nothing.
+    making : callable
+        Makes the simulator.
+    flights : int
+        How often it is flown.
+    seed : int
+        Of all noise.
+    day : str
+        When, for the scenario's ``source``.
+    told : callable or None
+        Is told how many have been flown, after each.
+
+    Raises
+    ------
+    ArgumentError
+        If a number is out of its range.
+    FileFormatError
+        If flights are too few to tell anything.
+    RiskError
+        If the plan's certificate exceeds its bound.
+    ScenarioError
+        If the scenario is none for missions, or for the simulator.
+    """
+    orders = [_order(plan.scenario, i) for i in range(plan.scenario.num_vehicles)]
+    made = flown(plan, making, flights, seed, told)
+    found = identify(_tracks(plan.scenario, made, orders), dt=plan.scenario.dt)
+    strays = [
+        Strays(i, vehicle, tuple(order), states_of_vehicle(made, i) - trajectory.means)
+        for i, (vehicle, order, trajectory) in enumerate(
+            zip(plan.scenario.vehicles, orders, plan.trajectories, strict=True)
+        )
+    ]
+    covers = tuple(
+        covering(one, [s for s in strays if not found.differ or s.vehicle.name in one.vehicles])
+        for one in found.groups
+    )
+    changed = _with_covers(plan.scenario, covers, orders, found, day)
+    return Calibration(found, covers, changed, rate_of(plan.scenario, made))
+
+
+def _order(scenario: Scenario, number: int) -> list[int]:
+    """Return where positions, then velocities, stand in a vehicle's state."""
+    system = scenario.vehicles[number].system
+    if system.rates is None:
+        raise ScenarioError(
+            "must be those of a double integrator to be calibrated",
+            ("vehicles", number, "dynamics"),
+        )
+    return [*system.position, *system.rates[0]]
+
+
+def _tracks(
+    scenario: Scenario, flights: Sequence[Flight], orders: Sequence[Sequence[int]]
+) -> list[Track]:
+    """Return flights as logs: every flight has a clock of its own."""
+    times = scenario.dt * np.arange(scenario.horizon + 1, dtype=np.float64)
+    d = scenario.dimension
+    tracks = []
+    for i, vehicle in enumerate(scenario.vehicles):
+        states = states_of_vehicle(flights, i)[..., list(orders[i])]
+        controls = controls_of_vehicle(flights, i)
+        for number, (path, pushes) in enumerate(zip(states, controls, strict=True)):
+            # Nothing follows the last sample, but a log has a command there, too.
+            commands = np.vstack([pushes, np.zeros((1, d))])
+            clock = f"flight {number + 1}"
+            source = f"{len(flights)} flights"
+            tracks.append(
+                Track(vehicle.name, source, clock, times, path[:, :d], path[:, d:], commands)
+            )
+    return tracks
+
+
+def _with_covers(
+    scenario: Scenario,
+    covers: Sequence[Cover],
+    orders: Sequence[Sequence[int]],
+    found: Identification,
+    day: str,
+) -> Scenario:
+    """Return a scenario with the noise."""
+    vehicles = list(scenario.vehicles)
+    for cover in covers:
+        for i in cover.vehicles:
+            places = np.argsort(orders[i])
+            vehicles[i] = replace(
+                vehicles[i],
+                disturbance_covariance=cover.covariance[np.ix_(places, places)],
+                drift=None if cover.drift is None else cover.drift[places],
+            )
+    source = {
+        **(scenario.source or {}),
+        "noise": {
+            **provenance(found, day),
+            "by_deviations": [round(cover.ratio, 3) for cover in covers],
+        },
+    }
+    return replace(scenario, vehicles=tuple(vehicles), source=source)

@@ -1,0 +1,150 @@
+"""A plan flown many times as it is, and how often that goes wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import betaincinv
+
+from radmpc.arguments import check_integer
+from radmpc.arrays import Tensor
+from radmpc.flying.alarms import Watcher
+from radmpc.flying.flight import Flight, fly
+from radmpc.flying.mission import Mission
+from radmpc.flying.model import Backend
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+
+__all__ = ["Making", "Rate", "controls_of_vehicle", "flown", "rate_of", "states_of_vehicle"]
+
+Making = Callable[[Scenario, np.random.Generator], Backend]
+"""Makes what a scenario is flown with, from a source of its noise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """How often missions collide.
+
+    Attributes
+    ----------
+    flights, collided, doubted : int
+        How many were flown, how many of them hit anything, and in how many disturbances spoke
+        against the model, by the alarms of missions.
+    low, high : float
+        Interval of Clopper and Pearson for the probability of a collision, at 95 % [-].
+    """
+
+    flights: int
+    collided: int
+    doubted: int
+    low: float
+    high: float
+
+    @property
+    def rate(self) -> float:
+        """Share of flights that hit anything [-]."""
+        return self.collided / self.flights
+
+
+def flown(
+    plan: Plan,
+    making: Making,
+    flights: int,
+    seed: int,
+    told: Callable[[int], None] | None = None,
+) -> tuple[Flight, ...]:
+    """Fly a plan as it is, feedback and all, and never plan anew.
+
+    Parameters
+    ----------
+    plan : Plan
+        Within its risk bound.
+    making : callable
+        Makes the simulator.
+    flights : int
+        How many, at least 1.
+    seed : int
+        Of all noise, at least 0.
+    told : callable or None
+        Is told how many have been flown, after each.
+
+    Raises
+    ------
+    ArgumentError
+        If a number is out of its range.
+    RiskError
+        If the plan's certificate exceeds its bound.
+    ScenarioError
+        If a mission, or the simulator, does not take the scenario.
+    """
+    check_integer(flights, "flights", 1)
+    check_integer(seed, "seed", 0)
+    backend = making(plan.scenario, np.random.default_rng(seed))
+    made = []
+    for number in range(flights):
+        made.append(fly(Mission(plan, planner=None), backend))
+        if told is not None:
+            told(number + 1)
+    return tuple(made)
+
+
+def rate_of(scenario: Scenario, flights: Sequence[Flight]) -> Rate:
+    """Return how often flights collide.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        That was flown.
+    flights : sequence of Flight
+        At least one.
+    """
+    count, hits = len(flights), sum(flight.has_collided for flight in flights)
+    doubted = sum(_is_doubted(scenario, flight) for flight in flights)
+    low = 0.0 if hits == 0 else float(betaincinv(hits, count - hits + 1, 0.025))
+    high = 1.0 if hits == count else float(betaincinv(hits + 1, count - hits, 0.975))
+    return Rate(count, hits, doubted, low, high)
+
+
+def _is_doubted(scenario: Scenario, flight: Flight) -> bool:
+    """Whether its disturbances are unlikely by the scenario's noise, whatever is risked."""
+    watcher = Watcher(scenario)
+    expected = [v.start for v in scenario.vehicles]
+    for step, (states, tick) in enumerate(zip(flight.states, flight.ticks, strict=True)):
+        if watcher.look(expected, states, step):
+            return True
+        if tick.segments:
+            expected = [
+                v.system.A @ x + v.system.B @ u + (0.0 if v.drift is None else v.drift)
+                for v, x, u in zip(scenario.vehicles, states, tick.controls, strict=True)
+            ]
+    return False
+
+
+def states_of_vehicle(flights: Sequence[Flight], number: int) -> Tensor:
+    """Return where a vehicle was, (M, T+1, n).
+
+    Parameters
+    ----------
+    flights : sequence of Flight
+        Of one plan.
+    number : int
+        The vehicle's place in the scenario.
+    """
+    return np.array([[states[number] for states in flight.states] for flight in flights])
+
+
+def controls_of_vehicle(flights: Sequence[Flight], number: int) -> Tensor:
+    """Return what a vehicle was told, (M, T, m).
+
+    Parameters
+    ----------
+    flights : sequence of Flight
+        Of one plan.
+    number : int
+        The vehicle's place in the scenario.
+    """
+    return np.array(
+        [[tick.controls[number] for tick in flight.ticks if tick.segments] for flight in flights]
+    )

@@ -1,0 +1,234 @@
+"""One vehicle that speaks MAVLink: what it says, and what it is told."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.errors import RadmpcError
+from radmpc.simulators.optional import loaded
+
+__all__ = ["Fix", "Link", "LinkError"]
+
+_PX4 = 12
+"""MAV_AUTOPILOT_PX4 [-]."""
+
+_MODES = {"offboard": (6, 0), "hold": (4, 3)}
+"""PX4's main and sub modes [-]."""
+
+_USE_ALL_BUT_YAW = 0b1100_0000_0000
+"""POSITION_TARGET_TYPEMASK: position, velocity and acceleration count [-]."""
+
+_NORTH_EAST_DOWN = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+"""From the scenario's east, north, up, and back [-]."""
+
+_GROUND_STATION = 255, 190
+"""System and component that speak here [-]."""
+
+
+class LinkError(RadmpcError):
+    """A vehicle that is not heard, refuses, or does not get where it must begin."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fix:
+    """Where a vehicle said it was.
+
+    Attributes
+    ----------
+    time : float
+        When it was heard, by the clock [s].
+    position, velocity : (3,) array
+        East, north, up of its local origin [m], [m/s].
+    """
+
+    time: float
+    position: Vector
+    velocity: Vector
+
+    def at(self, moment: float) -> Vector:
+        """Return the position at another moment, carried on by the velocity, (3,) [m].
+
+        Parameters
+        ----------
+        moment : float
+            By the same clock [s].
+        """
+        return np.asarray(self.position + (moment - self.time) * self.velocity)
+
+
+class Link:
+    """A socket, and the protocol's state on it.
+
+    Parameters
+    ----------
+    name : str
+        The vehicle, for messages.
+    host, port : str, int
+        Where its messages arrive (UDP).
+    clock : callable
+        Returns seconds.
+
+    Attributes
+    ----------
+    name : str
+        The vehicle.
+    fix : Fix or None
+        Where it last said it was.
+    heard : float
+        When it was last heard, by the clock [s].
+
+    Raises
+    ------
+    LinkError
+        If the address cannot be listened at.
+    """
+
+    def __init__(
+        self, name: str, host: str, port: int, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._dialect: Any = loaded("pymavlink.dialects.v20.common", "mavlink")
+        self.name = name
+        self._clock = clock
+        self._begun = clock()
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        try:
+            self._socket.bind((host, port))
+        except OSError as error:
+            self._socket.close()
+            raise LinkError(
+                f"vehicle {name!r}: cannot listen at {host}:{port}: {error.strerror}"
+            ) from error
+        self._protocol = self._dialect.MAVLink(None, *_GROUND_STATION)
+        self._protocol.robust_parsing = True
+        self._peer: tuple[str, int] | None = None
+        self._target = 0, 0
+        self._answers: dict[int, int] = {}
+        self._last_beat = float("-inf")
+        self.fix: Fix | None = None
+        self.heard = float("-inf")
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+    def receive(self) -> None:
+        """Take what has arrived; what is no MAVLink is dropped."""
+        while True:
+            try:
+                data, peer = self._socket.recvfrom(4096)
+            except (BlockingIOError, ConnectionError):
+                return
+            for message in self._protocol.parse_buffer(data) or ():
+                self._take(message, peer)
+
+    def _take(self, message: Any, peer: tuple[str, int]) -> None:
+        """Take one message of the vehicle."""
+        kind, now = message.get_type(), self._clock()
+        sender = message.get_srcSystem(), message.get_srcComponent()
+        if kind == "HEARTBEAT" and sender[1] == self._dialect.MAV_COMP_ID_AUTOPILOT1:
+            if message.autopilot != _PX4:
+                raise LinkError(
+                    f"vehicle {self.name!r}: must be flown by PX4 (autopilot 12), "
+                    f"got autopilot {message.autopilot}"
+                )
+            self._peer, self._target, self.heard = peer, sender, now
+        elif sender != self._target:
+            return
+        elif kind == "LOCAL_POSITION_NED":
+            place = _NORTH_EAST_DOWN @ [message.x, message.y, message.z]
+            speed = _NORTH_EAST_DOWN @ [message.vx, message.vy, message.vz]
+            if np.all(np.isfinite([place, speed])):
+                self.fix, self.heard = Fix(now, place, speed), now
+        elif kind == "COMMAND_ACK":
+            self._answers[message.command] = message.result
+
+    def beat(self) -> None:
+        """Say once a second that somebody is here."""
+        now = self._clock()
+        if now - self._last_beat >= 1.0 and self._peer is not None:
+            self._last_beat = now
+            dialect = self._dialect
+            kinds = dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID
+            self._send(dialect.MAVLink_heartbeat_message(*kinds, 0, 0, 0, 3))
+
+    def steer(self, position: Vector, velocity: Vector, acceleration: Vector) -> None:
+        """Send a setpoint.
+
+        Parameters
+        ----------
+        position, velocity, acceleration : (3,) array
+            East, north, up of the vehicle's local origin [m], [m/s], [m/s²].
+        """
+        parts = [_NORTH_EAST_DOWN @ part for part in (position, velocity, acceleration)]
+        stamp = int(1000.0 * (self._clock() - self._begun)) & 0xFFFFFFFF
+        frame = self._dialect.MAV_FRAME_LOCAL_NED
+        numbers = [float(number) for part in parts for number in part]
+        self._send(
+            self._dialect.MAVLink_set_position_target_local_ned_message(
+                stamp, *self._target, frame, _USE_ALL_BUT_YAW, *numbers, 0.0, 0.0
+            )
+        )
+
+    def ask(self, what: str) -> int:
+        """Send a command, and return its number, by which `answer` finds what came of it.
+
+        Parameters
+        ----------
+        what : {'offboard', 'hold', 'arming'}
+            The mode, or to start motors.
+        """
+        if what == "arming":
+            command, parts = self._dialect.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 0.0, 0.0)
+        else:
+            main, sub = _MODES[what]
+            command, parts = self._dialect.MAV_CMD_DO_SET_MODE, (1.0, float(main), float(sub))
+        self._answers.pop(command, None)
+        self._send(
+            self._dialect.MAVLink_command_long_message(
+                *self._target, command, 0, *parts, 0.0, 0.0, 0.0, 0.0
+            )
+        )
+        return int(command)
+
+    def answer(self, command: int, what: str) -> bool:
+        """Whether a command has been accepted; not yet is no.
+
+        Parameters
+        ----------
+        command : int
+            Its number.
+        what : str
+            What it was, for the message.
+
+        Raises
+        ------
+        LinkError
+            If it has been refused.
+        """
+        result = self._answers.get(command)
+        if result in {None, self._dialect.MAV_RESULT_IN_PROGRESS}:
+            return False
+        if result != self._dialect.MAV_RESULT_ACCEPTED:
+            names = self._dialect.enums["MAV_RESULT"]
+            word = names[result].name if result in names else f"result {result}"
+            reason = word.removeprefix("MAV_RESULT_").lower().replace("_", " ")
+            raise LinkError(f"vehicle {self.name!r}: {what} was refused ({reason})")
+        return True
+
+    def _send(self, message: Any) -> None:
+        """Send a message, if anybody was heard; a network that is away is noticed by silence."""
+        if self._peer is None:
+            return
+        try:
+            self._socket.sendto(message.pack(self._protocol), self._peer)
+        except OSError:
+            return
+        self._protocol.seq = (self._protocol.seq + 1) % 256

@@ -1,0 +1,152 @@
+"""A vehicle that speaks MAVLink on a socket as PX4 does, a point mass that follows setpoints."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pymavlink.dialects.v20 import common
+
+_TICK = 0.01
+
+
+@dataclass
+class Px4:
+    """What it is, what it does wrong, and what it was told.
+
+    Times are seconds since it was armed.
+    """
+
+    port: int
+    start: tuple[float, float, float]  # north, east, down
+    refuses: tuple[int, ...] = ()
+    ignores: tuple[int, ...] = ()
+    silent_after: float = np.inf
+    blind: tuple[float, float] = (np.inf, np.inf)
+    autopilot: int = common.MAV_AUTOPILOT_PX4
+    garbage: bool = False
+    setpoints: list[np.ndarray] = field(default_factory=list)
+    modes: list[tuple[int, int]] = field(default_factory=list)
+    lost_setpoints: bool = False
+
+    def run(self, stopped: threading.Event) -> None:
+        """Fly until stopped."""
+        self._protocol = common.MAVLink(None, 1, common.MAV_COMP_ID_AUTOPILOT1)
+        self._protocol.robust_parsing = True
+        self._place, self._speed = np.array(self.start, dtype=float), np.zeros(3)
+        self._armed: float | None = None
+        self._offboard = False
+        self._last, self._moved = -np.inf, time.monotonic()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as self._socket:
+            self._socket.setblocking(False)
+            count = 0
+            while not stopped.wait(_TICK):
+                self._listen()
+                self._fly()
+                self._talk(count)
+                count += 1
+            self._listen()
+
+    def _since_armed(self) -> float:
+        return -1.0 if self._armed is None else time.monotonic() - self._armed
+
+    def _listen(self) -> None:
+        while True:
+            try:
+                data, _ = self._socket.recvfrom(4096)
+            except (BlockingIOError, ConnectionError):
+                return
+            for message in self._protocol.parse_buffer(data) or ():
+                kind = message.get_type()
+                if kind == "SET_POSITION_TARGET_LOCAL_NED":
+                    m = message
+                    rows = [[m.x, m.y, m.z], [m.vx, m.vy, m.vz], [m.afx, m.afy, m.afz]]
+                    self.setpoints.append(np.array(rows))
+                    self._last = time.monotonic()
+                elif kind == "COMMAND_LONG" and self._since_armed() < self.silent_after:
+                    self._obey(message)
+
+    def _obey(self, message: Any) -> None:
+        result = common.MAV_RESULT_ACCEPTED
+        if message.command in self.ignores:
+            return
+        if message.command in self.refuses:
+            result = common.MAV_RESULT_DENIED
+        elif message.command == common.MAV_CMD_DO_SET_MODE:
+            mode = int(message.param2), int(message.param3)
+            self.modes.append(mode)
+            if mode == (6, 0) and (len(self.setpoints) < 2 or time.monotonic() - self._last > 0.5):
+                result = common.MAV_RESULT_TEMPORARILY_REJECTED
+            else:
+                self._offboard = mode == (6, 0)
+        elif message.command == common.MAV_CMD_COMPONENT_ARM_DISARM:
+            self._armed = time.monotonic()
+        self._send(common.MAVLink_command_ack_message(message.command, result))
+
+    def _fly(self) -> None:
+        now = time.monotonic()
+        passed, self._moved = min(now - self._moved, 5.0 * _TICK), now
+        if not (self._offboard and self._armed is not None):
+            return
+        if time.monotonic() - self._last > 0.5:
+            self._offboard, self.lost_setpoints = False, True
+            return
+        place, speed, push = self.setpoints[-1]
+        push = push + 60.0 * (place - self._place) + 15.0 * (speed - self._speed)
+        self._speed = self._speed + passed * push
+        self._place = self._place + passed * self._speed
+
+    def _talk(self, count: int) -> None:
+        since = self._since_armed()
+        if since > self.silent_after:
+            return
+        if self.garbage:
+            self._socket.sendto(b"\xfd\x09nonsense" * 3, ("127.0.0.1", self.port))
+        if count % 20 == 0:
+            kind = common.MAV_TYPE_QUADROTOR, self.autopilot
+            self._send(common.MAVLink_heartbeat_message(*kind, 0, 0, 4, 3))
+        if count % 2 == 0 and not self.blind[0] < since < self.blind[1]:
+            numbers = [float(number) for number in (*self._place, *self._speed)]
+            self._send(common.MAVLink_local_position_ned_message(10 * count, *numbers))
+
+    def _send(self, message: Any) -> None:
+        self._socket.sendto(message.pack(self._protocol), ("127.0.0.1", self.port))
+        self._protocol.seq = (self._protocol.seq + 1) % 256
+
+
+@contextmanager
+def in_the_air(*vehicles: Px4) -> Iterator[None]:
+    """Have vehicles live while the context lasts."""
+    stopped = threading.Event()
+    threads = [threading.Thread(target=one.run, args=(stopped,)) for one in vehicles]
+    for thread in threads:
+        thread.start()
+    try:
+        yield
+    finally:
+        stopped.set()
+        for thread in threads:
+            thread.join()
+
+
+def free_port(count: int) -> int:
+    """Return the first of some ports nobody listens at."""
+    for first in range(20000, 60000, 10):
+        sockets = []
+        try:
+            for port in range(first, first + count):
+                sockets.append(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+                sockets[-1].bind(("127.0.0.1", port))
+        except OSError:
+            continue
+        finally:
+            for one in sockets:
+                one.close()
+        return first
+    raise OSError("no ports are free")
