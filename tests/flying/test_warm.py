@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from adversary import beside_a_wall, staking, waiting
 
 import radmpc
 from radmpc.experiments.families import circle, paper
@@ -159,3 +160,43 @@ def test_a_mission_with_warm_candidates_alone_is_bound_for_its_goals(plan: Plan)
             states, contacts = model.advance(tick.segments)
         assert not mission.contacts
     assert misses[True] < 0.2 * misses[False]
+
+
+def finds_nothing(scenario: Scenario, seconds: float | None) -> None:
+    return None
+
+
+def test_a_tail_above_the_bound_is_left_for_the_least_risk_there_is(plan: Plan) -> None:
+    scenario = replace(plan.scenario, risk_bound=0.3)
+    mission = Mission(replace(plan, scenario=scenario), planner=finds_nothing)
+    mission.step([v.start for v in scenario.vehicles])
+    mission.set_risk_bound(mission.balance.risk_bound - 0.9 * mission.balance.bank)
+    # The first vehicle was pushed into the way of another.
+    states = [np.array(x) for x in mission._expected]
+    middle = np.mean([x[:2] for x in states], axis=0)
+    while mission._leg.value(1, states).total <= mission.balance.risk_bound:
+        states[0][:2] += 0.02 * (middle - states[0][:2])
+        states[0][2:] += 0.01 * (middle - states[0][:2])
+    tick = mission.step(states)
+    assert tick.choice == "candidate"
+    assert tick.value is not None
+    assert tick.price is not None
+    assert tick.price < 0.1 * tick.value
+
+
+def test_nothing_is_planned_below_the_least_grant() -> None:
+    asked = []
+
+    def planner(scenario: Scenario, seconds: float | None) -> Plan:
+        asked.append(scenario)
+        return staking(scenario, seconds)
+
+    scenario = beside_a_wall()
+    mission = Mission(waiting(scenario), planner=planner)
+    mission.set_risk_bound(1.5e-5)
+    tick = mission.step([scenario.vehicles[0].start])
+    assert "too little to plan with" in tick.reason
+    assert not asked
+    mission.set_risk_bound(1.8e-5)
+    mission.step([scenario.vehicles[0].start])
+    assert [s.risk_bound for s in asked] == [pytest.approx(0.6 * 1.8e-5, rel=1e-5)]

@@ -19,7 +19,7 @@ from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
 from radmpc.referee.conditional.conditional import conditional, conditionals, witnesses_of
 
-MISSIONS = 4_000
+MISSIONS = 1_000
 
 
 def excess(*, pools: bool) -> list[float]:
