@@ -138,6 +138,21 @@ class Account:
         bank = self.wealth - price * (1.0 + TOLERANCE)
         return replace(self, tail=price, bank=max(bank, 0.0))
 
+    def after(self, next_step: float) -> Account:
+        """Return what is expected of the account once a step has been flown.
+
+        Parameters
+        ----------
+        next_step : float
+            What of the tail's value that step runs [-].
+
+        Returns
+        -------
+        Account
+            For planning ahead alone: what is measured by then decides.
+        """
+        return replace(self, tail=max(self.tail - next_step, 0.0))
+
     def grant(self, share: float) -> float:
         """Return what a candidate may risk: a share of the wealth, at most Δ.
 

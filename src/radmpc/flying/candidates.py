@@ -7,16 +7,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Vector
+from radmpc.arguments import check_callable
+from radmpc.arrays import Matrix, Vector
 from radmpc.errors import RadmpcError
-from radmpc.flying.leg import Leg, left_of, leg_of
+from radmpc.flying.leg import Leg, leg_of
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.result import Result
 
-__all__ = ["Candidate", "Planning", "candidate", "planning_with"]
+__all__ = [
+    "Candidate",
+    "Order",
+    "Planning",
+    "answered",
+    "failed",
+    "judged",
+    "leg_judged",
+    "planning_with",
+]
 
 Planning = Callable[[Scenario, "float | None"], "Result | Plan | None"]
 """From a scenario and the seconds there are (None: no limit) to a plan, or to none."""
@@ -31,98 +42,155 @@ class Candidate:
     leg : Leg or None
         The leg, if there is one that keeps limits and goals.
     price : float or None
-        Its certificate [-].
+        Its certificate, given what was measured [-].
     reason : str
         Why there is none; empty where there is.
+    next_step : float or None
+        What of the price is run until the next step [-].
     """
 
     leg: Leg | None
     price: float | None
     reason: str
+    next_step: float | None = None
 
 
-def planning_with(planner: str, seed: int) -> Planning:
-    """Return how `radmpc.plan` makes candidates.
+@dataclass(frozen=True, slots=True, eq=False)
+class Order:
+    """What is asked of a planner.
+
+    Attributes
+    ----------
+    left : Scenario
+        The steps that are left, under the bound that is granted.
+    asked : Scenario
+        The same, with goals as wide as limits make them.
+    began : int
+        The mission's step at which it begins.
+    """
+
+    left: Scenario
+    asked: Scenario
+    began: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Preset:
+    """How `radmpc.plan` makes candidates; goes to other processes."""
+
+    planner: Planner
+    seed: int
+
+    def __call__(self, scenario: Scenario, seconds: float | None) -> Result:
+        """Plan."""
+        return plan(scenario, self.planner, rng=self.seed, time_limit=seconds)
+
+
+def planning_with(planner: str | Planning | None, seed: int) -> Planning | None:
+    """Return what makes candidates.
 
     Parameters
     ----------
-    planner : str
-        A preset's name.
+    planner : str, callable or None
+        The name of a preset of `radmpc.plan`, what plans, or nobody.
     seed : int
-        Of every plan.
+        Of every plan of a preset.
 
     Raises
     ------
+    ArgumentTypeError
+        If it is of another kind.
     ScenarioError
-        If there is no such planner.
+        If there is no such preset.
     """
-    record = parse_planner(planner)
-
-    def run(scenario: Scenario, seconds: float | None) -> Result:
-        return plan(scenario, record, rng=seed, time_limit=seconds)
-
-    return run
+    if isinstance(planner, str):
+        return _Preset(parse_planner(planner), seed)
+    check_callable(planner, "planner")
+    return planner
 
 
-def candidate(
+def answered(
     planning: Planning,
-    scenario: Scenario,
-    passed: int,
-    states: Sequence[Vector],
-    grant: float,
+    order: Order,
     seconds: float | None,
-    began: int,
+    states: Sequence[Vector],
 ) -> Candidate:
-    """Return another leg from measured states, or why there is none; never raises for a planner.
+    """Return what a planner makes of an order; never raises for a planner.
 
     Parameters
     ----------
     planning : callable
         What plans.
-    scenario : Scenario
-        Of the leg in the air.
-    passed : int
-        Steps of it that have been flown.
-    states : sequence of (n,) array
-        Measured states.
-    grant : float
-        What the leg may risk [-].
+    order : Order
+        From where, within what.
     seconds : float or None
         What planning may take [s].
-    began : int
-        The mission's step at which the candidate would begin.
+    states : sequence of (n,) array
+        Measured states.
     """
     try:
-        left = left_of(scenario, passed, states, grant)
-        answer = planning(left, seconds)
+        answer = planning(order.asked, seconds)
     except Exception as error:
-        return Candidate(None, None, f"planning failed: {type(error).__name__}: {_line(error)}")
+        return failed(error)
+    return judged(answer, order, order.began, states)
+
+
+def failed(error: BaseException) -> Candidate:
+    """Return the candidate of a planner that broke."""
+    return Candidate(None, None, f"planning failed: {type(error).__name__}: {_line(error)}")
+
+
+def judged(answer: object, order: Order, step: int, states: Sequence[Vector]) -> Candidate:
+    """Return the leg of a planner's answer, everything but its controls told anew.
+
+    Parameters
+    ----------
+    answer : object
+        Whatever it returned.
+    order : Order
+        What was asked of it.
+    step : int
+        Of the mission, at which states were measured: that of the order or a later one.
+    states : sequence of (n,) array
+        Measured states.
+    """
     found = answer.record if isinstance(answer, Result) else answer
     if found is None or (isinstance(found, Plan) and not found.trajectories):
         return Candidate(None, None, "no plan was found from here")
     if not isinstance(found, Plan):
         return Candidate(None, None, f"planning returned {type(found).__name__}, no plan")
-    return _judged(found, left, began)
-
-
-def _judged(found: Plan, left: Scenario, began: int) -> Candidate:
-    """Return the leg of a plan's controls, everything else of it told anew."""
     by_name = {path.name: path.controls for path in found.trajectories}
     try:
-        controls = [by_name[vehicle.name] for vehicle in left.vehicles]
-        leg = leg_of(left, controls, began)
-        price, problems = leg.price, leg.problems
+        controls = [by_name[vehicle.name] for vehicle in order.left.vehicles]
     except KeyError as error:
         return Candidate(None, None, f"the plan lacks vehicle {error}")
+    return leg_judged(controls, order, step, states)
+
+
+def leg_judged(
+    controls: Sequence[Matrix], order: Order, step: int, states: Sequence[Vector]
+) -> Candidate:
+    """Return the leg that flies given controls, or why there is none.
+
+    Parameters
+    ----------
+    controls : sequence of (T, m) array
+        Of all vehicles.
+    order, step, states
+        As in `judged`.
+    """
+    try:
+        leg = leg_of(order.left, controls, order.began)
+        value, problems = leg.value(step, states), leg.problems(order.asked)
     except RadmpcError as error:
         return Candidate(None, None, f"the plan cannot be flown: {_line(error)}")
     if problems:
-        return Candidate(None, price, f"the plan does not hold: {problems[0]}")
-    if not np.isfinite(price):
+        return Candidate(None, value.total, f"the plan does not hold: {problems[0]}")
+    if not np.isfinite(value.total):
         return Candidate(None, None, "the plan has no certificate")
-    return Candidate(leg, price, "")
+    return Candidate(leg, value.total, "", value.next_step)
 
 
-def _line(error: Exception) -> str:
+def _line(error: BaseException) -> str:
     """Return the first line of what an error says."""
     return next(iter(str(error).splitlines()), "")

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
-from radmpc.flying.candidates import Candidate, Planning, candidate
+from radmpc.flying.candidates import Candidate
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.measuring import check_number
+from radmpc.flying.sources import Moment, Sources, Timer
 from radmpc.model.plan import Plan
-from radmpc.referee.conditional.conditional import Conditional
 
 __all__ = [
     "MISS_PRICE",
     "SHARE",
     "UNKNOWN",
     "Decision",
-    "Moment",
+    "Later",
     "Rule",
-    "Timer",
     "decided",
     "opened",
+    "plan_ahead",
 ]
 
 SHARE = 0.6
@@ -41,8 +41,8 @@ _LAST_TICKS = 2
 _LEAST_GRANT = 1e-5
 """Wealth below which nothing is planned [-]: planners search long for plans that risk nothing."""
 
-_PLANNING_SHARE = 0.8
-"""Share of the time to the deadline that planning gets [-]; the rest is for judging."""
+_WORKER_SHARE = 0.8
+"""Share of a step that planning for the next one gets where decisions have deadlines [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,15 +51,15 @@ class Rule:
 
     Attributes
     ----------
-    planning : callable or None
-        What makes candidates; None never plans anew.
+    sources : Sources
+        What makes candidates.
     share : float
         φ, what a candidate may cost of the wealth, above 0 and at most 1 [-].
     miss_price : float
         Effort that missing goals by a meter is worth [1/m].
     """
 
-    planning: Planning | None
+    sources: Sources
     share: float
     miss_price: float
 
@@ -69,52 +69,6 @@ class Rule:
         check_number(self.miss_price, "miss_price")
         if self.share == 0.0:
             raise ArgumentError("share must be above 0, got 0")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Moment:
-    """What is known when a decision is made.
-
-    Attributes
-    ----------
-    step : int
-        Of the mission.
-    states : tuple of (n,) array
-        Measured.
-    leg : Leg
-        In the air: the tail.
-    value : Conditional
-        What is left of it.
-    account : Account
-        With the tail valued.
-    """
-
-    step: int
-    states: tuple[Vector, ...]
-    leg: Leg
-    value: Conditional
-    account: Account
-
-
-@dataclass(frozen=True, slots=True)
-class Timer:
-    """How long a decision may still take.
-
-    Attributes
-    ----------
-    clock : callable
-        Returns seconds.
-    end : float
-        When the decision is due, by that clock [s].
-    """
-
-    clock: Callable[[], float]
-    end: float
-
-    @property
-    def left(self) -> float:
-        """Seconds to the end; negative after it."""
-        return self.end - self.clock()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,7 +119,58 @@ def opened(plan: Plan, step: int) -> tuple[Leg, Account]:
     return leg, Account.opened(plan.scenario.risk_bound, leg.price)
 
 
-def decided(rule: Rule, moment: Moment, timer: Timer | None) -> Decision:
+@dataclass(frozen=True, slots=True, eq=False)
+class Later:
+    """What is expected at the next step.
+
+    Attributes
+    ----------
+    step : int
+        Of the mission.
+    leg : Leg
+        In the air by then.
+    expected : tuple of (n,) array
+        Where vehicles will be on average.
+    account : Account
+        As it is now.
+    """
+
+    step: int
+    leg: Leg
+    expected: tuple[Vector, ...]
+    account: Account
+
+
+def plan_ahead(rule: Rule, later: Later, next_step: float, *, is_timed: bool) -> None:
+    """Have the background plan for the next step, within what will be left by then.
+
+    Parameters
+    ----------
+    rule : Rule
+        How the mission decides.
+    later : Later
+        What is expected.
+    next_step : float
+        What of the tail's value is run until then [-].
+    is_timed : bool
+        Whether decisions have deadlines, and planning with them.
+    """
+    scenario = later.leg.plan.scenario
+    left = scenario.horizon - (later.step - later.leg.began)
+    if left < 1:
+        return
+    grant = _granted(rule, later.account.after(next_step), left)
+    if grant >= _LEAST_GRANT:
+        seconds = _WORKER_SHARE * scenario.dt if is_timed else None
+        rule.sources.begin(later.leg, later.step, later.expected, grant, seconds)
+
+
+def _granted(rule: Rule, account: Account, left: int) -> float:
+    """Return what a candidate may risk with so many steps left [-]."""
+    return account.grant(1.0 if left <= _LAST_TICKS else rule.share)
+
+
+def decided(rule: Rule, moment: Moment, timer: Timer) -> Decision:
     """Return what is flown from a moment on.
 
     Parameters
@@ -174,57 +179,61 @@ def decided(rule: Rule, moment: Moment, timer: Timer | None) -> Decision:
         How the mission decides.
     moment : Moment
         What is known.
-    timer : Timer or None
-        How long it may take; None is no limit.
+    timer : Timer
+        How long it may take.
     """
-    found = _sought(rule, moment, timer)
     value = moment.value
-    reason = found.reason or _objection(rule, moment, found)
-    if reason or found.leg is None or found.price is None:
-        return Decision(None, reason, value.total, found.price, value.next_step)
-    following = found.leg.value(moment.step, moment.states).next_step
-    reason = "the candidate is better, and its price is within the wealth"
-    return Decision(found.leg, reason, value.total, found.price, following)
+    best, least = None, _score(rule, moment, moment.leg, value.total)
+    refused: list[Candidate] = []
+    for found in _offered(rule, moment, timer):
+        reason = found.reason
+        if found.leg is not None and found.price is not None:
+            score = _score(rule, moment, found.leg, found.price)
+            reason = _objection(moment, found.price, (least, score), is_first=best is None)
+            if not reason:
+                best, least = found, score
+        if reason:
+            refused.append(Candidate(None, found.price, reason))
+    if best is not None and best.leg is not None:
+        reason = "the candidate is better, and its price is within the wealth"
+        return Decision(best.leg, reason, value.total, best.price, best.next_step)
+    last = refused[-1]
+    return Decision(None, last.reason, value.total, last.price, value.next_step)
 
 
-def _sought(rule: Rule, moment: Moment, timer: Timer | None) -> Candidate:
-    """Return a candidate in time, or why there is none."""
-    scene, passed = moment.leg.plan.scenario, moment.step - moment.leg.began
-    left = scene.horizon - passed
-    if rule.planning is None or left == 0:
-        return Candidate(None, None, "the plan is kept" if left else "the mission is at its end")
-    grant = moment.account.grant(1.0 if left <= _LAST_TICKS else rule.share)
+def _offered(rule: Rule, moment: Moment, timer: Timer) -> Iterator[Candidate]:
+    """Yield candidates, at least one or why there is none."""
+    sources = rule.sources
+    left = moment.leg.plan.scenario.horizon - (moment.step - moment.leg.began)
+    if left == 0 or sources.is_idle:
+        yield Candidate(None, None, "the plan is kept" if left else "the mission is at its end")
+        return
+    grant = _granted(rule, moment.account, left)
     if grant < _LEAST_GRANT:
         reason = f"a candidate might risk {grant:.3g}, too little to plan with"
-        return Candidate(None, None, reason)
-    seconds = None if timer is None else _PLANNING_SHARE * timer.left
-    if seconds is not None and seconds <= 0.0:
-        return Candidate(None, None, "there was no time to plan")
-    start = moment.step
-    found = candidate(rule.planning, scene, passed, moment.states, grant, seconds, start)
-    if timer is not None and timer.left < 0.0:
-        return Candidate(None, found.price, "the candidate came too late")
-    return found
+        yield Candidate(None, None, reason)
+        return
+    yield Candidate(None, None, "there was nothing to choose from")
+    yield from sources.offers(moment, grant, timer)
 
 
-def _objection(rule: Rule, moment: Moment, found: Candidate) -> str:
-    """Return why a candidate is not adopted; empty if it is."""
-    if found.leg is None or found.price is None:
-        return found.reason
-    if not moment.account.affords(found.price):
-        return f"the candidate costs {found.price:.3g}, the wealth is {moment.account.wealth:.3g}"
-    if moment.value.total > moment.account.risk_bound:
-        # Safety first: what is left risks more than the whole mission was to risk.
-        if found.price < moment.value.total:
-            return ""
-        return f"the candidate risks {found.price:.3g}, the tail {moment.value.total:.3g}"
-    ours, theirs = (
-        look.effort + rule.miss_price * look.miss
-        for look in (
-            moment.leg.outlook(moment.step, moment.states),
-            found.leg.outlook(moment.step, moment.states),
-        )
-    )
-    if theirs >= ours:
-        return f"the tail is better: {ours:.4g} against {theirs:.4g} still to come"
-    return ""
+def _score(rule: Rule, moment: Moment, leg: Leg, price: float) -> float:
+    """Return what a leg is compared by: effort and miss to come, or its risk, safety first."""
+    if moment.is_unsafe:
+        return price
+    look = leg.outlook(moment.step, moment.states)
+    return look.effort + rule.miss_price * look.miss
+
+
+def _objection(moment: Moment, price: float, scores: tuple[float, float], *, is_first: bool) -> str:
+    """Return why a candidate is not adopted; empty if it is, unless a better one comes."""
+    if not moment.account.affords(price):
+        return f"the candidate costs {price:.3g}, the wealth is {moment.account.wealth:.3g}"
+    least, score = scores
+    if score < least:
+        return ""
+    if not is_first:
+        return "another candidate is better"
+    if moment.is_unsafe:
+        return f"the candidate risks {price:.3g}, the tail {moment.value.total:.3g}"
+    return f"the tail is better: {least:.4g} against {score:.4g} still to come"

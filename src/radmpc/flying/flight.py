@@ -57,7 +57,7 @@ def fly(mission: Mission, backend: Backend, *, deadline: float | None = None) ->
     Parameters
     ----------
     mission : Mission
-        At its beginning.
+        At its beginning. What it has planned in the background is waited for at every step.
     backend : Backend
         What it is flown with; measured states are taken as exact.
     deadline : float or None
@@ -73,6 +73,7 @@ def fly(mission: Mission, backend: Backend, *, deadline: float | None = None) ->
     visited = [tuple(states)]
     effort = 0.0
     while True:
+        mission.wait()
         tick = mission.step(states, deadline=deadline, contacts=contacts)
         if not tick.segments:
             break

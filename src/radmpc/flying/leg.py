@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 
-__all__ = ["Leg", "Outlook", "left_of", "leg_of"]
+__all__ = ["Leg", "Outlook", "left_of", "leg_of", "miss_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +57,15 @@ class Leg:
         """The plan, its step 0 being the step at which the leg begins."""
         return self.witnesses.plan
 
-    @property
-    def problems(self) -> list[str]:
-        """Limits and goals that its nominal does not keep, one sentence each."""
-        return limit_problems(self.plan, self.witnesses.motion)
+    def problems(self, scenario: Scenario) -> list[str]:
+        """Return limits and goals that its nominal does not keep, one sentence each.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Whose limits and goals; of as many steps.
+        """
+        return limit_problems(replace(self.plan, scenario=scenario), self.witnesses.motion)
 
     @property
     def price(self) -> float:
@@ -131,19 +136,39 @@ class Leg:
         states : sequence of (n,) array
             Measured there.
         """
-        k = step - self.began
         effort = miss = 0.0
+        for i, (pushed, end) in enumerate(self._means(step, states)):
+            vehicle = self.plan.scenario.vehicles[i]
+            effort += vehicle.cost_weight * float(np.abs(pushed).sum())
+            miss += miss_of(vehicle, end, self.plan.scenario.dt)
+        return Outlook(effort, miss)
+
+    def mean_controls(self, step: int, states: Sequence[Vector]) -> tuple[Matrix, ...]:
+        """Return the controls still to come on average, feedback included, (T - k, m) each.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        states : sequence of (n,) array
+            Measured there.
+        """
+        return tuple(pushed for pushed, _ in self._means(step, states))
+
+    def _means(self, step: int, states: Sequence[Vector]) -> Iterator[tuple[Matrix, Vector]]:
+        """Yield every vehicle's mean controls to come, and where its mean ends."""
+        k = step - self.began
         for i, vehicle in enumerate(self.plan.scenario.vehicles):
-            nominal, asked = self.witnesses.motion.states[i], self.plan.trajectories[i].controls[k:]
+            nominal = self.witnesses.motion.states[i]
+            pushed = self.plan.trajectories[i].controls[k:].copy()
             deviation = states[i] - nominal[k]
             A, B, gain = vehicle.system.A, vehicle.system.B, vehicle.gain
             loop = A if gain is None else A + B @ gain
-            for control in asked:
-                pushed = control if gain is None else control + gain @ deviation
-                effort += vehicle.cost_weight * float(np.abs(pushed).sum())
+            for number in range(len(pushed)):
+                if gain is not None:
+                    pushed[number] += gain @ deviation
                 deviation = loop @ deviation
-            miss += _miss(vehicle, nominal[-1] + deviation, self.plan.scenario.dt)
-        return Outlook(effort, miss)
+            yield pushed, nominal[-1] + deviation
 
 
 def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
@@ -237,8 +262,18 @@ def _later(obstacle: Obstacle, passed: int) -> Obstacle:
     return replace(obstacle, shape=shape, steps=obstacle.steps[passed:])
 
 
-def _miss(vehicle: Vehicle, state: Vector, dt: float) -> float:
-    """Return by how much a state is outside of a goal [m]."""
+def miss_of(vehicle: Vehicle, state: Vector, dt: float) -> float:
+    """Return by how much a state is outside of a goal [m].
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With the goal.
+    state : (n,) array
+        At the end.
+    dt : float
+        A step [s]: what a speed in excess counts.
+    """
     place = state[list(vehicle.system.position)]
     goal = vehicle.goal
     outside = np.maximum(np.maximum(goal.lower - place, place - goal.upper), 0.0)

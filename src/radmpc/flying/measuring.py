@@ -10,9 +10,58 @@ import numpy.typing as npt
 from radmpc.arguments import is_number, told
 from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.model.given import check_plan
+from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.result import Result
 
-__all__ = ["check_memory", "check_number", "measured"]
+__all__ = ["check_continues", "check_memory", "check_number", "measured", "plan_of"]
+
+
+def plan_of(result: Result | Plan) -> Plan:
+    """Return the plan of a result, or the plan itself.
+
+    Parameters
+    ----------
+    result : Result or Plan
+        What is to be flown.
+
+    Raises
+    ------
+    ArgumentTypeError
+        If it is neither.
+    NoPlanError
+        If the result holds no plan.
+    """
+    plan = result.require() if isinstance(result, Result) else result
+    check_plan(plan, "result")
+    return plan
+
+
+def check_continues(plan: Plan, scenario: Scenario, left: int) -> None:
+    """Refuse a plan that is none of the steps that are left of a mission.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan.
+    scenario : Scenario
+        Of the mission.
+    left : int
+        Steps that are left of it.
+
+    Raises
+    ------
+    ScenarioError
+        If it is of another number of steps, or of other vehicles.
+    """
+    names, given = ([v.name for v in each.vehicles] for each in (scenario, plan.scenario))
+    if plan.scenario.horizon != left or given != names:
+        raise ScenarioError(
+            f"must be a plan of {left} steps of {names}, got {plan.scenario.horizon} steps of "
+            f"{given}",
+            ("scenario",),
+        )
 
 
 def measured(

@@ -4,30 +4,31 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 
-import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import check_callable
 from radmpc.arrays import Vector
-from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
 from radmpc.flying.alarms import Watcher
 from radmpc.flying.candidates import Planning, planning_with
+from radmpc.flying.commanding import commanded
 from radmpc.flying.deciding import (
     MISS_PRICE,
     SHARE,
     UNKNOWN,
     Decision,
-    Moment,
+    Later,
     Rule,
-    Timer,
     decided,
     opened,
+    plan_ahead,
 )
-from radmpc.flying.measuring import check_memory, check_number, measured
-from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
-from radmpc.model.given import check_plan
+from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
+from radmpc.flying.sources import Moment, Sources, Timer
+from radmpc.flying.tick import Contact, Entry, Tick
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
@@ -55,6 +56,11 @@ class Mission:
         Effort that missing goals by a meter is worth, at least 0 [1/m].
     seed : int
         Of every plan.
+    executor : Executor or None
+        Where the planner plans for the next step while this one is flown, its owner's to shut down;
+        None asks it on the spot.
+    warm : bool or None
+        Whether half-spaces are turned to the paths in the air at each step; None: with an executor.
     clock : callable
         Returns seconds; only differences count.
 
@@ -69,8 +75,7 @@ class Mission:
     RiskError
         If the plan's certificate exceeds Δ.
     ScenarioError
-        If there is no such planner, if disturbances last longer than a step, or if states are
-        measured with noise.
+        If there is no such planner, disturbances outlast a step, or states are measured with noise.
     """
 
     def __init__(
@@ -81,14 +86,15 @@ class Mission:
         share: float = SHARE,
         miss_price: float = MISS_PRICE,
         seed: int = 0,
+        executor: Executor | None = None,
+        warm: bool | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        plan = _plan_of(result)
+        plan = plan_of(result)
         check_callable(clock, "clock")
-        if not isinstance(planner, str):
-            check_callable(planner, "planner")
-        planning = planning_with(planner, seed) if isinstance(planner, str) else planner
-        self._rule = Rule(planning, share, miss_price)
+        planning = planning_with(planner, seed)
+        self._sources = Sources.of(plan.scenario, planning, executor, is_warm=warm)
+        self._rule = Rule(self._sources, share, miss_price)
         self._clock = clock
         check_memory(plan.scenario)
         self._scenario = plan.scenario
@@ -98,6 +104,7 @@ class Mission:
         self._entries: list[Entry] = []
         self._watcher = Watcher(plan.scenario)
         self._leg, self._account = opened(plan, 0)
+        self._sources.prepare(self._leg)
         self._enter("opened", self._account.tail)
         self._expected: tuple[Vector, ...] = tuple(v.start for v in plan.scenario.vehicles)
 
@@ -187,9 +194,10 @@ class Mission:
         else:
             self._account, self._leg = self._account.adopted(decision.price), decision.leg
             self._enter("adopted", decision.price)
+        found = commanded(self._leg, self._step, known, alarms)
         tick = Tick(
             self._step,
-            self._commands(known, alarms),
+            found.segments,
             "tail" if decision.leg is None else "candidate",
             decision.reason,
             decision.value,
@@ -200,8 +208,28 @@ class Mission:
             self._clock() - begun,
         )
         self._ticks.append(tick)
+        self._expected = found.expected
         self._step += 1
+        if decision.next_step is not None and not self.has_failed:
+            later = Later(self._step, self._leg, self._expected, self._account)
+            plan_ahead(self._rule, later, decision.next_step, is_timed=deadline is not None)
         return tick
+
+    def wait(self, seconds: float | None = None) -> None:
+        """Wait until what is planned in the background is there, as who flies a model does.
+
+        Then the same seed makes the same flight, wherever it is planned.
+
+        Parameters
+        ----------
+        seconds : float or None
+            At most; None is as long as it takes.
+        """
+        self._sources.wait(seconds)
+
+    def close(self) -> None:
+        """Give up what is planned in the background; the executor is its owner's to shut down."""
+        self._sources.close()
 
     def set_risk_bound(self, risk_bound: float) -> None:
         """Change Δ under way: more goes to the bank, less is taken from it.
@@ -239,16 +267,10 @@ class Mission:
         ScenarioError
             If it is of another number of steps than are left, or of other vehicles.
         """
-        plan = _plan_of(result)
-        left = self._scenario.horizon - self._step
-        names = [v.name for v in self._scenario.vehicles]
-        if plan.scenario.horizon != left or [v.name for v in plan.scenario.vehicles] != names:
-            raise ScenarioError(
-                f"must be a plan of {left} steps of {names}, got {plan.scenario.horizon} steps of "
-                f"{[v.name for v in plan.scenario.vehicles]}",
-                ("scenario",),
-            )
+        plan = plan_of(result)
+        check_continues(plan, self._scenario, self._scenario.horizon - self._step)
         self._leg, self._account = opened(plan, self._step)
+        self._sources.renew(self._leg)
         self._enter("new grant", self._account.tail)
 
     def _decided(
@@ -267,8 +289,8 @@ class Mission:
         if self.has_failed:
             return Decision(None, "something was hit", value.total, None, value.next_step)
         moment = Moment(self._step, states, self._leg, value, self._account)
-        left = None if deadline is None else Timer(self._clock, begun + deadline)
-        return decided(self._rule, moment, left)
+        end = float("inf") if deadline is None else begun + deadline
+        return decided(self._rule, moment, Timer(self._clock, end))
 
     def _enter(self, what: str, price: float | None) -> None:
         """Write a row of the account."""
@@ -276,25 +298,3 @@ class Mission:
         self._entries.append(
             Entry(self._step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
         )
-
-    def _commands(self, states: tuple[Vector, ...], alarms: list[str]) -> tuple[Segment, ...]:
-        """Return what to do until the next step, and expect what comes of it."""
-        if self._step >= self._scenario.horizon:
-            return ()
-        asked = self._leg.controls(self._step, states)
-        flown = []
-        for vehicle, control in zip(self._scenario.vehicles, asked, strict=True):
-            held = np.clip(control, -vehicle.control_limit, vehicle.control_limit)
-            excess = float(np.abs(control - held).max())
-            if excess > 1e-6:
-                alarms.append(f"vehicle {vehicle.name!r}: its control saturates by {excess:.3g}")
-            flown.append(held)
-        self._expected = self._leg.expected(self._step, states, flown)
-        return segments(self._scenario, states, flown)
-
-
-def _plan_of(result: Result | Plan) -> Plan:
-    """Return the plan of a result, or the plan itself."""
-    plan = result.require() if isinstance(result, Result) else result
-    check_plan(plan, "result")
-    return plan

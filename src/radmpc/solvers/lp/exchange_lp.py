@@ -74,6 +74,32 @@ class ExchangeLp:
         self._highs.addRows(count, lower, upper, matrix.nnz, starts, columns, matrix.data)
         self.num_rows += count
 
+    def change_uppers(self, first: int, upper: Vector) -> None:
+        """Give columns in a row other upper bounds, and lower bounds of 0.
+
+        Parameters
+        ----------
+        first : int
+            The first column.
+        upper : (n,) array
+            Upper bounds.
+        """
+        numbers = np.arange(first, first + upper.size, dtype=np.int32)
+        self._highs.changeColsBounds(upper.size, numbers, np.zeros(upper.size), upper)
+
+    def change_rows(self, first: int, lower: Vector, upper: Vector) -> None:
+        """Give rows that stay other bounds.
+
+        Parameters
+        ----------
+        first : int
+            The first row.
+        lower, upper : (n,) array
+            Bounds, ±inf where there is none.
+        """
+        numbers = np.arange(first, first + lower.size, dtype=np.int32)
+        self._highs.changeRowsBounds(lower.size, numbers, lower, upper)
+
     def exchange_columns(self, cost: Vector, upper: Vector) -> int:
         """Put columns, at least 0, in the place of all that were exchanged before, rows dropped.
 

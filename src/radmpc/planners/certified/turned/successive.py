@@ -8,7 +8,8 @@ keeping its distance, and in groups at a price of risk to share room and risk at
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -46,6 +47,8 @@ class SuccessiveLp:
         The fleet.
     limits : Limits
         When to stop early.
+    programs : mapping of tuple of int to GroupLp
+        Linear programs of groups that exist already.
 
     Attributes
     ----------
@@ -57,14 +60,19 @@ class SuccessiveLp:
         What sharing risk took, see `ExchangeLp` [-].
     """
 
-    def __init__(self, hazards: Hazards, limits: Limits) -> None:
+    def __init__(
+        self,
+        hazards: Hazards,
+        limits: Limits,
+        programs: Mapping[Group, GroupLp] = MappingProxyType({}),
+    ) -> None:
         self.hazards = hazards
         self.limits = limits
         self.paths = Paths(hazards)
         self.missed = np.full(hazards.count, np.inf)
         self.work = 0.0
         self._ahead = Paths(hazards)
-        self._programs: dict[Group, GroupLp] = {}
+        self._programs: dict[Group, GroupLp] = dict(programs)
         self._meter = _cheapest_meter(hazards)
 
     def begin(self, controls: Sequence[Matrix]) -> None:

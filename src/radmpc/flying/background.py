@@ -1,0 +1,104 @@
+"""Planning for the next step while this one is flown, on somebody else's executor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import CancelledError, Executor, Future, wait
+from typing import TYPE_CHECKING
+
+from radmpc.arrays import Vector
+from radmpc.flying.candidates import Candidate, Order, Planning, failed, judged
+
+if TYPE_CHECKING:
+    from radmpc.model.plan import Plan
+    from radmpc.model.scenario import Scenario
+    from radmpc.result import Result
+
+__all__ = ["Background"]
+
+
+class Background:
+    """One order at a time, given out at a step and judged at a later one.
+
+    What comes of it is data: it is judged by what is measured when it has come, however late, and
+    whatever became of it costs nothing.
+
+    Parameters
+    ----------
+    planning : callable
+        What plans; pickles if the executor is of processes.
+    executor : Executor
+        Where; its owner shuts it down.
+    """
+
+    def __init__(self, planning: Planning, executor: Executor) -> None:
+        self._planning = planning
+        self._executor = executor
+        self._order: Order | None = None
+        self._future: Future[Result | Plan | None] | None = None
+        self._refusal: Exception | None = None
+
+    def begin(self, order: Order, seconds: float | None) -> None:
+        """Give out an order, unless the last one is still being worked on.
+
+        Parameters
+        ----------
+        order : Order
+            From expected states, at a step to come.
+        seconds : float or None
+            What planning may take [s].
+        """
+        if self._future is not None:
+            return
+        self._order, self._refusal = order, None
+        try:
+            self._future = self._executor.submit(_planned, self._planning, order.asked, seconds)
+        except Exception as error:
+            self._refusal = error
+
+    def wait(self, seconds: float | None = None) -> None:
+        """Wait until the order has been worked on.
+
+        Parameters
+        ----------
+        seconds : float or None
+            At most; None is as long as it takes.
+        """
+        if self._future is not None:
+            wait([self._future], seconds)
+
+    def arrived(self, step: int, states: Sequence[Vector]) -> Candidate | None:
+        """Return what came of the order, given what is measured; None where there was none.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        states : sequence of (n,) array
+            Measured there.
+        """
+        order, refusal = self._order, self._refusal
+        if order is None:
+            return None
+        if refusal is not None:
+            self._order = self._refusal = None
+            return failed(refusal)
+        if self._future is None or not self._future.done():
+            return Candidate(None, None, "the plan made in the background is late")
+        future, self._future, self._order = self._future, None, None
+        try:
+            answer = future.result()
+        except (Exception, CancelledError) as error:
+            return failed(error)
+        return judged(answer, order, step, states)
+
+    def close(self) -> None:
+        """Give up the order; one that has begun runs to its end, unheard."""
+        if self._future is not None:
+            self._future.cancel()
+        self._order = self._future = self._refusal = None
+
+
+def _planned(planning: Planning, scenario: Scenario, seconds: float | None) -> Result | Plan | None:
+    """Plan, in whatever process."""
+    return planning(scenario, seconds)

@@ -1,0 +1,61 @@
+"""What vehicles are told to do until the next step, and where that is expected to lead."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Vector
+from radmpc.flying.leg import Leg
+from radmpc.flying.tick import Segment, segments
+
+__all__ = ["Commands", "commanded"]
+
+_SATURATED = 1e-6
+"""Excess of a control over its limit from which on that is an alarm [control]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Commands:
+    """What is flown over a step.
+
+    Attributes
+    ----------
+    segments : tuple of Segment
+        What vehicles do; empty at the end of the leg.
+    expected : tuple of (n,) array
+        Where they are expected at the next step; where they are, at the end.
+    """
+
+    segments: tuple[Segment, ...]
+    expected: tuple[Vector, ...]
+
+
+def commanded(leg: Leg, step: int, states: Sequence[Vector], alarms: list[str]) -> Commands:
+    """Return what a leg has vehicles do, within their limits.
+
+    Parameters
+    ----------
+    leg : Leg
+        In the air.
+    step : int
+        Of the mission.
+    states : sequence of (n,) array
+        Where vehicles are, or are thought to be.
+    alarms : list of str
+        Gets a sentence for every control that saturates.
+    """
+    scenario = leg.plan.scenario
+    if step - leg.began >= scenario.horizon:
+        return Commands((), tuple(states))
+    flown = []
+    for vehicle, control in zip(scenario.vehicles, leg.controls(step, states), strict=True):
+        held = np.clip(control, -vehicle.control_limit, vehicle.control_limit)
+        excess = float(np.abs(control - held).max())
+        if excess > _SATURATED:
+            alarms.append(f"vehicle {vehicle.name!r}: its control saturates by {excess:.3g}")
+        flown.append(held)
+    expected = leg.expected(step, states, flown)
+    return Commands(segments(scenario, states, flown), expected)

@@ -1,0 +1,248 @@
+"""Where candidates come from: the background, the paths in the air, a planner asked on the spot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.flying.account import Account
+from radmpc.flying.background import Background
+from radmpc.flying.candidates import Candidate, Order, Planning, answered, leg_judged
+from radmpc.flying.leg import Leg, left_of
+from radmpc.flying.warm.goals import widened
+from radmpc.flying.warm.search import Try, WarmSearch
+from radmpc.model.scenario import Scenario
+from radmpc.referee.conditional.conditional import Conditional
+
+__all__ = ["Moment", "Sources", "Timer"]
+
+_PLANNING_SHARE = 0.8
+"""Share of the time to the deadline that planning gets [-]; the rest is for judging."""
+
+_TRIES = 2
+"""Warm candidates at a tick at most [-]: a second one, at a higher price of risk, where the first
+costs more than there is."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """What is known when a decision is made.
+
+    Attributes
+    ----------
+    step : int
+        Of the mission.
+    states : tuple of (n,) array
+        Measured.
+    leg : Leg
+        In the air: the tail.
+    value : Conditional
+        What is left of it.
+    account : Account
+        With the tail valued.
+    """
+
+    step: int
+    states: tuple[Vector, ...]
+    leg: Leg
+    value: Conditional
+    account: Account
+
+    @property
+    def is_unsafe(self) -> bool:
+        """Whether what is left risks more than the whole mission was to risk."""
+        return self.value.total > self.account.risk_bound
+
+    def left(self, grant: float) -> Scenario:
+        """Return the steps that are left, from measured states, under a bound."""
+        return left_of(self.leg.plan.scenario, self.step - self.leg.began, self.states, grant)
+
+
+@dataclass(frozen=True, slots=True)
+class Timer:
+    """How long a decision may still take.
+
+    Attributes
+    ----------
+    clock : callable
+        Returns seconds.
+    end : float
+        When the decision is due, by that clock [s]; inf is never.
+    """
+
+    clock: Callable[[], float]
+    end: float
+
+    @property
+    def left(self) -> float:
+        """Seconds to the end; negative after it."""
+        return self.end - self.clock()
+
+    def is_over(self) -> bool:
+        """Whether the decision is due."""
+        return self.left < 0.0
+
+
+@dataclass(slots=True, eq=False)
+class Sources:
+    """What makes candidates for a mission.
+
+    Attributes
+    ----------
+    planning : callable or None
+        Asked on the spot; None is nobody.
+    warm : WarmSearch
+        Turns the paths in the air.
+    is_warm : bool
+        Whether it does at every tick, or only where the tail risks too much.
+    background : Background or None
+        Plans for the next step; None is nobody.
+    """
+
+    planning: Planning | None
+    warm: WarmSearch
+    is_warm: bool
+    background: Background | None
+
+    @classmethod
+    def of(
+        cls,
+        scenario: Scenario,
+        planning: Planning | None,
+        executor: Executor | None,
+        *,
+        is_warm: bool | None,
+    ) -> Sources:
+        """Return the sources of a mission.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Of the mission.
+        planning : callable or None
+            What plans.
+        executor : Executor or None
+            Where it plans for the next step; None asks it on the spot.
+        is_warm : bool or None
+            As in the record; None is with an executor.
+        """
+        background = Background(planning, executor) if planning and executor else None
+        always = background is not None if is_warm is None else is_warm
+        return cls(planning, WarmSearch(scenario), always, background)
+
+    def prepare(self, leg: Leg) -> None:
+        """Lay out what every tick needs, before the first one."""
+        if self.is_warm:
+            self.warm.prepare([v.start for v in leg.plan.scenario.vehicles], _controls(leg))
+
+    def renew(self, leg: Leg) -> None:
+        """Begin anew with a leg of another scenario."""
+        self.close()
+        self.warm = WarmSearch(leg.plan.scenario)
+        self.prepare(leg)
+
+    def wait(self, seconds: float | None) -> None:
+        """Wait for the background."""
+        if self.background is not None:
+            self.background.wait(seconds)
+
+    def close(self) -> None:
+        """Give up what is planned in the background."""
+        if self.background is not None:
+            self.background.close()
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing ever makes any."""
+        return self.planning is None and self.background is None and not self.is_warm
+
+    def offers(self, moment: Moment, grant: float, timer: Timer) -> Iterator[Candidate]:
+        """Yield candidates, or why there are none; those that take longest come last.
+
+        Parameters
+        ----------
+        moment : Moment
+            What is known.
+        grant : float
+            What they may risk [-].
+        timer : Timer
+            How long it may take.
+        """
+        arrived = None
+        if self.background is not None:
+            arrived = self.background.arrived(moment.step, moment.states)
+            if arrived is not None:
+                yield arrived
+        if self.is_warm or moment.is_unsafe:
+            base = moment.leg if arrived is None or arrived.leg is None else arrived.leg
+            yield from _warm(self.warm, moment, (base, grant), timer)
+        if self.planning is not None and self.background is None:
+            yield _on_the_spot(self.planning, moment, grant, timer)
+
+    def begin(
+        self, leg: Leg, step: int, expected: Sequence[Vector], grant: float, seconds: float | None
+    ) -> None:
+        """Have the background plan for a step to come.
+
+        Parameters
+        ----------
+        leg : Leg
+            In the air.
+        step : int
+            Of the mission, for which it plans.
+        expected : sequence of (n,) array
+            Where vehicles will be by then, on average.
+        grant : float
+            What the plan may risk [-].
+        seconds : float or None
+            What planning may take [s].
+        """
+        if self.background is not None:
+            left = left_of(leg.plan.scenario, step - leg.began, expected, grant)
+            self.background.begin(Order(left, widened(left), step), seconds)
+
+
+def _controls(leg: Leg) -> tuple[Matrix, ...]:
+    """Return the controls of a leg's nominal."""
+    return tuple(path.controls for path in leg.plan.trajectories)
+
+
+def _on_the_spot(planning: Planning, moment: Moment, grant: float, timer: Timer) -> Candidate:
+    """Return what a planner finds in the time that is left."""
+    left = moment.left(grant)
+    order = Order(left, widened(left), moment.step)
+    seconds = None if timer.end == float("inf") else _PLANNING_SHARE * timer.left
+    if seconds is not None and seconds <= 0.0:
+        return Candidate(None, None, "there was no time to plan")
+    found = answered(planning, order, seconds, moment.states)
+    if timer.is_over():
+        return Candidate(None, found.price, "the candidate came too late")
+    return found
+
+
+def _warm(
+    warm: WarmSearch, moment: Moment, base: tuple[Leg, float], timer: Timer
+) -> Iterator[Candidate]:
+    """Yield candidates near the paths in the air."""
+    leg, grant = base
+    left = moment.left(grant)
+    controls = leg.mean_controls(moment.step, moment.states)
+    for _ in range(_TRIES):
+        found = warm.search(Try(left, controls, moment.is_unsafe, timer.is_over))
+        if found is None:
+            yield Candidate(None, None, "turned half-spaces left no plan")
+            return
+        order = Order(left, found[1], moment.step)
+        offer = leg_judged(found[0], order, moment.step, moment.states)
+        if timer.is_over():
+            yield Candidate(None, offer.price, "the candidate came too late")
+            return
+        yield offer
+        if offer.price is None or moment.is_unsafe:
+            return
+        warm.learn(offer.price)
+        if offer.leg is None or moment.account.affords(offer.price):
+            return
+        warm.dearer(offer.price, grant)

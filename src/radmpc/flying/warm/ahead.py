@@ -1,0 +1,110 @@
+"""The steps that are left of a mission as planners see them, cut from those of all steps.
+
+From a measured state noise begins anew: over the steps that are left covariances, reserves for
+feedback and prediction matrices are the first of those over all steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from radmpc.arrays import Vector
+from radmpc.model.goal import Goal
+from radmpc.model.scenario import Scenario
+from radmpc.program.build import condensed_models, prediction_matrices
+from radmpc.program.condensed import CondensedModel, PredictionMatrices
+from radmpc.program.hazards import Hazards, Shapes
+
+__all__ = ["Ahead"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ahead:
+    """What planners need of a mission, over all of its steps.
+
+    Attributes
+    ----------
+    whole : Hazards
+        The fleet from states known at step 0.
+    predictions : tuple of PredictionMatrices
+        Of every vehicle.
+    """
+
+    whole: Hazards
+    predictions: tuple[PredictionMatrices, ...]
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Ahead:
+        """Lay out a mission.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Of all its steps.
+        """
+        known = tuple(
+            replace(v, initial_covariance=0.0 * v.initial_covariance) for v in scenario.vehicles
+        )
+        scenario = replace(scenario, vehicles=known)
+        return cls(Hazards.of(scenario, condensed_models(scenario)), prediction_matrices(scenario))
+
+    def left(self, passed: int, states: Sequence[Vector], goals: Sequence[Goal]) -> Hazards:
+        """Return the fleet over the steps that are left.
+
+        Parameters
+        ----------
+        passed : int
+            Steps that have been flown.
+        states : sequence of (n,) array
+            Where vehicles are.
+        goals : sequence of Goal
+            Where they are to end.
+        """
+        whole = self.whole
+        last = whole.horizon - passed
+        models = tuple(
+            _cut(model, prediction, (last, state, goal))
+            for model, prediction, state, goal in zip(
+                whole.models, self.predictions, states, goals, strict=True
+            )
+        )
+        shapes = whole.shapes
+        return replace(
+            whole,
+            models=models,
+            covariances=whole.covariances[:, : last + 1],
+            variances=whole.variances[:, :last],
+            bent=None if whole.bent is None else whole.bent[:, :last],
+            shapes=Shapes(
+                shapes.vertices[:, passed:],
+                shapes.faces[:, passed:],
+                shapes.lower[:, passed:],
+                shapes.upper[:, passed:],
+            ),
+        )
+
+
+def _cut(
+    model: CondensedModel, prediction: PredictionMatrices, left: tuple[int, Vector, Goal]
+) -> CondensedModel:
+    """Return a vehicle over so many steps from a state; its reachable box is that of all steps."""
+    last, state, goal = left
+    vehicle = model.vehicle
+    span = last * model.control_bounds.shape[1]
+    coasting = prediction.coasting(state, vehicle.drift, last)
+    velocity, axes = model.velocity, vehicle.system.velocity
+    return replace(
+        model,
+        vehicle=vehicle if goal is vehicle.goal else replace(vehicle, goal=goal),
+        horizon=last,
+        control_bounds=model.control_bounds[:last],
+        position_covariances=model.position_covariances[: last + 1],
+        bent_covariances=None if model.bent_covariances is None else model.bent_covariances[:last],
+        position=model.position[: last + 1, :, :span],
+        velocity=None if velocity is None else velocity[: last + 1, :, :span],
+        drift_position=coasting[:, list(vehicle.system.position)],
+        drift_velocity=None if axes is None else coasting[:, list(axes)],
+        reach_lower=model.reach_lower[: last + 1],
+        reach_upper=model.reach_upper[: last + 1],
+    )

@@ -1,0 +1,110 @@
+"""Goals that a disturbance put out of reach, widened by the least that limits leave."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.program.build import condensed_models
+from radmpc.program.condensed import CondensedModel
+from radmpc.solvers.lp.exchange_lp import ExchangeLp
+
+__all__ = ["least_slacks", "widened"]
+
+_ROUNDING = 1e-7
+"""What a widened goal is wider yet [m, m/s]: a program without any room ends by its tolerances.
+Goals count as reached within 1e-6."""
+
+
+def widened(scenario: Scenario) -> Scenario:
+    """Return a scenario whose goals limits of control and speed allow to reach, obstacles aside.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the steps that are left.
+
+    Returns
+    -------
+    Scenario
+        The same where every goal is within reach; else goals are wider by as little as will do: the
+        least sum of meters and of excess speed times a step. A vehicle that no goal would help, as
+        one that cannot brake to its speed limit, is left as it is.
+    """
+    models = condensed_models(scenario)
+    slacks = least_slacks(models, scenario.dt)
+    if not any(slack is not None and float(slack.max()) > _ROUNDING for slack in slacks):
+        return scenario
+    pairs = zip(scenario.vehicles, slacks, strict=True)
+    return replace(scenario, vehicles=tuple(_wider(v, slack) for v, slack in pairs))
+
+
+def least_slacks(models: Sequence[CondensedModel], dt: float) -> list[Vector | None]:
+    """Return by how much goals are missed at least, per axis, then speeds; None without a plan.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        Vehicles over the steps that are left.
+    dt : float
+        A step [s]; what a speed in excess counts.
+    """
+    lp = ExchangeLp()
+    slots = [_add(lp, model, dt) for model in models]
+    values = lp.solve()
+    if values is not None:
+        return [np.maximum(values[slot], 0.0) for slot in slots]
+    if len(models) == 1:
+        return [None]
+    return [least_slacks([model], dt)[0] for model in models]
+
+
+def _wider(vehicle: Vehicle, slack: Vector | None) -> Vehicle:
+    """Return a vehicle with a goal within its reach."""
+    if slack is None or float(slack.max()) <= _ROUNDING:
+        return vehicle
+    goal, d = vehicle.goal, vehicle.system.dimension
+    wider = np.where(slack > 0.0, slack + _ROUNDING, 0.0)
+    speed = goal.speed if goal.speed is None or wider.size == d else goal.speed + wider[d:]
+    return replace(
+        vehicle,
+        goal=replace(goal, lower=goal.lower - wider[:d], upper=goal.upper + wider[:d], speed=speed),
+    )
+
+
+def _add(lp: ExchangeLp, model: CondensedModel, dt: float) -> slice:
+    """Add a vehicle: controls, shifted to begin at 0, then slacks; return where these stand."""
+    vehicle, last, d = model.vehicle, model.horizon, model.vehicle.system.dimension
+    bounds = np.maximum(model.control_bounds, 0.0).ravel()
+    has_speed = vehicle.goal.speed is not None and model.velocity is not None
+    begin = lp.add_columns(np.zeros(bounds.size), np.zeros(bounds.size), 2.0 * bounds)
+    costs = np.concatenate([np.ones(d), np.full(d if has_speed else 0, dt)])
+    first = lp.add_columns(costs, np.zeros(costs.size), np.full(costs.size, np.inf))
+    eye, none = np.eye(d), np.zeros((d, costs.size - d))
+
+    def ask(rows: Matrix, slack: Matrix, least: Vector) -> None:
+        """Ask for rows of both signs, each with what it may lack."""
+        matrix = csr_array(np.hstack([rows, slack]))
+        lp.add_rows(matrix, least + rows @ bounds, np.full(len(rows), np.inf), begin)
+
+    place, still = model.position[last], model.drift_position[last]
+    ask(place, np.hstack([eye, none]), vehicle.goal.lower - still)
+    ask(-place, np.hstack([eye, none]), still - vehicle.goal.upper)
+    if model.velocity is None or model.drift_velocity is None:
+        return slice(first, first + costs.size)
+    if vehicle.speed_limit is not None:
+        rows, idle = model.velocity[1:].reshape(last * d, -1), model.drift_velocity[1:].ravel()
+        limits, zeros = np.tile(vehicle.speed_limit, last), np.zeros((last * d, costs.size))
+        ask(rows, zeros, -limits - idle)
+        ask(-rows, zeros, idle - limits)
+    if vehicle.goal.speed is not None:
+        rows, ends = model.velocity[last], model.drift_velocity[last]
+        ask(rows, np.hstack([none, eye]), -vehicle.goal.speed - ends)
+        ask(-rows, np.hstack([none, eye]), ends - vehicle.goal.speed)
+    return slice(first, first + costs.size)

@@ -1,0 +1,130 @@
+"""The linear program of a group, built once for a mission and moved along with it.
+
+What position k owes to the control of step j depends on k - j alone. So the program of the steps
+that are left is the one of all steps, with controls of the past at 0: bounds alone change from tick
+to tick, and the last basis is a start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.planners.certified.turned.group_lp import GroupLp, GroupPlan
+from radmpc.planners.certified.turned.half_spaces import HalfSpaces
+from radmpc.planners.certified.turned.margins import Margins
+from radmpc.planners.certified.turned.paths import Paths
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.hazards import Hazards
+
+__all__ = ["KeptLp"]
+
+_INF = float("inf")
+
+
+class KeptLp(GroupLp):
+    """Least effort of a group over the steps that are left, from where its vehicles are.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet over all steps.
+    members : sequence of int
+        The vehicles planned, ascending.
+
+    Attributes
+    ----------
+    has_failed : bool
+        Whether the last solve found nothing.
+    """
+
+    def __init__(self, hazards: Hazards, members: Sequence[int]) -> None:
+        self.has_failed = False
+        self._steps = hazards.horizon
+        self._row_starts: list[int] = []
+        super().__init__(hazards, members)
+        self._first_controls, self._first_positions = self._controls, self._positions
+
+    def _add_member(self, model: CondensedModel) -> tuple[int, int]:
+        """Add a vehicle's columns and rows of all steps; return its first control and position."""
+        span, positions = model.control_bounds.size, model.position[1:]
+        count = positions.shape[0] * positions.shape[1]
+        cost = np.full(2 * span, model.vehicle.cost_weight)
+        first = self._lp.add_columns(cost, np.zeros(2 * span), np.zeros(2 * span))
+        self._lp.add_columns(np.zeros(count), np.full(count, -_INF), np.full(count, _INF))
+        rows = [model.position[-1]]
+        if model.velocity is not None:
+            rows.append(model.velocity[1:].reshape(-1, span))
+        hard = np.vstack(rows)
+        prediction = positions.reshape(count, span)
+        matrix = np.vstack(
+            [
+                np.hstack([hard, -hard, np.zeros((len(hard), count))]),
+                np.hstack([-prediction, prediction, np.eye(count)]),
+            ]
+        )
+        free = np.full(len(matrix), _INF)
+        self._row_starts.append(self._lp.num_rows)
+        self._lp.add_rows(csr_array(matrix), -free, free, first)
+        return first, first + 2 * span
+
+    def move(self, hazards: Hazards) -> None:
+        """Begin where the vehicles are now.
+
+        Parameters
+        ----------
+        hazards : Hazards
+            The fleet over the steps that are left.
+        """
+        passed = self._steps - hazards.horizon
+        self._hazards = hazards
+        self._models = [hazards.models[i] for i in self.members]
+        self._controls = self._first_controls + passed * self._widths
+        self._positions = self._first_positions + passed * hazards.dimension
+        self._lp.drop()
+        for slot, model in enumerate(self._models):
+            bounds = np.zeros((self._steps, self._widths[slot]))
+            bounds[passed:] = np.maximum(model.control_bounds, 0.0)
+            first = int(self._first_controls[slot])
+            self._lp.change_uppers(first, np.tile(bounds.ravel(), 2))
+            self._lp.change_rows(self._row_starts[slot], *_bounds(model, passed))
+
+    def solve(self, spaces: HalfSpaces, paths: Paths, margins: Margins) -> GroupPlan | None:
+        """As in `GroupLp`; takes note of whether there was anything."""
+        plan = super().solve(spaces, paths, margins)
+        self.has_failed = plan is None
+        return plan
+
+    def _controls_of(self, values: Vector) -> tuple[Matrix, ...]:
+        """Return the members' controls of the steps that are left from all columns."""
+        found = []
+        for slot, model in enumerate(self._models):
+            first, span = int(self._controls[slot]), int(self._spans[slot])
+            size = model.control_bounds.size
+            plus, minus = values[first : first + size], values[first + span : first + span + size]
+            found.append((plus - minus).reshape(model.control_bounds.shape))
+        return tuple(found)
+
+
+def _bounds(model: CondensedModel, passed: int) -> tuple[Vector, Vector]:
+    """Return the bounds of a member's rows: goal, speeds from step 1 on, then what moves it."""
+    vehicle, last = model.vehicle, model.horizon
+    lower = [vehicle.goal.lower - model.drift_position[last]]
+    upper = [vehicle.goal.upper - model.drift_position[last]]
+    d = vehicle.system.dimension
+    if model.drift_velocity is not None:
+        limits = np.full((passed + last, d), _INF)
+        if vehicle.speed_limit is not None:
+            limits[passed:] = vehicle.speed_limit
+        if vehicle.goal.speed is not None:
+            limits[-1] = np.minimum(limits[-1], vehicle.goal.speed)
+        idle = np.zeros((passed + last, d))
+        idle[passed:] = model.drift_velocity[1:]
+        lower.append((-limits - idle).ravel())
+        upper.append((limits - idle).ravel())
+    gone = np.repeat(model.drift_position[:1], passed, axis=0)
+    moved = np.concatenate([gone, model.drift_position[1:]]).ravel()
+    return np.concatenate([*lower, moved]), np.concatenate([*upper, moved])

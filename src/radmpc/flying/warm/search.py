@@ -1,0 +1,178 @@
+"""From the paths in the air to better ones: one to three linear programs per group, kept warm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.flying.warm.ahead import Ahead
+from radmpc.flying.warm.goals import widened
+from radmpc.flying.warm.kept_lp import KeptLp
+from radmpc.flying.warm.tuning import TUNING
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.turned.half_spaces import half_spaces
+from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.components import components
+from radmpc.program.hazards import Hazards
+from radmpc.solvers.solution import Limits
+
+__all__ = ["Try", "WarmSearch"]
+
+Group = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Try:
+    """What is asked of a warm search.
+
+    Attributes
+    ----------
+    left : Scenario
+        The steps that are left, from measured states, under the bound that is granted.
+    controls : tuple of (T, m) array
+        What flies already, of which each hazard keeps its side.
+    is_safest : bool
+        Whether the least risk is asked for instead of the least effort.
+    is_stopped : callable
+        Returns True once there is no time left.
+    """
+
+    left: Scenario
+    controls: tuple[Matrix, ...]
+    is_safest: bool
+    is_stopped: Callable[[], bool]
+
+
+class WarmSearch:
+    """Half-spaces turned to the paths in the air from tick to tick, with programs kept warm.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The mission, over all its steps.
+
+    Attributes
+    ----------
+    price : float or None
+        Shadow price of the risk at the last tick, per unit of probability; None before.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.price: float | None = None
+        self._horizon = scenario.horizon
+        self._scenario = scenario
+        self._ahead: Ahead | None = None
+        self._programs: dict[Group, KeptLp] = {}
+        self._groups: tuple[Group, ...] = ()
+        # What half-spaces sum to is more than the certificate finds: by how much, last time.
+        self._ratio = TUNING.first_ratio
+        self._risk = 0.0
+
+    def prepare(self, states: Sequence[Vector], controls: Sequence[Matrix]) -> Ahead:
+        """Lay out the mission and its programs; the first search does it where nobody did before.
+
+        Parameters
+        ----------
+        states : sequence of (n,) array
+            Where vehicles are.
+        controls : sequence of (T, m) array
+            What they are to do from there to the end, which tells who comes near whom.
+        """
+        if self._ahead is None:
+            self._ahead = Ahead.of(self._scenario)
+            passed = self._horizon - len(controls[0])
+            goals = [v.goal for v in self._scenario.vehicles]
+            self._groups = _groups(self._ahead.left(passed, states, goals), controls)
+            self._programs = {g: KeptLp(self._ahead.whole, g) for g in self._groups}
+        return self._ahead
+
+    def search(self, asked: Try) -> tuple[tuple[Matrix, ...], Scenario] | None:
+        """Return other controls, and the scenario with the goals that they reach; None without.
+
+        Parameters
+        ----------
+        asked : Try
+            From where, within what.
+        """
+        left = asked.left
+        found = self._turned(asked, left)
+        if found is None and not asked.is_stopped():
+            # Limits may leave no way to the goals: these give way by the least that will do.
+            left = widened(left)
+            found = None if left is asked.left else self._turned(asked, left)
+        return None if found is None else (found, left)
+
+    def learn(self, certified: float) -> None:
+        """Take note of what the referee found of the last controls returned [-]."""
+        if self._risk > 0.0 and certified > 0.0:
+            low, high = TUNING.ratios
+            self._ratio = float(np.clip(certified / self._risk, low, high))
+
+    def dearer(self, certified: float, grant: float) -> None:
+        """Raise the price after controls that cost more than was granted [-]."""
+        if self.price is not None and certified > grant:
+            self.price *= (certified / grant) ** TUNING.damping
+
+    def _turned(self, asked: Try, left: Scenario) -> tuple[Matrix, ...] | None:
+        """Return better controls within given goals; None if limits leave none."""
+        states = [v.start for v in left.vehicles]
+        goals = [v.goal for v in left.vehicles]
+        ahead = self.prepare(states, asked.controls)
+        hazards = ahead.left(self._horizon - left.horizon, states, goals)
+        for program in self._programs.values():
+            program.move(hazards)
+        limits = Limits(is_stopped=asked.is_stopped)
+        successive = SuccessiveLp(hazards, limits, self._programs)
+        successive.begin(asked.controls)
+        is_found = (
+            self._safer(successive, asked) if asked.is_safest else self._cheaper(successive, asked)
+        )
+        return tuple(successive.paths.controls) if is_found else None
+
+    def _safer(self, successive: SuccessiveLp, asked: Try) -> bool:
+        """Turn half-spaces at a price at which risk is nearly all that counts."""
+        cost = max(successive.paths.cost(), TUNING.least_cost)
+        price = max(self.price or 0.0, TUNING.safest * cost / asked.left.risk_bound)
+        return all(self._turn(successive, asked, price) for _ in range(TUNING.safest_rounds))
+
+    def _cheaper(self, successive: SuccessiveLp, asked: Try) -> bool:
+        """Turn half-spaces at a price that follows the risk, until that is what was granted."""
+        grant = asked.left.risk_bound
+        cost = max(successive.paths.cost(), TUNING.least_cost)
+        price = self.price or TUNING.first_dear * cost / self._scenario.risk_bound
+        least, most = TUNING.cheapest * cost / grant, TUNING.safest * cost / grant
+        for _ in range(TUNING.rounds):
+            if not self._turn(successive, asked, price):
+                return False
+            expected = self._ratio * self._risk
+            aimed = price * float(np.clip(expected / (TUNING.aim * grant), *TUNING.moves))
+            self.price = price = float(np.clip(aimed, least, most))
+            if expected <= grant:
+                break
+        return True
+
+    def _turn(self, successive: SuccessiveLp, asked: Try, price: float) -> bool:
+        """Plan every group once; tell whether there was time and a plan."""
+        self._risk = 0.0
+        for group in self._groups:
+            if asked.is_stopped():
+                return False
+            self._risk += successive.share_risk(group, price, TUNING.spacing)
+            if self._programs[group].has_failed:
+                return False
+        return True
+
+
+def _groups(hazards: Hazards, controls: Sequence[Matrix]) -> tuple[Group, ...]:
+    """Return who comes near each other, directly or through others: they share a program."""
+    successive = SuccessiveLp(hazards, Limits())
+    successive.begin(controls)
+    near = Near(TUNING.near, 0.0, is_refined=False)
+    spaces = half_spaces(hazards, successive.paths, tuple(range(hazards.count)), near)
+    meets = (spaces.second >= 0) & (spaces.clearances < TUNING.near).any(axis=1)
+    edges = zip(spaces.first[meets].tolist(), spaces.second[meets].tolist(), strict=True)
+    return components(hazards.count, edges)

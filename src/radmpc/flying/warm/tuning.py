@@ -1,0 +1,58 @@
+"""The numbers that warm candidates were tuned with, in one record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["TUNING", "Tuning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """How often half-spaces are turned at a tick, and at which price.
+
+    A value that was measured names the scenes; of the others no measurement is recorded.
+
+    Attributes
+    ----------
+    rounds : int
+        Programs per group and tick at most [-].
+    safest_rounds : int
+        The same where the least risk is asked for [-].
+    spacing : float
+        Between clearances at which risk is interpolated around the latest [standard deviations].
+    near : float
+        Clearance below which vehicles share a program [standard deviations].
+    aim : float
+        Share of the grant that a candidate is to cost [-].
+    moves : tuple of float
+        Least and largest factor on the price from one round to the next [-].
+    damping : float
+        Power of the ratio of price and grant that the price of risk follows [-].
+    first_dear : float
+        Price of risk at the first tick: this multiple of what flying costs per Δ [-].
+    cheapest, safest : float
+        The same at least, and where the least risk is asked for, which is the most [-].
+    first_ratio, ratios : float, tuple of float
+        Certificate per risk of the half-spaces: before any is known, least and most believed [-].
+    least_cost : float
+        Effort that flying costs at least where prices are made of it.
+    """
+
+    rounds: int = 3
+    safest_rounds: int = 2
+    spacing: float = 0.05
+    near: float = 6.5
+    aim: float = 0.9
+    moves: tuple[float, float] = (0.15, 8.0)
+    damping: float = 0.8
+    first_dear: float = 1.0
+    cheapest: float = 1e-2
+    safest: float = 1e4
+    first_ratio: float = 0.8
+    ratios: tuple[float, float] = (0.02, 2.0)
+    least_cost: float = 1e-3
+
+
+TUNING = Tuning()
+"""The values in use."""
