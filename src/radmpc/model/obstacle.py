@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sized
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import field_parts, field_text
-from radmpc.arrays import Frozen, Matrix, as_matrix, as_vector
+from radmpc.arrays import Frozen, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
 from radmpc.model.obstacle_shapes import (
@@ -19,6 +19,7 @@ from radmpc.model.obstacle_shapes import (
     MovingShape,
     PolygonShape,
     Shape,
+    points_of,
 )
 from radmpc.model.obstacle_track import TrackShape, TrackSpread
 
@@ -100,6 +101,11 @@ class Obstacle(Frozen):
             Step [s].
         horizon : int
             Number of steps T.
+
+        Returns
+        -------
+        Obstacle
+            With its mean outlines at steps 0..T, and how far it strays from them.
         """
         if not isinstance(self.shape, TrackShape):
             return self
@@ -130,7 +136,7 @@ class Obstacle(Frozen):
         ScenarioError
             If there is no corner, or the outline crosses itself.
         """
-        points = _places(vertices, ("vertices",))
+        points = points_of(vertices, ("vertices",))
         try:
             pieces = convex_pieces(points) if points.shape[1] == 2 else (hull(points),)
         except ScenarioError as error:
@@ -158,7 +164,7 @@ class Obstacle(Frozen):
         ScenarioError
             If there is no point.
         """
-        places = _places(points, ("line",))
+        places = points_of(points, ("line",))
         moves = np.any(places[1:] != places[:-1], axis=1)
         parts = [places[i : i + 2] for i in np.flatnonzero(moves)] or [places[:1]]
         return cls(name, LineShape(places), (tuple(hull(part) for part in parts),))
@@ -239,7 +245,7 @@ class Obstacle(Frozen):
         """
         given = field_parts(outlines, "one outline per step", ("moving",))
         points = tuple(
-            _places(o, ("moving", k))  # type: ignore[arg-type] # checked there
+            points_of(o, ("moving", k))  # type: ignore[arg-type] # checked there
             for k, o in enumerate(given)
         )
         if not points:
@@ -288,10 +294,3 @@ class Obstacle(Frozen):
         """
         shape = TrackShape(outline, start, covariance, disturbance_covariance)
         return cls(name, shape, ((hull(shape.outline + shape.start[: shape.dimension]),),))
-
-
-def _places(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:
-    """Return points (p, d) [m], at least one."""
-    if isinstance(value, Sized) and not len(value):
-        raise ScenarioError("needs at least one point, got none", path)
-    return as_matrix(value, path=path)

@@ -138,8 +138,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     covariances = [_part(loop, 0, v) for loop, v in zip(loops, vehicles, strict=True)]
     seen = [_part(p, one.seen, v) for p, one, v in zip(loops, described, vehicles, strict=True)]
     axes = [list(v.system.position) for v in vehicles]
-    sagittas = np.zeros((len(vehicles), horizon, d))
-    bends: list[Matrix | None] = []
+    sagittas, bends = np.zeros((len(vehicles), horizon, d)), list[Matrix | None]()
     bent = np.empty((len(vehicles), horizon, d, d))
     for i, vehicle in enumerate(vehicles):
         bend = None

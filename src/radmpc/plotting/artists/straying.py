@@ -20,6 +20,7 @@ SPREAD_DASHES = (0, (3, 2))
 """Line style of where an obstacle is but for 3σ."""
 
 _SIGMAS = 3.0
+"""Size of regions that places are drawn with, as vehicles' are [standard deviations]."""
 
 _TURN = np.linspace(0.0, 2.0 * np.pi, 49)
 _CIRCLE = np.array([np.cos(_TURN), np.sin(_TURN)])
