@@ -20,6 +20,7 @@ from radmpc.importing.geo.local_plane import (
     describe_choices,
     describe_losses,
 )
+from radmpc.importing.geo.moving import moving_obstacle
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import shown
@@ -199,9 +200,11 @@ def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
         # The parts of one feature share its name.
         count = counts[name] = counts.get(name, 0) + 1
         full = name if count == 1 else f"{name} ({count})"
+        outline = placed.outlines(feature)[0]
+        moving = moving_obstacle(full, feature, outline)
         try:
             make = Obstacle.line if feature.kind == "LineString" else Obstacle.polygon
-            obstacles.append(make(full, placed.outlines(feature)[0]))
+            obstacles.append(make(full, outline) if moving is None else moving)
         except ScenarioError as error:
             raise ScenarioError(error.message, feature.shape_path) from error
     return obstacles
