@@ -21,7 +21,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.referee import certify, simulate
 from radmpc.referee.conditional.conditional import witnesses_of
 
-MISSIONS = 20_000
+MISSIONS = 10_000
 DECK = np.array([[-1.0, -0.4], [1.0, -0.4], [1.0, 0.4], [-1.0, 0.4]])
 
 
