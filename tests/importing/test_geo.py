@@ -3,6 +3,7 @@ from __future__ import annotations
 import copy
 import json
 import random
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -549,3 +550,36 @@ def test_frames_far_north_keep_their_meters() -> None:
     origin = Origin(89.9, 45.0)
     east = to_local(np.array([[89.9, 46.0, 0.0]]), origin)[0]
     assert np.hypot(east[0], east[1]) == pytest.approx(194.9, abs=0.5)
+
+
+def test_an_obstacle_with_speed_and_course_is_on_a_track(tmp_path: Path) -> None:
+    known = {"position_deviation": 3.0, "speed_deviation": 0.1, "course_deviation": "2"}
+    hull = [(1.0, 1.0), (1.2, 1.0), (1.2, 1.1), (1.0, 1.1)]
+    ship = polygon(hull, name="ship", speed=2.5, course=270, **known)
+    scenario = imported(tmp_path, ship)
+    [track] = [o for o in scenario.obstacles if o.name == "ship"]
+    still = imported(tmp_path, polygon(hull, name="ship"))
+    [outline] = [o for o in still.obstacles if o.name == "ship"]
+    np.testing.assert_allclose(
+        np.sort(track.at(0)[0].vertices, axis=0), np.sort(outline.at(0)[0].vertices, axis=0)
+    )
+    moved = track.at(1)[0].vertices.mean(axis=0) - track.at(0)[0].vertices.mean(axis=0)
+    assert moved == pytest.approx([-2.5 * scenario.dt, 0.0], abs=1e-9)
+    assert np.sqrt(np.diag(track.spread.positions[0])) == pytest.approx([3.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("properties", "message"),
+    [
+        ({"course": 90}, "course: needs speed as well"),
+        ({"speed": 3.0}, "speed: needs course as well"),
+        ({"speed_deviation": 3.0}, "speed_deviation: needs course as well"),
+        ({"speed": 3.0, "course": "west"}, "course: must be a number, got 'west'"),
+        ({"speed": -3.0, "course": 1}, "speed: must be >= 0 m/s"),
+        ({"speed": 3.0, "course": 1, "course_deviation": 40}, "course_deviation: must be at most"),
+    ],
+)
+def test_half_a_report_is_refused(properties, message, tmp_path: Path) -> None:
+    ship = polygon([(1.0, 1.0), (1.2, 1.0), (1.2, 1.1)], name="ship", **properties)
+    with pytest.raises(FileFormatError, match=re.escape(message)):
+        imported(tmp_path, ship)

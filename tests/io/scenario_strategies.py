@@ -38,7 +38,7 @@ def covariances(size: int) -> st.SearchStrategy[np.ndarray]:
 def obstacles(draw: st.DrawFn, name: str, d: int, horizon: int) -> Obstacle:
     corner = np.array(draw(st.lists(st.floats(-100.0, 100.0), min_size=d, max_size=d)))
     size = draw(st.floats(0.1, 50.0))
-    kind = draw(st.sampled_from(["box", "polygon", "line", "halfspaces", "moving"]))
+    kind = draw(st.sampled_from(["box", "polygon", "line", "halfspaces", "moving", "tracked"]))
     # Bodies, plates, walls and posts.
     flat = np.eye(d)[draw(st.integers(0, d - 1))] * draw(st.booleans())
     points = np.vstack([np.zeros(d), np.eye(d)])
@@ -53,6 +53,10 @@ def obstacles(draw: st.DrawFn, name: str, d: int, horizon: int) -> Obstacle:
     if kind == "moving":
         places = size * points * (1.0 - flat)
         return Obstacle.moving(name, [corner + k + places for k in range(horizon + 1)])
+    if kind == "tracked":
+        start = np.concatenate([corner, draw(hnp.arrays(np.float64, d, elements=st.floats(-9, 9)))])
+        noises = [draw(covariances(2 * d)) for _ in range(2)]
+        return Obstacle.tracked(name, size * points * (1.0 - flat), start, *noises)
     normals = np.vstack([np.eye(d), -3.0 * np.eye(d)])
     return Obstacle.halfspaces(name, normals, np.concatenate([corner + size, -3.0 * corner]))
 

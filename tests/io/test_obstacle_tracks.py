@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ruamel.yaml import YAML
 
 import radmpc
 from radmpc.errors import ScenarioError
@@ -161,3 +162,14 @@ def test_a_track_of_a_plan_survives_its_file(tmp_path: Path):
     plan = radmpc.plan(scenario, "ira", rng=0).record
     radmpc.save_plan(plan, tmp_path / "s.plan.json")
     assert radmpc.to_dict(radmpc.load_plan(tmp_path / "s.plan.json")) == radmpc.to_dict(plan)
+
+
+def test_the_freighter_of_the_page_is_read():
+    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+    block = page.split("**Tracks.**")[1].split("```yaml\n")[1].split("```")[0]
+    [freighter] = YAML(typ="safe").load(block)["obstacles"]
+    found = read(freighter["moving"]).obstacles[0]
+    assert found.spread is not None
+    # Course 265 degrees: west, a little south.
+    assert found.shape.start[2] == pytest.approx(-5.1 * np.cos(np.radians(5.0)))
+    assert found.shape.start[3] == pytest.approx(-5.1 * np.sin(np.radians(5.0)))

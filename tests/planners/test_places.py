@@ -123,3 +123,29 @@ def test_starts_that_only_just_touch_without_noise_risk_nothing():
             vehicle("b", (gap, 0), (9, -9), covariance=0.0),
         )
         assert found(problem).total == expected
+
+
+@pytest.mark.parametrize("at_goal", [False, True])
+def test_beside_an_obstacle_that_strays_both_noises_count(at_goal):
+    """At the start what is known of it there, in a goal without width what is by then."""
+    place = np.array([1.5, 0.2])
+    far = np.array([9.0, 9.0])
+    start, goal = (far, place) if at_goal else (place, far)
+    box = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    known = np.array([0.02, 0.05, 0.03, 0.0])
+    track = Obstacle.tracked("box", box, [0.0] * 4, known)
+    problem = scenario(vehicle("a", start, goal, half=0.0), obstacles=(track,))
+    hazards = found(problem).goals if at_goal else found(problem).starts
+    strays = np.diag(known[:2] + (9.0 * known[2:] if at_goal else 0.0))
+    rng = np.random.default_rng(0)
+    rate = hit_rate(rng, place, 0.04 * np.eye(2) + strays, -np.ones(2), np.ones(2), 0.3)
+    assert hazards[0].other == "box"
+    assert hazards[0].risk == pytest.approx(rate, abs=6e-3)
+
+
+def test_an_obstacle_that_is_nowhere_for_sure_may_lie_over_a_start():
+    """Where it is expected it would be hit for certain; but it may well be elsewhere."""
+    box = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    track = Obstacle.tracked("box", box, [0.0] * 4, [100.0, 100.0, 0.0, 0.0])
+    problem = scenario(vehicle("a", (0, 0), (9, 9)), obstacles=(track,))
+    assert 0.0 < found(problem).starts[0].risk < 0.02

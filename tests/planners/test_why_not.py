@@ -17,6 +17,7 @@ from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import Centralized, Ira, Planner
 from radmpc.planners.certified import fallbacks
 from radmpc.planners.certified.infeasible.least_risk import least_risk
+from radmpc.planners.certified.infeasible.noise import with_noise
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planning import plan
 from radmpc.solvers.branch.branch import Branch
@@ -200,3 +201,17 @@ def test_noise_that_leaves_no_room_anywhere_is_named_before_what_stands_there():
     assert result.plan is None
     assert "without noise there is one" in result.explanation
     assert "What helps, as tried: reduce the noise to" in result.explanation
+
+
+def test_less_noise_is_less_of_what_obstacles_stray_too():
+    track = Obstacle.tracked("barge", [[0, 5], [1, 5], [1, 6]], [0, 0, 0.1, 0], 0.5, 0.02)
+    noisy = scenario(vehicle("a", (0, 0), (10, 0)), obstacles=(track,))
+    quiet = with_noise(noisy, 0.25)
+    spreads = [s.obstacles[0].spread.positions for s in (noisy, quiet)]
+    assert spreads[1] == pytest.approx(0.25 * spreads[0])
+    assert quiet.obstacles[0].steps[3][0].vertices == pytest.approx(
+        noisy.obstacles[0].steps[3][0].vertices
+    )
+    assert quiet.vehicles[0].disturbance_covariance == pytest.approx(
+        0.25 * noisy.vehicles[0].disturbance_covariance
+    )

@@ -93,3 +93,16 @@ def test_a_film_moves_the_ring_along():
     film._draw_was_started = True
     assert middles[0] == pytest.approx([3.0, 2.0])
     assert middles[1] == pytest.approx([5.0, 2.0])
+
+
+def test_a_film_in_space_moves_the_rings_along():
+    film = radmpc.animate_plan(planned(scene(3)), frames_per_step=1)
+    [rings] = [
+        child for child in film._fig.axes[0].get_children() if child.get_gid() == "spread:ship"
+    ]
+    film._func(4)
+    film._draw_was_started = True
+    points = np.concatenate(rings._segments3d)
+    # 4 s at 0.5 m/s; velocities deviate by 0.2 m/s, the place by 0.2 m.
+    assert points.mean(axis=0) == pytest.approx([5.0, 2.0, 0.0], abs=0.05)
+    assert np.ptp(points, axis=0) == pytest.approx(6.0 * np.hypot(0.2, 0.8), rel=0.01)

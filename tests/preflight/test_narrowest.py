@@ -267,3 +267,15 @@ def test_fields_widen_by_one_cell_along_each_axis() -> None:
     assert np.argwhere(wide).min(axis=0).tolist() == [1, 0, 2]
     assert np.argwhere(wide).max(axis=0).tolist() == [3, 1, 3]
     assert wide.sum() == 3 * 2 * 2
+
+
+def test_what_a_freighter_strays_counts_beside_it() -> None:
+    """The gap lies between a wall and a barge at anchor, whose place is known within 0.2 m."""
+    south, north = gap(1.9)
+    hull = np.array([[9.0, 0.95], [10.0, 0.95], [10.0, 200.0], [9.0, 200.0]])
+    barge = Obstacle.tracked("north", hull, [0.0] * 4, [0.04, 0.04, 0.0, 0.0])
+    known = Obstacle.tracked("north", hull, [0.0] * 4)
+    place, exact = (narrowest(past(south, thing)) for thing in (barge, known))
+    assert exact.clearance == pytest.approx(narrowest(past(south, north)).clearance, abs=0.03)
+    assert place.deviation == pytest.approx(np.hypot(DEVIATION, 0.2), rel=0.02)
+    assert place.deviations < exact.deviations

@@ -12,6 +12,7 @@ from scipy.stats import binomtest, fisher_exact, norm
 from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped
 
 from radmpc.errors import ScenarioError
+from radmpc.flying.leg import left_of
 from radmpc.flying.mission import Mission
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
@@ -20,7 +21,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.referee import certify, simulate
 from radmpc.referee.conditional.conditional import witnesses_of
 
-MISSIONS = 20_000
+MISSIONS = 10_000
 DECK = np.array([[-1.0, -0.4], [1.0, -0.4], [1.0, 0.4], [-1.0, 0.4]])
 
 
@@ -164,3 +165,27 @@ def test_a_scenario_lays_a_track_out_anew_when_its_steps_change():
     assert (len(before.steps), len(after.steps)) == (6, 10)
     assert after.spread.positions.shape == (10, 2, 2)
     np.testing.assert_allclose(after.spread.positions[:6], before.spread.positions, rtol=1e-12)
+
+
+def test_under_way_a_track_goes_on_from_where_it_is():
+    plan = meeting_on_the_way()
+    left = left_of(plan.scenario, 1, [plan.scenario.vehicles[0].start], 0.05)
+    for before, after in zip(plan.scenario.obstacles, left.obstacles, strict=True):
+        for k in range(left.horizon + 1):
+            np.testing.assert_array_equal(after.at(k)[0].vertices, before.at(k + 1)[0].vertices)
+    strays, later = plan.scenario.obstacles[2], left.obstacles[2]
+    np.testing.assert_array_equal(later.spread.positions, strays.spread.positions[1:])
+    # Laid out anew it is where it was, and known as well.
+    anew = replace(left, obstacles=(replace(later, dt=None),)).obstacles[0]
+    np.testing.assert_allclose(anew.spread.positions, later.spread.positions, rtol=1e-12)
+    np.testing.assert_allclose(anew.at(2)[0].vertices, later.at(2)[0].vertices, rtol=1e-12)
+
+
+def test_a_track_known_exactly_is_no_obstacle_to_a_mission():
+    plan = meeting_on_the_way()
+    track = Obstacle.tracked("known", 0.5 * DECK, [3.0, 0.75, -0.2, -0.05])
+    known = replace(plan.scenario, obstacles=(track,), risk_bound=0.4)
+    mission = Mission(replace(plan, scenario=known), planner=None)
+    certified = certify(replace(plan, scenario=known)).certified
+    assert certified > 1e-4
+    assert mission.balance.tail == pytest.approx(certified, rel=1e-3)

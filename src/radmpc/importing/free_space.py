@@ -203,9 +203,10 @@ def free_space_of(problem: ForeignProblem) -> FreeSpace | None:
     A grid point lies on the first vehicle's start; the grid grows coarser with the problem's size.
     """
     vehicles = problem.vehicles
-    if vehicles[0].start.size != 2 or not problem.obstacles:
+    # What moves is somewhere else by the time one comes by.
+    pieces = [planar(p) for o in problem.obstacles if not o.is_moving for p in o.at(0)]
+    if vehicles[0].start.size != 2 or not pieces:
         return None
-    pieces = [planar(p) for o in problem.obstacles for p in o.at(0)]
     low, high = _bounds(problem, pieces)
     radius = min(vehicle.radius for vehicle in vehicles)
     most = min(_MOST_POINTS, _MOST_POINTS_OF_ALL // len(vehicles))

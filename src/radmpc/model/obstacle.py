@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sized
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import field_parts, field_text
-from radmpc.arrays import Frozen, Matrix, as_matrix, as_vector
+from radmpc.arrays import Frozen, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
 from radmpc.model.obstacle_shapes import (
@@ -19,6 +19,7 @@ from radmpc.model.obstacle_shapes import (
     MovingShape,
     PolygonShape,
     Shape,
+    points_of,
 )
 from radmpc.model.obstacle_track import TrackShape, TrackSpread
 
@@ -100,6 +101,11 @@ class Obstacle(Frozen):
             Step [s].
         horizon : int
             Number of steps T.
+
+        Returns
+        -------
+        Obstacle
+            With its mean outlines at steps 0..T, and how far it strays from them.
         """
         if not isinstance(self.shape, TrackShape):
             return self
@@ -135,8 +141,8 @@ class Obstacle(Frozen):
         ScenarioError
             If there is no corner, an outline crosses itself, or holes are not within it.
         """
-        points = _places(vertices, ("vertices",))
-        free = tuple(_places(hole, ("holes", i)) for i, hole in enumerate(holes))
+        points = points_of(vertices, ("vertices",))
+        free = tuple(points_of(hole, ("holes", i)) for i, hole in enumerate(holes))
         if free and points.shape[1] != 2:
             raise ScenarioError("must be left out in space: only polygons have holes", ("holes",))
         try:
@@ -166,7 +172,7 @@ class Obstacle(Frozen):
         ScenarioError
             If there is no point.
         """
-        places = _places(points, ("line",))
+        places = points_of(points, ("line",))
         moves = np.any(places[1:] != places[:-1], axis=1)
         parts = [places[i : i + 2] for i in np.flatnonzero(moves)] or [places[:1]]
         return cls(name, LineShape(places), (tuple(hull(part) for part in parts),))
@@ -247,7 +253,7 @@ class Obstacle(Frozen):
         """
         given = field_parts(outlines, "one outline per step", ("moving",))
         points = tuple(
-            _places(o, ("moving", k))  # type: ignore[arg-type] # checked there
+            points_of(o, ("moving", k))  # type: ignore[arg-type] # checked there
             for k, o in enumerate(given)
         )
         if not points:
@@ -296,10 +302,3 @@ class Obstacle(Frozen):
         """
         shape = TrackShape(outline, start, covariance, disturbance_covariance)
         return cls(name, shape, ((hull(shape.outline + shape.start[: shape.dimension]),),))
-
-
-def _places(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:
-    """Return points (p, d) [m], at least one."""
-    if isinstance(value, Sized) and not len(value):
-        raise ScenarioError("needs at least one point, got none", path)
-    return as_matrix(value, path=path)

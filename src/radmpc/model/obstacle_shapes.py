@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sized
 from dataclasses import dataclass
 
-from radmpc.arrays import Frozen, Matrix, Vector
+import numpy.typing as npt
+
+from radmpc.arrays import Frozen, Matrix, Vector, as_matrix
+from radmpc.errors import ScenarioError
 from radmpc.model.obstacle_track import TrackShape
 
 __all__ = [
@@ -14,6 +18,7 @@ __all__ = [
     "MovingShape",
     "PolygonShape",
     "Shape",
+    "points_of",
 ]
 
 
@@ -90,3 +95,23 @@ class MovingShape(Frozen):
 
 
 Shape = PolygonShape | LineShape | BoxShape | HalfspaceShape | MovingShape | TrackShape
+
+
+def points_of(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:
+    """Return points (p, d) [m], at least one.
+
+    Parameters
+    ----------
+    value : (p, d) array_like
+        What was given.
+    path : tuple of str or int
+        Where it stands, for the message.
+
+    Raises
+    ------
+    ScenarioError
+        If there is none.
+    """
+    if isinstance(value, Sized) and not len(value):
+        raise ScenarioError("needs at least one point, got none", path)
+    return as_matrix(value, path=path)

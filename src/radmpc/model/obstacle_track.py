@@ -10,6 +10,7 @@ new at every step. Between steps the outline moves linearly, as those given step
 
 from __future__ import annotations
 
+from collections.abc import Sized
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -120,9 +121,9 @@ class TrackShape(Frozen):
     def __post_init__(self) -> None:
         """Freeze the arrays; refuse what does not fit."""
         put = object.__setattr__
-        outline = as_matrix(self.outline, path=("moving", "outline"))
-        if not outline.size:
+        if isinstance(self.outline, Sized) and not len(self.outline):
             raise ScenarioError("needs at least one point, got none", ("moving", "outline"))
+        outline = as_matrix(self.outline, path=("moving", "outline"))
         put(self, "outline", outline)
         size = 2 * outline.shape[1]
         start = as_vector(self.start, path=("moving", "start"))

@@ -102,7 +102,7 @@ class Traveler:
         for obstacle in self.scenario.obstacles:
             if obstacle.name == name and obstacle.spread is not None:
                 return np.asarray(self.covariances[step] + obstacle.spread.positions[step])
-        return self.covariances[step]
+        return np.asarray(self.covariances[step])
 
 
 def narrowest_place(traveler: Traveler, work: float) -> Narrowest | Passage:

@@ -28,7 +28,8 @@ SETTINGS: Mapping[str, tuple[str, str]] = {
 }
 """Properties that describe a vehicle: what each sets, and its unit."""
 
-_KNOWN = ("name", "role", "kind", "vehicle", "height", *SETTINGS)
+_MOVING = ("course", "position_deviation", "speed_deviation", "course_deviation")
+_KNOWN = ("name", "role", "kind", "vehicle", "height", *SETTINGS, *_MOVING)
 # What drawing programs add: colors, texts, times.
 _STYLES = re.compile(
     r"(stroke|fill|marker|style|icon|line|poly|label|balloon|_|@).*|title|description|comment|"

@@ -20,6 +20,7 @@ from radmpc.importing.geo.local_plane import (
     describe_choices,
     describe_losses,
 )
+from radmpc.importing.geo.moving import moving_obstacle
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import shown
@@ -193,12 +194,15 @@ def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
         # The parts of one feature share its name.
         count = counts[name] = counts.get(name, 0) + 1
         full = name if count == 1 else f"{name} ({count})"
+        outline, *free = placed.outlines(feature)
+        moving = moving_obstacle(full, feature, outline)
         try:
-            outer, *free = placed.outlines(feature)
-            is_line = feature.kind == "LineString"
-            obstacle = (
-                Obstacle.line(full, outer) if is_line else Obstacle.polygon(full, outer, free)
-            )
+            if moving is not None:
+                obstacle = moving
+            elif feature.kind == "LineString":
+                obstacle = Obstacle.line(full, outline)
+            else:
+                obstacle = Obstacle.polygon(full, outline, free)
             obstacles.append(obstacle)
         except ScenarioError as error:
             raise ScenarioError(error.message, feature.shape_path) from error

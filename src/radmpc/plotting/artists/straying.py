@@ -14,12 +14,21 @@ from radmpc.plotting.canvas.style import MUTED, numbered_steps
 from radmpc.plotting.curves import ABOVE, Plane
 from radmpc.plotting.interpolation import moving_outline
 
-__all__ = ["SPREAD_DASHES", "draw_spread", "draw_spread_3d", "drawn_steps", "grown_outline"]
+__all__ = [
+    "SPREAD_DASHES",
+    "draw_spread",
+    "draw_spread_3d",
+    "drawn_steps",
+    "grown_outline",
+    "rings_artist",
+    "spread_rings",
+]
 
 SPREAD_DASHES = (0, (3, 2))
 """Line style of where an obstacle is but for 3σ."""
 
 _SIGMAS = 3.0
+"""Size of regions that places are drawn with, as vehicles' are [standard deviations]."""
 
 _TURN = np.linspace(0.0, 2.0 * np.pi, 49)
 _CIRCLE = np.array([np.cos(_TURN), np.sin(_TURN)])
@@ -83,18 +92,40 @@ def draw_spread_3d(ax: Axes3D, obstacle: Obstacle) -> None:
     if obstacle.spread is None:
         return
     for step in drawn_steps(obstacle):
-        middle = moving_outline(obstacle, float(step)).mean(axis=0)
-        root = _root(obstacle, float(step), (0, 1, 2))
-        rings = [
-            middle + _SIGMAS * (root[:, list(axes)] @ _CIRCLE).T
-            for axes in ((0, 1), (0, 2), (1, 2))
-        ]
-        ax.add_collection3d(
-            Line3DCollection(
-                rings, colors=MUTED, linewidths=0.5, linestyles=[SPREAD_DASHES],
-                gid=f"spread:{obstacle.name}:{step}",
-            )
-        )  # fmt: skip
+        gid = f"spread:{obstacle.name}:{step}"
+        ax.add_collection3d(rings_artist(spread_rings(obstacle, float(step)), gid))
+
+
+def spread_rings(obstacle: Obstacle, time: float) -> list[Matrix]:
+    """Return the three principal rings of the 3σ ellipsoid of an obstacle's middle in space.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        In space; without a spread all rings are points.
+    time : float
+        Time since the start [steps].
+    """
+    middle = moving_outline(obstacle, time).mean(axis=0)
+    root = _root(obstacle, time, (0, 1, 2))
+    return [
+        middle + _SIGMAS * (root[:, list(axes)] @ _CIRCLE).T for axes in ((0, 1), (0, 2), (1, 2))
+    ]
+
+
+def rings_artist(rings: list[Matrix], gid: str) -> Line3DCollection:
+    """Return rings in space, dashed.
+
+    Parameters
+    ----------
+    rings : list of (p, 3) array
+        Their points [m].
+    gid : str
+        Of the artist.
+    """
+    return Line3DCollection(
+        rings, colors=MUTED, linewidths=0.5, linestyles=[SPREAD_DASHES], gid=gid
+    )
 
 
 def _root(obstacle: Obstacle, time: float, axes: tuple[int, ...]) -> Matrix:

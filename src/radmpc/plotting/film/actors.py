@@ -17,7 +17,12 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
-from radmpc.plotting.artists.straying import SPREAD_DASHES, grown_outline
+from radmpc.plotting.artists.straying import (
+    SPREAD_DASHES,
+    grown_outline,
+    rings_artist,
+    spread_rings,
+)
 from radmpc.plotting.canvas.style import (
     LABEL_SIZE,
     MAX_LABELS,
@@ -230,6 +235,9 @@ class _SolidObstacle:
             gid=f"obstacle:{obstacle.name}",
         )  # fmt: skip
         ax.add_collection3d(self.faces)
+        self.rings = rings_artist(spread_rings(obstacle, 0.0), f"spread:{obstacle.name}")
+        if obstacle.spread is not None:
+            ax.add_collection3d(self.rings)
 
     def show(self, frame: int, time: float) -> None:
         """Show it at a frame."""
@@ -237,6 +245,8 @@ class _SolidObstacle:
         outline = moving_outline(self.obstacle, time)
         self.faces.set_verts(_triangles(outline))
         self.faces.set_linewidth(WALL_WIDTH if len(outline) < 3 else 0.0)
+        if self.obstacle.spread is not None:
+            self.rings.set_segments(spread_rings(self.obstacle, time))
 
 
 def _triangles(corners: Matrix) -> Matrix:

@@ -8,9 +8,11 @@ import numpy as np
 
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import lqr_gain
+from radmpc.model.obstacle import MovingShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.certified.infeasible.least_risk import least_risk
+from radmpc.planners.certified.infeasible.noise import with_noise
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import reserve_reason, sure_reasons
@@ -119,7 +121,7 @@ def has_plan_within(scenario: Scenario, limits: Limits) -> bool:
 
 def _longer(scenario: Scenario, limits: Limits) -> int | str:
     """Return the shortest horizon tried that does, or what was tried; empty where none can be."""
-    if any(obstacle.is_moving for obstacle in scenario.obstacles):
+    if any(isinstance(obstacle.shape, MovingShape) for obstacle in scenario.obstacles):
         # They are given for this horizon alone.
         return ""
     first = _least_time(scenario, limits)
@@ -220,22 +222,9 @@ def _quieter(scenario: Scenario, limits: Limits) -> float | None:
     if not _is_noisy(scenario):
         return None
     for factor in TUNING.quieter:
-        if has_plan_within(_with_noise(scenario, factor), limits.within(TUNING.trial_seconds)):
+        if has_plan_within(with_noise(scenario, factor**2), limits.within(TUNING.trial_seconds)):
             return factor
     return None
-
-
-def _with_noise(scenario: Scenario, factor: float) -> Scenario:
-    """Return the same fleet with all standard deviations multiplied."""
-    vehicles = tuple(
-        replace(
-            vehicle,
-            initial_covariance=factor**2 * vehicle.initial_covariance,
-            disturbance_covariance=factor**2 * vehicle.disturbance_covariance,
-        )
-        for vehicle in scenario.vehicles
-    )
-    return replace(scenario, vehicles=vehicles)
 
 
 def _is_noisy(scenario: Scenario) -> bool:

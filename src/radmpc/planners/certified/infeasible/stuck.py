@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.infeasible.noise import with_noise
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.explain import trivially_infeasible
@@ -50,7 +51,7 @@ def stuck_reason(
         return members, reason, None
     members = _smallest(scenario, members, limits)
     part = scenario.subset(members, scenario.risk_bound)
-    if _has_plan(_without_noise(part), limits):
+    if _has_plan(with_noise(part, _QUIET), limits):
         what = "no way on which the noise leaves room (without noise there is one)"
     else:
         blockers = _blockers(part, limits)
@@ -84,19 +85,6 @@ def _blockers(scenario: Scenario, limits: Limits) -> list[str]:
     if scenario.workspace is not None and _has_plan(replace(scenario, workspace=None), limits):
         found.append("the workspace border")
     return found
-
-
-def _without_noise(scenario: Scenario) -> Scenario:
-    """Return the same fleet with next to no noise."""
-    quiet = [
-        replace(
-            vehicle,
-            initial_covariance=_QUIET * vehicle.initial_covariance,
-            disturbance_covariance=_QUIET * vehicle.disturbance_covariance,
-        )
-        for vehicle in scenario.vehicles
-    ]
-    return replace(scenario, vehicles=tuple(quiet))
 
 
 def _search(scenario: Scenario, limits: Limits) -> RiskTree:

@@ -163,9 +163,8 @@ def _around(
     upper = np.maximum(begin[places], path[places, 1:])
     gaps = np.maximum(shapes.lower[pieces] - upper, lower - shapes.upper[pieces])
     gaps = np.maximum(gaps, 0.0)
-    spread = np.sqrt(hazards.variances[members][places] + shapes.variances[pieces])
-    limit = hazards.radii[members][places][:, None] + near.clearance * spread + near.reach
-    number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < np.square(limit))
+    limit = _squared_limits(hazards, (members, places, pieces), near)
+    number, window = np.nonzero(np.einsum("pwd,pwd->pw", gaps, gaps) < limit)
     place, piece = places[number], pieces[number]
     first, radius = members[place], hazards.radii[members[place]][:, None]
     corners = (
@@ -195,6 +194,18 @@ def _around(
     base = hazards.count**2 * hazards.horizon
     keys = base + (first * shapes.count + piece) * hazards.horizon + window
     return _laid_out(encounter(paths), normals, (first, np.full(piece.size, -1), window), keys)
+
+
+def _squared_limits(
+    hazards: Hazards, which: tuple[Indices, Indices, Indices], near: Near
+) -> Matrix:
+    """Return the squared distance below which pieces are near members, by pairs, (p, T) [m²]."""
+    members, places, pieces = which
+    variances, radii = hazards.variances[members], hazards.radii[members][:, None]
+    if hazards.shapes.covariances is None:
+        return np.square(radii + near.clearance * np.sqrt(variances) + near.reach)[places]
+    spread = np.sqrt(variances[places] + hazards.shapes.variances[pieces])
+    return np.asarray(np.square(radii[places] + near.clearance * spread + near.reach))
 
 
 def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> HalfSpaces:
