@@ -19,7 +19,7 @@ from radmpc.flying import backends
 from radmpc.flying.backends import BackendKind
 from radmpc.flying.model import Model
 from radmpc.flying.tick import Contact
-from radmpc.io.flights.flight_file import load_flight
+from radmpc.io.flight.flight_file import load_flight
 
 from .conftest import CROSSING, Run, assert_one_line
 
@@ -80,7 +80,7 @@ def test_a_flight_is_written_verified_and_drawn(run: Run, plan: Path, tmp_path: 
     held = run("verify", "a.jsonl")
     assert held.exit_code == 0
     assert held.stdout.splitlines()[-1].split() == ["the", "flight", "holds"]
-    assert "booked again, 14 ticks" in held.stdout
+    assert "recomputed, 14 ticks" in held.stdout
     text = (tmp_path / "a.jsonl").read_text(encoding="utf-8")
     (tmp_path / "a.jsonl").write_text(text.replace('"excess": 0.0', '"excess": 1.0', 1))
     broken = run("verify", "a.jsonl")

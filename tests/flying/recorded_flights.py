@@ -13,8 +13,8 @@ from adversary import beside_a_wall, staking, waiting
 import radmpc
 from radmpc.flying.model import Model
 from radmpc.flying.recording.recorded import RecordedMission
-from radmpc.io.flights.flight_file import FlightWriter
-from radmpc.io.flights.record import FlightSettings, TickRow
+from radmpc.io.flight.flight_file import FlightWriter
+from radmpc.io.flight.record import FlightSettings, TickRow
 from radmpc.model.plan import Plan, Risk
 
 

@@ -83,7 +83,7 @@ def complete_view(incomplete: str) -> list[str]:
 
 
 def complete_drawn(incomplete: str) -> list[str]:
-    """Return the files that may be scenarios, plans or flights."""
+    """Return the files that may be a scenario, a plan or a flight."""
     return _files(incomplete, (".yaml", ".yml", ".json", ".jsonl"))
 
 
@@ -104,7 +104,7 @@ def complete_plan(incomplete: str) -> list[str]:
 
 
 def complete_plan_or_flight(incomplete: str) -> list[str]:
-    """Return the files that may be plans or flights."""
+    """Return the files that may be a plan or a flight."""
     return _files(incomplete, (".json", ".jsonl"))
 
 

@@ -10,7 +10,7 @@ from radmpc.console.output import show
 from radmpc.console.picture import check_film, write_film
 from radmpc.console.running.guard import Code
 from radmpc.errors import ArgumentError, FileFormatError, ScenarioError
-from radmpc.io.flights.flight_file import is_flight, load_flight
+from radmpc.io.flight.flight_file import is_flight, load_flight
 from radmpc.io.native.plan_file import load_plan
 from radmpc.io.native.scenario_file import load_scenario
 from radmpc.io.ranges import PLAN_FORMAT

@@ -15,10 +15,10 @@ from radmpc.console.running.guard import Code
 from radmpc.console.running.interrupt import stop_on_interrupt
 from radmpc.errors import ArgumentError, FileFormatError, NoPlanError, RiskError, ScenarioError
 from radmpc.flying.backends import backend_named
-from radmpc.flying.recording.flights import begin_flight, resume_flight
+from radmpc.flying.recording.campaign import begin_flight, resume_flight
 from radmpc.flying.recording.summary import FlightSummary, summary_of
-from radmpc.io.flights.flight_file import is_flight, load_flight
-from radmpc.io.flights.record import FlightRecord, FlightSettings
+from radmpc.io.flight.flight_file import is_flight, load_flight
+from radmpc.io.flight.record import FlightRecord, FlightSettings
 from radmpc.model.plan import Plan
 from radmpc.planners.presets import parse_planner
 from radmpc.referee.claims import shape_problems
@@ -130,7 +130,7 @@ def _check(request: FlyRequest) -> None:
     if request.log is not None and request.log.suffix.lower() != ".mcap":
         raise FileFormatError(f"{request.log}: a log must end in .mcap")
     if request.log is not None:
-        from radmpc.io.flights.mcap_log import check_library  # noqa: PLC0415 - few ask for a log
+        from radmpc.io.flight.mcap_log import check_library  # noqa: PLC0415 - few ask for a log
 
         check_library()
     check_film(request.film)
@@ -234,7 +234,7 @@ def _write(record: FlightRecord, request: FlyRequest) -> None:
     written = [("flight", request.output)]
     if request.log is not None:
         from radmpc.atomic import write_bytes  # noqa: PLC0415 - few ask for a log
-        from radmpc.io.flights.mcap_log import write_log  # noqa: PLC0415 - few ask for a log
+        from radmpc.io.flight.mcap_log import write_log  # noqa: PLC0415 - few ask for a log
 
         with writing(request.log):
             write_bytes(request.log, write_log(record))

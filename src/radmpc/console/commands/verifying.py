@@ -16,7 +16,7 @@ from radmpc.console.reports.saturating import saturation_line, saturation_warnin
 from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
 from radmpc.errors import ScenarioError
-from radmpc.io.flights.flight_file import is_flight
+from radmpc.io.flight.flight_file import is_flight
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Avoidance, Scenario
@@ -74,7 +74,7 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
     Parameters
     ----------
     path : Path
-        The plan; or a flight, which is booked again.
+        The plan; or a flight, which is recomputed.
     samples : int
         Samples to simulate.
     seed : int
@@ -112,7 +112,7 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
 
 def _verify_flight(path: Path, where: Avoidance | None, *, as_json: bool) -> int:
     """Judge a flight, which counts collisions where its plan does."""
-    from radmpc.console.commands.verifying_flights import (  # noqa: PLC0415 - plans need none of it
+    from radmpc.console.commands.verifying_flight import (  # noqa: PLC0415 - plans need none of it
         run_verify_flight,
     )
 

@@ -10,7 +10,7 @@ from rich.text import Text
 from radmpc.console.reports.report import facts
 from radmpc.console.words import count_text, scenario_line
 from radmpc.flying.recording.summary import FlightSummary
-from radmpc.io.flights.record import FlightRecord, FlownMission
+from radmpc.io.flight.record import FlightRecord, FlownMission
 
 __all__ = ["flight_json", "flight_report", "flight_rows"]
 

@@ -1,4 +1,4 @@
-"""Logs of flights that `radmpc fly` writes: MCAP with messages in JSON."""
+"""Logs that `radmpc fly` writes: MCAP with messages in JSON."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.identification.track import Track
 from radmpc.importing.logs.recording import Recording, extra
-from radmpc.io.flights.mcap_log import STATE_SCHEMA
+from radmpc.io.flight.mcap_log import STATE_SCHEMA
 
 __all__ = ["read_flight_log"]
 

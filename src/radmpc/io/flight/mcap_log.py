@@ -1,4 +1,4 @@
-"""Flights as MCAP: JSON messages with their schemas, which Foxglove shows and `identify` reads."""
+"""A flight as MCAP: JSON messages with their schemas, which Foxglove shows and `identify` reads."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.errors import FileFormatError
 from radmpc.io.export.names import distinct, topic_part
-from radmpc.io.flights.following import followed
-from radmpc.io.flights.record import FlightRecord, TickRow
+from radmpc.io.flight.following import followed
+from radmpc.io.flight.record import FlightRecord, TickRow
 from radmpc.model.vehicle import Vehicle
 
 __all__ = ["STATE_SCHEMA", "check_library", "write_log"]

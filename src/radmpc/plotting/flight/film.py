@@ -14,8 +14,8 @@ from matplotlib.patches import Circle
 
 from radmpc.arguments import check_path
 from radmpc.arrays import Matrix
-from radmpc.io.flights.following import Followed, followed
-from radmpc.io.flights.record import FlightRecord
+from radmpc.io.flight.following import Followed, followed
+from radmpc.io.flight.record import FlightRecord
 from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
@@ -25,8 +25,9 @@ from radmpc.plotting.curves import ABOVE, confidence_ellipses, mean_path, positi
 from radmpc.plotting.film.actors import draw_actors
 from radmpc.plotting.film.animation import FRAMES_PER_STEP, Film
 from radmpc.plotting.film.films import check_film_path, write_film
-from radmpc.plotting.flights.flight import draw_account, new_stage
-from radmpc.plotting.flights.paths import ahead, chosen, flown
+from radmpc.plotting.flight.account import draw_account
+from radmpc.plotting.flight.paths import ahead, chosen, flown
+from radmpc.plotting.flight.stage import new_stage
 from radmpc.plotting.scenario import draw_surroundings, name_vehicles
 
 __all__ = ["make_flight_film", "save_flight_film"]
@@ -76,20 +77,22 @@ def make_flight_film(record: FlightRecord) -> Film:
     draw_account(stage.account, replace(record, rows=mission.rows), mission)
     cursor = stage.account.axvline(0.0, color="#222222", linewidth=0.8, gid="cursor")
     board = board_of(stage.above)
+    pairs = list(zip(scenario.vehicles, flown(record, mission), strict=True))
+    board.avoid(*(mean_path(vehicle, path)[::2, :2] for vehicle, path in pairs))
     is_flat = scenario.dimension == 2
     draw_surroundings(stage.above, scenario, board, stage.colors, moving=not is_flat)
     name_vehicles(scenario, board, stage.colors)
     # What moves beside vehicles; in space it is drawn where it is seen from above.
-    moving = draw_actors(stage.above, replace(plan, trajectories=()), stage.colors, 1)
+    bare = replace(plan, trajectories=())
+    moving = draw_actors(stage.above, bare, stage.colors, 1) if is_flat else []
     known = followed(record, mission)
-    pairs = list(zip(scenario.vehicles, flown(record, mission), strict=True))
     actors = [
         _Actor(stage.above, i, vehicle, path, known, stage.colors[vehicle.name])
         for i, (vehicle, path) in enumerate(pairs)
     ]
     hits = {(t.vehicle, row.step) for row in mission.rows for t in row.contacts}
     clock = stage.above.text(
-        1.0, 1.0, "", transform=stage.above.transAxes, fontsize=LABEL_SIZE, color=MUTED,
+        1.0, 1.01, "", transform=stage.above.transAxes, fontsize=LABEL_SIZE, color=MUTED,
         ha="right", va="bottom", gid="clock",
     )  # fmt: skip
     stage.figure.set_layout_engine("none")

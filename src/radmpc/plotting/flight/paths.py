@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.io.flights.following import Followed
-from radmpc.io.flights.record import FlightRecord, FlownMission
+from radmpc.io.flight.following import Followed
+from radmpc.io.flight.record import FlightRecord, FlownMission
 from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.curves import mean_path

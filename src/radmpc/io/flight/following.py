@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.io.flights.record import FlightRecord, FlownMission, TickRow
+from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.dynamics import rollout
 
 __all__ = ["Followed", "followed"]

@@ -1,4 +1,4 @@
-"""A flight booked again from its file alone, as one record and as a report."""
+"""A flight recomputed from its file alone, as one record and as a report."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from radmpc.console.words import scenario_line
 from radmpc.errors import FileFormatError, RadmpcError
 from radmpc.flying.recording.summary import summary_of
 from radmpc.flying.recording.verifying import flight_problems
-from radmpc.io.flights.flight_file import load_flight
+from radmpc.io.flight.flight_file import load_flight
 
 __all__ = ["run_verify_flight"]
 
@@ -54,7 +54,7 @@ def run_verify_flight(path: Path, *, as_json: bool) -> int:
         show_json(content)
         return Code.OK if holds else Code.NO
     rows = flight_rows(record, summary)
-    ticks = f"booked again, {summary.ticks} ticks"
+    ticks = f"recomputed, {summary.ticks} ticks"
     rows["account"] = ticks if holds else Text("\n".join(problems), style="red")
     word = Text("holds", "bold green") if holds else Text("does not hold", "bold red")
     title = Text(scenario_line(record.plan.scenario), style="bold")
