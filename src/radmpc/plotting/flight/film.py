@@ -75,6 +75,9 @@ def make_flight_film(record: FlightRecord) -> Film:
         raise RuntimeError("a flight that never began has no film")
     plan, scenario = record.plan, record.plan.scenario
     draw_account(stage.account, replace(record, rows=mission.rows), mission)
+    # Laid out once, the account's legend in it: a layout per frame would take longer than frames.
+    stage.figure.draw_without_rendering()
+    stage.figure.set_layout_engine("none")
     cursor = stage.account.axvline(0.0, color="#222222", linewidth=0.8, gid="cursor")
     board = board_of(stage.above)
     pairs = list(zip(scenario.vehicles, flown(record, mission), strict=True))
@@ -95,7 +98,6 @@ def make_flight_film(record: FlightRecord) -> Film:
         1.0, 1.01, "", transform=stage.above.transAxes, fontsize=LABEL_SIZE, color=MUTED,
         ha="right", va="bottom", gid="clock",
     )  # fmt: skip
-    stage.figure.set_layout_engine("none")
 
     def show(frame: int) -> list[Artist]:
         time = frame / FRAMES_PER_STEP
