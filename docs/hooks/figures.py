@@ -63,12 +63,21 @@ def _film_harbor(path: Path) -> None:
     save_animation(_harbor(), path, frames_per_step=4)
 
 
+def _draw_flight(path: Path) -> None:
+    """Draw the plan as it is flown, planned anew at every step."""
+    import radmpc  # noqa: PLC0415 - as above
+    from radmpc.plotting import save_flight  # noqa: PLC0415 - as above
+
+    save_flight(radmpc.begin_flight(_harbor(), radmpc.FlightSettings()), path)
+
+
 FIGURES: dict[str, Callable[[Path], None]] = {
     "harbor.png": _draw_harbor,
     "ledger.png": _draw_ledger,
     "couplings.png": partial(_draw_view, "couplings"),
     "distances.png": partial(_draw_view, "distances"),
     "risk.png": partial(_draw_view, "risk"),
+    "flight.png": _draw_flight,
     "film.gif": _film_harbor,
 }
 

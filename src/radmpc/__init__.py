@@ -33,9 +33,12 @@ if TYPE_CHECKING:
     from radmpc.flying.flight import Flight, fly
     from radmpc.flying.mission import Mission
     from radmpc.flying.model import Model
+    from radmpc.flying.recording.campaign import begin_flight, resume_flight
     from radmpc.flying.tick import Contact, Tick
     from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
     from radmpc.io.export.exporting import ExportOptions, save_export
+    from radmpc.io.flight.flight_file import load_flight
+    from radmpc.io.flight.record import FlightRecord, FlightSettings
     from radmpc.io.native.mapping import from_dict, to_dict
     from radmpc.io.native.plan_file import load_plan, save_plan
     from radmpc.io.native.scenario_file import load_scenario, save_scenario
@@ -54,6 +57,7 @@ if TYPE_CHECKING:
         animate_plan,
         plot_couplings,
         plot_distances,
+        plot_flight,
         plot_ledger,
         plot_plan,
         plot_risk,
@@ -73,6 +77,8 @@ __all__ = [
     "ExportOptions",
     "FileFormatError",
     "Flight",
+    "FlightRecord",
+    "FlightSettings",
     "Goal",
     "ImportOptions",
     "ImportedScenario",
@@ -101,21 +107,25 @@ __all__ = [
     "Workspace",
     "__version__",
     "animate_plan",
+    "begin_flight",
     "certify",
     "double_integrator",
     "fly",
     "from_dict",
     "import_scenario",
+    "load_flight",
     "load_plan",
     "load_scenario",
     "lqr_gain",
     "plan",
     "plot_couplings",
     "plot_distances",
+    "plot_flight",
     "plot_ledger",
     "plot_plan",
     "plot_risk",
     "plot_scenario",
+    "resume_flight",
     "save_animation",
     "save_export",
     "save_figure",
@@ -145,7 +155,10 @@ _HOMES = {
     "flying.flight": ("Flight", "fly"),
     "flying.mission": ("Mission",),
     "flying.model": ("Model",),
+    "flying.recording.campaign": ("begin_flight", "resume_flight"),
     "flying.tick": ("Contact", "Tick"),
+    "io.flight.flight_file": ("load_flight",),
+    "io.flight.record": ("FlightRecord", "FlightSettings"),
     "importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
     "io.native.mapping": ("from_dict", "to_dict"),
     "io.native.plan_file": ("load_plan", "save_plan"),
@@ -165,6 +178,7 @@ _HOMES = {
         "animate_plan",
         "plot_couplings",
         "plot_distances",
+        "plot_flight",
         "plot_ledger",
         "plot_plan",
         "plot_risk",

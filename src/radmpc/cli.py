@@ -188,14 +188,49 @@ def check(
 
 
 @app.command()
+def fly(
+    plan_file: given.FlownFile,
+    backend: given.BackendName = None,
+    replan: given.Replan = None,
+    missions: given.Missions = None,
+    deadline: given.Deadline = None,
+    seed: given.FlightSeed = None,
+    option: given.BackendOptions = None,
+    output: given.FlightOutput = None,
+    log: given.FlightLog = None,
+    film: given.FlightFilm = None,
+    as_json: given.AsJson = False,
+) -> int:
+    """Fly a plan, made anew at every step from what is measured."""
+    from radmpc.console.commands.flying import FlyRequest, run_fly
+
+    options = tuple(option or ())
+    return run_fly(
+        FlyRequest(
+            plan_file,
+            backend,
+            replan,
+            missions,
+            deadline,
+            seed,
+            options,
+            output,
+            log,
+            film,
+            as_json,
+        )
+    )
+
+
+@app.command()
 def verify(
-    plan_file: given.PlanFile,
+    plan_file: given.JudgedFile,
     samples: given.Samples = 100_000,
     seed: given.Seed = 0,
     avoidance: given.JudgedAvoidance = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Certify and simulate a plan, from its file alone."""
+    """Certify and simulate a plan, or book a flight again, from its file alone."""
     from radmpc.console.commands.verifying import run_verify
 
     return run_verify(plan_file, samples, seed, avoidance, as_json=as_json)
@@ -285,7 +320,7 @@ def calibrate(
 
 @app.command()
 def draw(source: given.DrawnFile, output: given.DrawnOutput, view: given.View = None) -> int:
-    """Draw a scenario or a plan, or film it."""
+    """Draw a scenario, a plan or a flight, or film it."""
     from radmpc.console.commands.drawing import run_draw
 
     return run_draw(source, view, output)

@@ -26,7 +26,7 @@ def test_help_lists_every_command(run: Run) -> None:
     assert result.exit_code == 0
     for command in (
         "plan", "check", "compare", "export", "reproduce", "verify", "planners", "import", "demo",
-        "identify",
+        "identify", "fly",
     ):  # fmt: skip
         assert f"\n  {command} " in result.stdout
 

@@ -37,7 +37,7 @@ class Fence:
     @property
     def commands(self) -> list[list[str]]:
         """The lines of a shell block as words; the path of a program is left away."""
-        lines = self.text.replace("\\\n", " ").splitlines()
+        lines = self.text.replace("\\\n", " ").replace(" && ", "\n").splitlines()
         found = [shlex.split(line, comments=True) for line in lines]
         return [[Path(words[0]).name, *words[1:]] for words in found if words]
 

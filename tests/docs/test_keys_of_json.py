@@ -52,6 +52,7 @@ def printed(*words: str) -> dict[str, object]:
         ("verify", "fleet.plan.json", "--samples", "1000"),
         ("compare", "fleet.yaml", "--planners", "radmpc,certified", "--samples", "1000"),
         ("planners",),
+        ("fly", "fleet.plan.json", "--replan", "none"),
     ],
     ids=lambda words: words[0],
 )

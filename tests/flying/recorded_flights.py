@@ -8,13 +8,15 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from adversary import beside_a_wall, staking, waiting
 
 import radmpc
+from radmpc.flying.leg import leg_of
 from radmpc.flying.model import Model
 from radmpc.flying.recording.recorded import RecordedMission
-from radmpc.io.flights.flight_file import FlightWriter
-from radmpc.io.flights.record import FlightSettings, TickRow
+from radmpc.io.flight.flight_file import FlightWriter
+from radmpc.io.flight.record import FlightSettings, TickRow
 from radmpc.model.plan import Plan, Risk
 
 
@@ -28,6 +30,32 @@ def certified(plan: Plan) -> Plan:
 
 def beside_the_wall() -> Plan:
     return certified(waiting(beside_a_wall()))
+
+
+def drifting(dimension: int) -> Plan:
+    """A plan that lets a vehicle drift past a rock that moves, far away, for six steps."""
+    system = radmpc.double_integrator(1.0, dimension)
+    zeros = [0.0] * (dimension - 1)
+    vehicle = radmpc.Vehicle(
+        name="a",
+        system=system,
+        start=[0.0, *zeros, 1.0, *zeros],
+        goal=radmpc.Goal.at([6.0, *zeros], 2.0, None),
+        radius=0.3,
+        control_limit=1.0,
+        initial_covariance=0.0,
+        disturbance_covariance=np.diag([1e-2] * dimension + [1e-4] * dimension),
+        gain=-np.hstack([0.2 * np.eye(dimension), 0.6 * np.eye(dimension)]),
+    )
+    corners = np.array(np.meshgrid(*[[0.0, 1.0]] * dimension)).reshape(dimension, -1).T
+    if dimension == 2:
+        corners = corners[[0, 1, 3, 2]]
+    far = np.array([0.0, *[9.0] * (dimension - 1)])
+    ahead = np.eye(dimension)[0]
+    steps = [corners + far + k * ahead for k in range(7)]
+    rock = radmpc.Obstacle.moving("rock", steps)
+    scenario = radmpc.Scenario("drift", 1.0, 6, 0.05, (vehicle,), (rock,))
+    return certified(leg_of(scenario, [np.zeros((6, dimension))], 0).plan)
 
 
 def staked_rows(plan: Plan, seed: int = 1) -> list[TickRow]:

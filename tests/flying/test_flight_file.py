@@ -13,11 +13,11 @@ from recorded_flights import beside_the_wall, forged, staked_rows, written
 
 import radmpc
 from radmpc.errors import FileFormatError
-from radmpc.flying.recording.flights import begin_flight, resume_flight
+from radmpc.flying.recording.campaign import begin_flight, resume_flight
 from radmpc.flying.recording.summary import summary_of
 from radmpc.flying.recording.verifying import flight_problems
-from radmpc.io.flights.flight_file import FlightWriter, is_flight, load_flight
-from radmpc.io.flights.record import FlightRecord, FlightSettings, TickRow, Touch
+from radmpc.io.flight.flight_file import FlightWriter, is_flight, load_flight
+from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow, Touch
 from radmpc.model.plan import Plan
 
 KEPT = FlightSettings(replan=None, missions=2, seed=4)
@@ -116,7 +116,7 @@ def _first_leg(rows: list[TickRow]) -> int:
         ("wealth", 0.5, "states a wealth of 0.5"),
         ("price", 1e-4, "states a price of 0.0001"),
         ("value", 0.3, "states a value of 0.3"),
-        ("states", [[0.0, 3.0]], "booked again it is"),
+        ("states", [[0.0, 3.0]], "recomputed it is"),
         ("controls", [[0.0, 0.0]], "the leg says"),
         ("leg", None, "a leg only where one is adopted"),
         ("mission", 3, "mission 3 stands where mission 0 is due"),
@@ -183,8 +183,8 @@ def test_a_flight_that_was_stopped_goes_on_as_if_it_had_not(tmp_path: Path, plan
 
 KILLED = """
 import os, signal, sys
-from radmpc.flying.recording.flights import begin_flight
-from radmpc.io.flights.record import FlightSettings
+from radmpc.flying.recording.campaign import begin_flight
+from radmpc.io.flight.record import FlightSettings
 from radmpc import load_plan
 
 def told(mission, step):

@@ -8,14 +8,18 @@ from typing import Annotated
 import typer
 
 from radmpc.console.completing import (
+    BACKENDS,
     FORMATS,
     TEMPLATES,
+    complete_backend,
     complete_drawn,
     complete_format,
     complete_log,
     complete_plan,
+    complete_plan_or_flight,
     complete_planner,
     complete_planners,
+    complete_replan,
     complete_scenario,
     complete_template,
     complete_view,
@@ -27,18 +31,28 @@ __all__ = [
     "AsJson",
     "AvoidanceName",
     "Axes",
+    "BackendName",
+    "BackendOptions",
     "Columns",
     "DaskAddress",
+    "Deadline",
     "DrawnFile",
     "DrawnOutput",
     "ExportFormat",
     "Film",
+    "FlightFilm",
+    "FlightLog",
+    "FlightOutput",
+    "FlightSeed",
+    "FlownFile",
     "ForeignFile",
     "Jobs",
     "JudgedAvoidance",
+    "JudgedFile",
     "LedgerFigure",
     "Logs",
     "Methods",
+    "Missions",
     "NewScenario",
     "Noise",
     "NoiseOutput",
@@ -53,6 +67,7 @@ __all__ = [
     "PlannerSeconds",
     "PlanningSeconds",
     "ProvenGap",
+    "Replan",
     "ResidualFigure",
     "RiskBound",
     "Samples",
@@ -79,6 +94,20 @@ ScenarioFile = Annotated[
 ]
 PlanFile = Annotated[
     Path, typer.Argument(metavar="PLAN", help="Plan, JSON.", autocompletion=complete_plan)
+]
+JudgedFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="PLAN", help="Plan, JSON; or a flight.", autocompletion=complete_plan_or_flight
+    ),
+]
+FlownFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="PLAN",
+        help="Plan, JSON; or a flight, to go on with it.",
+        autocompletion=complete_plan_or_flight,
+    ),
 ]
 ForeignFile = Annotated[Path, typer.Argument(metavar="FILE", help="A problem in another format.")]
 
@@ -130,9 +159,7 @@ Film = Annotated[
 ]
 DrawnFile = Annotated[
     Path,
-    typer.Argument(
-        metavar="FILE", help="Scenario or plan, YAML or JSON.", autocompletion=complete_drawn
-    ),
+    typer.Argument(metavar="FILE", help="Scenario, plan or flight.", autocompletion=complete_drawn),
 ]
 DrawnOutput = Annotated[
     Path, typer.Option("-o", "--output", help="Picture .png, .pdf, .svg, or film .gif, .mp4.")
@@ -245,4 +272,43 @@ PlaceOnEarth = Annotated[
 Altitude = Annotated[
     float | None,
     typer.Option("--altitude", help="Of a 2-D plan above the origin [m] (0)."),
+]
+BackendName = Annotated[
+    str | None,
+    typer.Option(
+        "--with",
+        help=f"{', '.join(BACKENDS[:-1])} or {BACKENDS[-1]} (model).",
+        autocompletion=complete_backend,
+    ),
+]
+BackendOptions = Annotated[
+    list[str] | None,
+    typer.Option("--option", help="KEY=VALUE for what it is flown with; may be repeated."),
+]
+Replan = Annotated[
+    str | None,
+    typer.Option(
+        "--replan",
+        help="What plans anew at every step, or none (certified).",
+        autocompletion=complete_replan,
+    ),
+]
+Missions = Annotated[
+    int | None, typer.Option("--missions", min=1, help="How many times to fly it (1).")
+]
+Deadline = Annotated[
+    float | None,
+    typer.Option("--deadline", min=0.0, help="Seconds for each decision (no limit)."),
+]
+FlightSeed = Annotated[
+    int | None, typer.Option("--seed", min=0, help="Seed of all noise and of every plan (0).")
+]
+FlightOutput = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Write the flight here, tick by tick.")
+]
+FlightLog = Annotated[
+    Path | None, typer.Option("--log", help="Log for other tools, and for identify: .mcap.")
+]
+FlightFilm = Annotated[
+    Path | None, typer.Option("--film", help="Film it here: .gif, or .mp4 with ffmpeg.")
 ]

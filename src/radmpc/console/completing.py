@@ -8,16 +8,20 @@ from __future__ import annotations
 from pathlib import Path
 
 __all__ = [
+    "BACKENDS",
     "FORMATS",
     "PLANNERS",
     "TEMPLATES",
     "VIEWS",
+    "complete_backend",
     "complete_drawn",
     "complete_format",
     "complete_log",
     "complete_plan",
+    "complete_plan_or_flight",
     "complete_planner",
     "complete_planners",
+    "complete_replan",
     "complete_scenario",
     "complete_template",
     "complete_view",
@@ -41,6 +45,9 @@ PLANNERS = (
 FORMATS = ("qgc", "waypoints", "geojson", "kml", "mcap", "csv")
 """Names of the formats of exports."""
 
+BACKENDS = ("model", "rotorpy", "irsim", "boat", "mavlink")
+"""Names of what plans can be flown with."""
+
 VIEWS = ("plan", "ledger", "couplings", "distances", "risk")
 """What there is to see of a plan, beside films."""
 
@@ -52,6 +59,16 @@ TEMPLATES = ("boats", "drones", "warehouse")
 def complete_planner(incomplete: str) -> list[str]:
     """Return the planners that begin like the word."""
     return [name for name in PLANNERS if name.startswith(incomplete)]
+
+
+def complete_replan(incomplete: str) -> list[str]:
+    """Return the planners that begin like the word, and the word for none."""
+    return complete_planner(incomplete) + [n for n in ("none",) if n.startswith(incomplete)]
+
+
+def complete_backend(incomplete: str) -> list[str]:
+    """Return the backends that begin like the word."""
+    return [name for name in BACKENDS if name.startswith(incomplete)]
 
 
 def complete_planners(incomplete: str) -> list[str]:
@@ -77,8 +94,8 @@ def complete_view(incomplete: str) -> list[str]:
 
 
 def complete_drawn(incomplete: str) -> list[str]:
-    """Return the files that may be scenarios or plans."""
-    return _files(incomplete, (".yaml", ".yml", ".json"))
+    """Return the files that may be a scenario, a plan or a flight."""
+    return _files(incomplete, (".yaml", ".yml", ".json", ".jsonl"))
 
 
 def complete_scenario(incomplete: str) -> list[str]:
@@ -95,6 +112,11 @@ def complete_log(incomplete: str) -> list[str]:
 def complete_plan(incomplete: str) -> list[str]:
     """Return the files that may be plans."""
     return _files(incomplete, (".json",))
+
+
+def complete_plan_or_flight(incomplete: str) -> list[str]:
+    """Return the files that may be a plan or a flight."""
+    return _files(incomplete, (".json", ".jsonl"))
 
 
 def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:

@@ -55,6 +55,11 @@ class BackendKind:
         **options : object
             What else it takes.
 
+        Returns
+        -------
+        Backend
+            Not yet reset.
+
         Raises
         ------
         ArgumentError
@@ -128,6 +133,11 @@ def backend_named(name: str) -> BackendKind:
     ----------
     name : str
         As on the command line.
+
+    Returns
+    -------
+    BackendKind
+        Not loaded yet.
 
     Raises
     ------

@@ -5,6 +5,8 @@ from radmpc.plotting.couplings import plot_couplings
 from radmpc.plotting.distances import plot_distances
 from radmpc.plotting.film.animation import PlanAnimation, animate_plan
 from radmpc.plotting.film.films import FILM_SUFFIXES, check_film_path, save_animation
+from radmpc.plotting.flight.film import save_flight_film
+from radmpc.plotting.flight.picture import plot_flight, save_flight
 from radmpc.plotting.panels import Panel, plot_panels
 from radmpc.plotting.plan import plot_plan, plot_views
 from radmpc.plotting.risk.ledger import plot_ledger, plot_risk_map
@@ -37,6 +39,7 @@ __all__ = [
     "plot_costs",
     "plot_couplings",
     "plot_distances",
+    "plot_flight",
     "plot_ledger",
     "plot_panels",
     "plot_plan",
@@ -49,6 +52,8 @@ __all__ = [
     "save_axes",
     "save_chart",
     "save_figure",
+    "save_flight",
+    "save_flight_film",
     "save_ledger",
     "save_panels",
 ]

@@ -9,7 +9,8 @@ from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.output import show
 from radmpc.console.picture import check_film, write_film
 from radmpc.console.running.guard import Code
-from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.errors import ArgumentError, FileFormatError, ScenarioError
+from radmpc.io.flight.flight_file import is_flight, load_flight
 from radmpc.io.native.plan_file import load_plan
 from radmpc.io.native.scenario_file import load_scenario
 from radmpc.io.ranges import PLAN_FORMAT
@@ -23,12 +24,12 @@ _FILMS = (".gif", ".mp4")
 
 
 def run_draw(source: Path, view: str | None, output: Path) -> int:
-    """Draw a scenario or a plan from its file.
+    """Draw a scenario, a plan or a flight from its file.
 
     Parameters
     ----------
     source : Path
-        Scenario or plan.
+        Scenario, plan or flight.
     view : str or None
         One of `VIEWS`; None is the plan, or the scenario.
     output : Path
@@ -58,6 +59,8 @@ def run_draw(source: Path, view: str | None, output: Path) -> int:
     else:
         _check_picture(output)
     check_separate(source, output)
+    if is_flight(source):
+        return _draw_flight(source, view, output, is_film=is_film)
     value = _load(source)
     if isinstance(value, Scenario) and (is_film or view is not None):
         raise FileFormatError(f"{source}: is a scenario, and only a plan has films and views")
@@ -65,6 +68,22 @@ def run_draw(source: Path, view: str | None, output: Path) -> int:
         write_film(value, output)
     else:
         _draw(value, view or "plan", output)
+    show(f"{'film' if is_film else 'picture'} written to {output}")
+    return Code.OK
+
+
+def _draw_flight(source: Path, view: str | None, output: Path, *, is_film: bool) -> Code:
+    """Draw a flight, or film it."""
+    from radmpc.plotting import save_flight, save_flight_film  # noqa: PLC0415 - loads slowly
+
+    if view is not None:
+        raise ScenarioError(f"--view is for plans, and {source} is a flight")
+    record = load_flight(source)
+    try:
+        with writing(output):
+            (save_flight_film if is_film else save_flight)(record, output)
+    except ArgumentError as error:
+        raise FileFormatError(f"{source}: cannot be drawn: {error}") from error
     show(f"{'film' if is_film else 'picture'} written to {output}")
     return Code.OK
 

@@ -16,6 +16,7 @@ from radmpc.console.reports.saturating import saturation_line, saturation_warnin
 from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
 from radmpc.errors import ScenarioError
+from radmpc.io.flight.flight_file import is_flight
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Avoidance, Scenario
@@ -73,7 +74,7 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
     Parameters
     ----------
     path : Path
-        The plan.
+        The plan; or a flight, which is recomputed.
     samples : int
         Samples to simulate.
     seed : int
@@ -98,6 +99,8 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
         if avoidance not in {"intervals", "steps"}:
             raise ScenarioError(f"--avoidance must be 'intervals' or 'steps', got {avoidance!r}")
         where = "steps" if avoidance == "steps" else "intervals"
+    if is_flight(path):
+        return _verify_flight(path, where, as_json=as_json)
     record = read_plan(path)
     verification = verify_plan(record, samples, seed, where)
     if as_json:
@@ -105,6 +108,17 @@ def run_verify(path: Path, samples: int, seed: int, avoidance: str | None, *, as
     else:
         show(*verify_report(record.scenario, verification, where))
     return Code.OK if verification.holds else Code.NO
+
+
+def _verify_flight(path: Path, where: Avoidance | None, *, as_json: bool) -> int:
+    """Judge a flight, which counts collisions where its plan does."""
+    from radmpc.console.commands.verifying_flight import (  # noqa: PLC0415 - plans need none of it
+        run_verify_flight,
+    )
+
+    if where is not None:
+        raise ScenarioError(f"--avoidance is for plans, and {path} is a flight")
+    return run_verify_flight(path, as_json=as_json)
 
 
 def verify_plan(

@@ -23,10 +23,14 @@ class ProgressLine:
         Whether there is a best plan to tell of, which Ctrl-C keeps.
     seconds : float or None
         The time limit; None where there is none.
+    keeps : str
+        What else Ctrl-C keeps; empty is nothing.
     """
 
-    def __init__(self, *, is_planning: bool = False, seconds: float | None = None) -> None:
-        self._is_planning = is_planning
+    def __init__(
+        self, *, is_planning: bool = False, seconds: float | None = None, keeps: str = ""
+    ) -> None:
+        self._is_planning, self._keeps = is_planning, keeps
         self._seconds = seconds
         self._stage = "planning" if is_planning else "working"
         self._best = ""
@@ -58,8 +62,9 @@ class ProgressLine:
         if self._best:
             parts.append(self._best)
         parts.append(f"{passed} s" if self._seconds is None else f"{passed} of {self._seconds:g} s")
-        if self._is_planning:
-            parts.append(f"Ctrl-C keeps {'this plan' if self._best else 'the best plan so far'}")
+        kept = "this plan" if self._best else "the best plan so far"
+        if self._is_planning or self._keeps:
+            parts.append(f"Ctrl-C keeps {self._keeps or kept}")
         return "; ".join(parts)
 
     def __rich__(self) -> Text:
@@ -74,6 +79,7 @@ def progress_line(
     is_wanted: bool = True,
     is_planning: bool = False,
     seconds: float | None = None,
+    keeps: str = "",
 ) -> Iterator[ProgressLine]:
     """Show progress on stderr while the context lasts, if somebody can see it.
 
@@ -83,7 +89,7 @@ def progress_line(
         Where to show it; None is stderr.
     is_wanted : bool
         Whether it is to be shown at all.
-    is_planning, seconds : bool and float or None
+    is_planning, seconds, keeps : bool, float or None, and str
         As in `ProgressLine`.
 
     Yields
@@ -92,7 +98,7 @@ def progress_line(
         Call it with the stage, the parts done and their number or None.
     """
     target = Console(stderr=True) if console is None else console
-    line = ProgressLine(is_planning=is_planning, seconds=seconds)
+    line = ProgressLine(is_planning=is_planning, seconds=seconds, keeps=keeps)
     if not (is_wanted and target.is_terminal):
         yield line
         return

@@ -12,12 +12,17 @@ from types import FrameType
 
 __all__ = ["interrupt_on_termination", "stop_on_interrupt"]
 
-_REQUEST = b"radmpc: finishing with the best plan so far; Ctrl-C again stops at once\n"
-
 
 @contextmanager
-def stop_on_interrupt() -> Iterator[Callable[[], bool]]:
+def stop_on_interrupt(
+    answer: str = "finishing with the best plan so far",
+) -> Iterator[Callable[[], bool]]:
     """Turn the first Ctrl-C into a flag and the second into `KeyboardInterrupt`.
+
+    Parameters
+    ----------
+    answer : str
+        What is told of the first.
 
     Yields
     ------
@@ -25,6 +30,7 @@ def stop_on_interrupt() -> Iterator[Callable[[], bool]]:
         Returns True once Ctrl-C was pressed.
     """
     requested = threading.Event()
+    request = f"radmpc: {answer}; Ctrl-C again stops at once\n".encode()
     # Counted in one step: the second Ctrl-C may fall into what answers the first.
     earlier = itertools.count()
     if threading.current_thread() is not threading.main_thread():
@@ -38,7 +44,7 @@ def stop_on_interrupt() -> Iterator[Callable[[], bool]]:
             raise KeyboardInterrupt
         requested.set()
         # Not print: a handler may interrupt a print, which is not reentrant.
-        os.write(2, _REQUEST)
+        os.write(2, request)
 
     previous = signal.signal(signal.SIGINT, handle)
     try:

@@ -1,1 +1,1 @@
-"""Flights written down: missions that record every tick, booked again from the rows alone."""
+"""Missions whose every tick is written down, and recomputed from what was written alone."""

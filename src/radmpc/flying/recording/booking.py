@@ -1,4 +1,4 @@
-"""The account of a mission booked again from its rows alone: what they state is compared, not used.
+"""The account of a mission recomputed from its rows alone: what they state is compared, not used.
 
 Legs, values, prices, wealth and controls follow from the plan, the measured states and the controls
 of the legs that were adopted. Who changes a file must change all that follows from it.
@@ -18,10 +18,10 @@ from radmpc.flying.alarms import Watcher
 from radmpc.flying.deciding import opened
 from radmpc.flying.leg import Leg, left_of, leg_of
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
-from radmpc.io.flights.record import TickRow
+from radmpc.io.flight.record import TickRow
 from radmpc.model.plan import Plan
 
-__all__ = ["Booking", "booked"]
+__all__ = ["Booking", "recomputed"]
 
 _TOLERANCE = 1e-6
 """Share [-] by which numbers may differ from those stated: other processors round otherwise."""
@@ -63,14 +63,24 @@ class Booking:
     problems: list[str] = field(default_factory=list)
 
     def enter(self, step: int, what: str, price: float | None) -> None:
-        """Write a row of the account."""
+        """Write a row of the account.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        what : str
+            As in `Entry`.
+        price : float or None
+            What the leg that was adopted cost [-].
+        """
         now = self.account
         self.entries.append(
             Entry(step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
         )
 
 
-def booked(plan: Plan, rows: Sequence[TickRow]) -> Booking:
+def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
     """Return a mission as its rows leave it, and what in them is not true.
 
     Parameters
@@ -83,7 +93,7 @@ def booked(plan: Plan, rows: Sequence[TickRow]) -> Booking:
     Returns
     -------
     Booking
-        Up to the first row that cannot be booked.
+        Up to the first row that cannot be recomputed.
 
     Raises
     ------
@@ -189,10 +199,10 @@ def _flown(book: Booking, row: TickRow, known: Sequence[Vector], where: str) -> 
 def _compare(
     book: Booking, where: str, numbers: dict[str, tuple[float | None, float | None]]
 ) -> None:
-    """Note stated numbers that are not those booked."""
+    """Note stated numbers that are not those recomputed."""
     for name, (stated, due) in numbers.items():
         if stated is None and due is None:
             continue
         if stated is None or due is None or abs(stated - due) > _LEAST + _TOLERANCE * abs(due):
             told = "nothing" if due is None else f"{due:.6g}"
-            book.problems.append(f"{where}: states a {name} of {stated}, booked again it is {told}")
+            book.problems.append(f"{where}: states a {name} of {stated}, recomputed it is {told}")

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from radmpc.errors import FileFormatError
 from radmpc.flying.measuring import measured
 from radmpc.flying.mission import Mission
-from radmpc.flying.recording.booking import booked
+from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.tick import Contact, Tick
-from radmpc.io.flights.record import NewLeg, TickRow, Touch
+from radmpc.io.flight.record import NewLeg, TickRow, Touch
 from radmpc.model.plan import Plan
 
 __all__ = ["RecordedMission"]
@@ -39,7 +39,7 @@ class RecordedMission(Mission):
     Raises
     ------
     FileFormatError
-        If the rows cannot be booked again.
+        If the rows cannot be recomputed.
     RadmpcError
         As of `Mission`.
     """
@@ -117,7 +117,7 @@ class RecordedMission(Mission):
 
     def _take_up(self, plan: Plan, rows: Sequence[TickRow]) -> None:
         """Be where the rows end."""
-        book = booked(plan, rows)
+        book = recomputed(plan, rows)
         if book.problems:
             raise FileFormatError(f"cannot go on: {book.problems[0]}")
         self._leg, self._account, self._watcher = book.leg, book.account, book.watcher

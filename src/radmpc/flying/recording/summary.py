@@ -8,7 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.flying.deciding import opened
-from radmpc.io.flights.record import FlightRecord, FlownMission, TickRow
+from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario
 from radmpc.referee.claims import cost_of
 from radmpc.referee.simulation.simulation import Simulation
@@ -87,6 +87,11 @@ def summary_of(record: FlightRecord) -> FlightSummary:
     ----------
     record : FlightRecord
         Read from a file or just flown.
+
+    Returns
+    -------
+    FlightSummary
+        Of the missions that are over, and of the ticks of all.
 
     Raises
     ------

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from radmpc.errors import RadmpcError
 from radmpc.flying.model import Model
-from radmpc.flying.recording.booking import booked
+from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.tick import Contact
-from radmpc.io.flights.record import FlightRecord, FlownMission, TickRow
+from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario
 from radmpc.referee import certify
 
@@ -21,13 +21,18 @@ _MOST_PROBLEMS = 20
 def flight_problems(record: FlightRecord) -> tuple[str, ...]:
     """Return what in a flight is not true, one sentence each; empty where it holds.
 
-    The plan is certified anew, the account of every mission booked again, and in the model's own
+    The plan is certified anew, the account of every mission recomputed, and in the model's own
     dynamics what was hit is found again.
 
     Parameters
     ----------
     record : FlightRecord
         As read from a file.
+
+    Returns
+    -------
+    tuple of str
+        Twenty at most, and how many more there are.
     """
     problems = [f"line {line} of the file is not as it was written" for line in record.changed]
     certificate = certify(record.plan)
@@ -52,7 +57,7 @@ def _mission_problems(record: FlightRecord, mission: FlownMission, due: int) -> 
     if not mission.is_over and due < len(record.missions) - 1:
         return [f"mission {mission.number} ends with step {mission.rows[-1].step}"]
     try:
-        problems = booked(record.plan, mission.rows).problems
+        problems = recomputed(record.plan, mission.rows).problems
     except RadmpcError as error:
         return [f"mission {mission.number}: {error}"]
     if record.settings.backend == "model":

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from radmpc.errors import FileFormatError
+from radmpc.importing.logs.flight_log import read_flight_log
 from radmpc.importing.logs.recording import Recording, extra, refusal
 from radmpc.importing.logs.ros import TYPES, Message, tracks_of
 
@@ -13,7 +14,7 @@ __all__ = ["read_bag", "read_mcap"]
 
 
 def read_mcap(path: Path) -> Recording:
-    """Return the vehicles of an MCAP file with ROS 2 messages.
+    """Return the vehicles of an MCAP file, with ROS 2 messages or of `radmpc fly`.
 
     Parameters
     ----------
@@ -29,7 +30,8 @@ def read_mcap(path: Path) -> Recording:
     if not path.is_file():
         raise refusal(path, "No such file or directory")
     try:
-        return tracks_of(path, _mcap_messages(path))
+        flight = read_flight_log(path)
+        return tracks_of(path, _mcap_messages(path)) if flight is None else flight
     except FileFormatError:
         raise
     except Exception as error:  # the library raises whatever its parser stumbles on

@@ -14,7 +14,7 @@ from radmpc.plotting.film.animation import FRAMES_PER_STEP, SECONDS_PER_STEP, Fi
 from radmpc.plotting.film.gif import FILM_DPI, write_gif
 from radmpc.plotting.save import beside
 
-__all__ = ["FILM_SUFFIXES", "check_film_path", "save_animation"]
+__all__ = ["FILM_SUFFIXES", "check_film_path", "save_animation", "write_film"]
 
 FILM_SUFFIXES = (".gif", ".mp4")
 
@@ -63,7 +63,21 @@ def save_animation(
     check_path(path)
     target = Path(path)
     check_film_path(target)
-    film = make_film(plan, None, frames_per_step)
+    write_film(make_film(plan, None, frames_per_step), target, frames_per_step)
+
+
+def write_film(film: Film, target: Path, frames_per_step: int) -> None:
+    """Write a film; an interrupted write leaves an old file as it was.
+
+    Parameters
+    ----------
+    film : Film
+        What to write.
+    target : Path
+        The file; its ending chooses the format.
+    frames_per_step : int
+        Frames from one step to the next, of which each takes half a second.
+    """
     film.figure.set_dpi(FILM_DPI)
     milliseconds = round(1000.0 * SECONDS_PER_STEP / frames_per_step)
     with beside(target) as name:

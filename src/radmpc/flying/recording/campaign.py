@@ -1,4 +1,4 @@
-"""Whole flights: missions one after the other, every tick on the disk before it is flown."""
+"""A whole flight: missions one after the other, every tick on the disk before it is flown."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from contextlib import ExitStack
 
 import numpy as np
 
+from radmpc.arguments import check_kind
 from radmpc.arrays import Vector
 from radmpc.errors import FileFormatError
 from radmpc.flying.backends import Backend, backend_named
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.tick import Contact, segments
-from radmpc.io.flights.flight_file import FlightWriter
-from radmpc.io.flights.record import FlightRecord, FlightSettings, TickRow
+from radmpc.io.flight.flight_file import FlightWriter
+from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow
+from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.version import __version__
@@ -61,21 +63,25 @@ def begin_flight(
 
     Raises
     ------
+    ArgumentTypeError
+        If an argument is of another kind.
     RadmpcError
         If the plan cannot be flown, or not with this backend.
     OSError
         If the file cannot be written.
     """
-    # Before the file is touched: who cannot fly leaves nothing behind.
+    check_plan(plan)
+    check_kind(settings, FlightSettings, "settings", "a FlightSettings")
     record = FlightRecord(plan, settings, (), (), {"radmpc": __version__})
-    mission, backend = _mission(record, 0, lambda row: None), _backend(record, 0)
-    del mission, backend
+    # Before the file is touched: who cannot fly leaves nothing behind.
+    _mission(record, 0, lambda row: None)
     with ExitStack() as stack:
-        writer = None
+        first, writer = _backend(record, 0), None
+        stack.callback(_close, first)
         if path is not None:
             begun = FlightWriter.begin(path, plan, settings, record.versions)
             writer = stack.enter_context(begun)
-        return _flown(record, writer, stop, progress)
+        return _flown(record, writer, stop, progress, first)
 
 
 def resume_flight(
@@ -86,7 +92,7 @@ def resume_flight(
 ) -> FlightRecord:
     """Go on with a flight from its file, however it ended.
 
-    The account is booked again from the rows. The backend is flown again with the recorded
+    The account is recomputed from the rows. The backend is flown again with the recorded
     controls: model and simulators are then where they were.
 
     Parameters
@@ -123,8 +129,9 @@ def _flown(
     writer: FlightWriter | None,
     stop: Callable[[], bool],
     progress: Progress | None,
+    first: Backend | None = None,
 ) -> FlightRecord:
-    """Fly the missions that are left."""
+    """Fly the missions that are left, the very first with a backend that is there already."""
     rows = list(record.rows)
 
     def tell(row: TickRow) -> None:
@@ -141,7 +148,7 @@ def _flown(
     for number in range(len(missions), record.settings.missions):
         if stop():
             break
-        _fly(record, number, (), tell, stop)
+        _fly(record, number, (), tell, stop, first if number == 0 else None)
     return FlightRecord(record.plan, record.settings, tuple(rows), (), record.versions)
 
 
@@ -151,15 +158,27 @@ def _fly(
     past: Sequence[TickRow],
     tell: Callable[[TickRow], None],
     stop: Callable[[], bool],
+    backend: Backend | None = None,
 ) -> None:
     """Fly one mission to its end, or until it is to stop."""
     mission = _mission(record, number, tell, past)
-    backend = _backend(record, number)
-    states, contacts = _replayed(backend, record.plan.scenario, past)
-    while not mission.is_over and not stop():
-        tick = mission.step(states, deadline=record.settings.deadline, contacts=contacts)
-        if tick.segments:
-            states, contacts = backend.advance(tick.segments)
+    flown_with = _backend(record, number) if backend is None else backend
+    try:
+        states, contacts = _replayed(flown_with, record.plan.scenario, past)
+        while not mission.is_over and not stop():
+            tick = mission.step(states, deadline=record.settings.deadline, contacts=contacts)
+            if tick.segments:
+                states, contacts = flown_with.advance(tick.segments)
+    finally:
+        if backend is None:
+            _close(flown_with)
+
+
+def _close(backend: Backend) -> None:
+    """Close a backend that can be closed: a link to vehicles, a window."""
+    close = getattr(backend, "close", None)
+    if callable(close):
+        close()
 
 
 def _mission(

@@ -1,4 +1,4 @@
-"""Flights to and from plain data, the shapes of all arrays checked against the plan's scenario."""
+"""A flight to and from plain data, the shapes of all arrays checked against the plan's scenario."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import asdict
 
 from radmpc.arrays import Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.io.flights.flight_schema import HeaderSpec, LegSpec, RowSpec
-from radmpc.io.flights.record import FlightSettings, NewLeg, TickRow, Touch
+from radmpc.io.flight.flight_schema import HeaderSpec, LegSpec, RowSpec
+from radmpc.io.flight.record import FlightSettings, NewLeg, TickRow, Touch
 from radmpc.io.native.checking import check_format, validated
 from radmpc.io.native.plan_file import decode_plan, encode_plan
 from radmpc.io.ranges import FLIGHT_FORMAT

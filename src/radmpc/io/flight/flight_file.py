@@ -13,8 +13,8 @@ from typing import BinaryIO
 
 from radmpc.arguments import check_path
 from radmpc.errors import FileFormatError, ScenarioError
-from radmpc.io.flights.coding import decode_header, decode_row, encode_header, encode_row
-from radmpc.io.flights.record import FlightRecord, FlightSettings, TickRow
+from radmpc.io.flight.coding import decode_header, decode_row, encode_header, encode_row
+from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow
 from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.json_text import read_json
 from radmpc.model.plan import Plan

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import groupby
 
+from radmpc.arguments import check_integer, is_number, told
 from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ArgumentError
 from radmpc.model.plan import Cause, Plan
 
 __all__ = ["FlightRecord", "FlightSettings", "FlownMission", "NewLeg", "TickRow", "Touch"]
@@ -38,6 +41,14 @@ class FlightSettings:
     seed: int = 0
     deadline: float | None = None
     options: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse numbers out of their ranges."""
+        check_integer(self.missions, "missions", 1)
+        check_integer(self.seed, "seed", 0)
+        value = self.deadline
+        if value is not None and not (is_number(value) and 0.0 <= value < math.inf):
+            raise ArgumentError(f"deadline must be seconds >= 0 or None, got {told(value)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +94,7 @@ class NewLeg:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TickRow:
-    """One tick of one mission: what was measured, decided and booked.
+    """One tick of one mission: what was measured, decided and charged.
 
     Attributes
     ----------

@@ -1,0 +1,265 @@
+"""A plan flown from the command line: every tick on the disk, then a report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from radmpc.console.files import OutputError, check_output, check_separate, writing
+from radmpc.console.loading import read_plan
+from radmpc.console.output import note, show, show_json
+from radmpc.console.picture import check_film
+from radmpc.console.reports.flight import flight_json, flight_report
+from radmpc.console.reports.progress import ProgressLine, progress_line
+from radmpc.console.running.guard import Code
+from radmpc.console.running.interrupt import stop_on_interrupt
+from radmpc.errors import ArgumentError, FileFormatError, NoPlanError, RiskError, ScenarioError
+from radmpc.flying.backends import backend_named
+from radmpc.flying.recording.campaign import begin_flight, resume_flight
+from radmpc.flying.recording.summary import FlightSummary, summary_of
+from radmpc.io.flight.flight_file import is_flight, load_flight
+from radmpc.io.flight.record import FlightRecord, FlightSettings
+from radmpc.model.plan import Plan
+from radmpc.planners.presets import parse_planner
+from radmpc.referee.claims import shape_problems
+
+__all__ = ["FlyRequest", "run_fly"]
+
+
+@dataclass(frozen=True, slots=True)
+class FlyRequest:
+    """What the command line asked for; None is the default.
+
+    Attributes
+    ----------
+    source : Path
+        A plan; or a flight, to go on with.
+    backend : str or None
+        What it is flown with.
+    replan : str or None
+        What plans anew, or ``none``.
+    missions : int or None
+        How many times.
+    deadline : float or None
+        Seconds for each decision.
+    seed : int or None
+        Of all noise and of every plan.
+    options : tuple of str
+        ``KEY=VALUE`` for the backend.
+    output, log, film : Path or None
+        Where the flight, its log and its film go.
+    as_json : bool
+        Whether stdout gets JSON rather than the report.
+    """
+
+    source: Path
+    backend: str | None = None
+    replan: str | None = None
+    missions: int | None = None
+    deadline: float | None = None
+    seed: int | None = None
+    options: tuple[str, ...] = ()
+    output: Path | None = None
+    log: Path | None = None
+    film: Path | None = None
+    as_json: bool = False
+
+
+def run_fly(request: FlyRequest) -> int:
+    """Fly, report, and write what was asked for.
+
+    Parameters
+    ----------
+    request : FlyRequest
+        What was typed.
+
+    Returns
+    -------
+    int
+        The exit code: whether the collision rate is compatible with the bound.
+
+    Raises
+    ------
+    ScenarioError, FileFormatError, OutputError
+        If an option or a file cannot be used.
+    NoPlanError
+        If the plan cannot be flown: there is none, or it does not hold.
+    """
+    _check(request)
+    goes_on = is_flight(request.source)
+    if goes_on:
+        _check_nothing_new(request)
+    keeps = "what was flown"
+    with (
+        stop_on_interrupt("finishing this tick, what was flown is kept") as is_stopped,
+        progress_line(keeps=keeps) as line,
+    ):
+        if goes_on:
+            begun = load_flight(request.source)
+            told = _Progress(line, begun)
+            with writing(request.source):
+                record = resume_flight(request.source, stop=is_stopped, progress=told)
+        else:
+            record = _begun(request, line, is_stopped)
+        was_interrupted = is_stopped()
+    summary = summary_of(record)
+    if request.as_json:
+        show_json(flight_json(record, summary))
+    else:
+        show(*flight_report(record, summary))
+    _write(record, request)
+    return _conclude(request, summary, was_interrupted)
+
+
+class _Progress:
+    """Tells missions and steps on a line."""
+
+    def __init__(self, line: ProgressLine, record: FlightRecord) -> None:
+        self._line, self._record = line, record
+
+    def __call__(self, mission: int, step: int) -> None:
+        """Tell a tick."""
+        missions, steps = self._record.settings.missions, self._record.plan.scenario.horizon
+        self._line(f"mission {mission + 1}/{missions}, step", step, steps)
+
+
+def _check(request: FlyRequest) -> None:
+    """Refuse what would fail only after the flight."""
+    check_output(request.output)
+    check_output(request.log)
+    if request.log is not None and request.log.suffix.lower() != ".mcap":
+        raise FileFormatError(f"{request.log}: a log must end in .mcap")
+    if request.log is not None:
+        from radmpc.io.flight.mcap_log import check_library  # noqa: PLC0415 - few ask for a log
+
+        check_library()
+    check_film(request.film)
+    check_separate(request.source, request.output, request.log, request.film)
+    _check_names(request)
+    if request.output is not None and is_flight(request.output):
+        _check_over(request.output)
+
+
+def _check_names(request: FlyRequest) -> None:
+    """Refuse what nothing is called."""
+    try:
+        if request.backend is not None:
+            backend_named(request.backend)
+    except ArgumentError as error:
+        raise ScenarioError(f"--with: {error}") from error
+    try:
+        if request.replan is not None and request.replan.strip() != "none":
+            parse_planner(request.replan)
+    except ScenarioError as error:
+        raise ScenarioError(f"--replan: {error}; or none") from error
+
+
+def _check_over(path: Path) -> None:
+    """Refuse to write over a flight with which somebody may want to go on."""
+    try:
+        record = load_flight(path)
+    except FileFormatError:
+        return
+    if sum(mission.is_over for mission in record.missions) < record.settings.missions:
+        raise OutputError(
+            f"cannot write {path}: it holds a flight that is not over; go on with "
+            f"'radmpc fly {path}', or remove it"
+        )
+
+
+def _check_nothing_new(request: FlyRequest) -> None:
+    """Refuse options that a flight under way has already."""
+    given = {
+        "--with": request.backend,
+        "--replan": request.replan,
+        "--missions": request.missions,
+        "--deadline": request.deadline,
+        "--seed": request.seed,
+        "--option": request.options or None,
+        "-o": request.output,
+    }
+    for name, value in given.items():
+        if value is not None:
+            raise ScenarioError(
+                f"{name} cannot be given: {request.source} is a flight, which goes on as it began"
+            )
+
+
+def _begun(request: FlyRequest, line: ProgressLine, is_stopped: object) -> FlightRecord:
+    """Fly a plan from its beginning."""
+    plan = _flyable(request.source)
+    replan = "certified" if request.replan is None else request.replan.strip()
+    settings = FlightSettings(
+        backend=request.backend or "model",
+        replan=None if replan == "none" else replan,
+        missions=request.missions or 1,
+        seed=request.seed or 0,
+        deadline=request.deadline,
+        options=_options(request.options),
+    )
+    told = _Progress(line, FlightRecord(plan, settings))
+    stop = is_stopped if callable(is_stopped) else bool
+    try:
+        with writing(request.output or "the flight"):
+            return begin_flight(plan, settings, request.output, stop=stop, progress=told)
+    except RiskError as error:
+        raise NoPlanError(f"{request.source}: cannot be flown: {error}") from error
+
+
+def _flyable(source: Path) -> Plan:
+    """Return a plan whose controls fit its scenario."""
+    plan = read_plan(source)
+    if not plan.trajectories:
+        why = plan.explanation or plan.status.sentence
+        raise NoPlanError(f"{source}: cannot be flown: no plan: {why}")
+    problems = shape_problems(plan)
+    if problems:
+        raise NoPlanError(f"{source}: cannot be flown: {problems[0]}")
+    return plan
+
+
+def _options(typed: tuple[str, ...]) -> dict[str, str]:
+    """Return options by their names."""
+    found: dict[str, str] = {}
+    for word in typed:
+        name, equals, value = (part.strip() for part in word.partition("="))
+        if not (equals and name.isidentifier() and value) or name in found:
+            raise ScenarioError(f"--option must be KEY=VALUE, every key once, got {word!r}")
+        found[name] = value
+    return found
+
+
+def _write(record: FlightRecord, request: FlyRequest) -> None:
+    """Write log and film; report each file once it is written."""
+    written = [("flight", request.output)]
+    if request.log is not None:
+        from radmpc.atomic import write_bytes  # noqa: PLC0415 - few ask for a log
+        from radmpc.io.flight.mcap_log import write_log  # noqa: PLC0415 - few ask for a log
+
+        with writing(request.log):
+            write_bytes(request.log, write_log(record))
+        written.append(("log", request.log))
+    if request.film is not None:
+        from radmpc.plotting import save_flight_film  # noqa: PLC0415 - matplotlib loads slowly
+
+        with writing(request.film):
+            save_flight_film(record, request.film)
+        written.append(("film", request.film))
+    lines = [f"{name} written to {path}" for name, path in written if path is not None]
+    if lines and not request.as_json:
+        show("", *lines)
+
+
+def _conclude(request: FlyRequest, summary: FlightSummary, was_interrupted: bool) -> Code:
+    """Say on stderr what speaks against the flight, and return the exit code."""
+    if was_interrupted and summary.missions < summary.asked:
+        over = f"{summary.missions} of {summary.asked} missions are over"
+        path = request.source if is_flight(request.source) else request.output
+        further = "" if path is None else f"; go on with 'radmpc fly {path}'"
+        note(f"interrupted: {over}{further}")
+        if not summary.missions:
+            return Code.NO
+    if summary.contradiction is not None:
+        note(summary.contradiction)
+        return Code.NO
+    return Code.OK

@@ -1,0 +1,1 @@
+"""The picture and the film of a flight."""

@@ -1,0 +1,82 @@
+"""Pictures and films of a flight show what was flown."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from recorded_flights import drifting
+
+import radmpc
+from radmpc.errors import ArgumentError, ArgumentTypeError
+from radmpc.io.flight.record import FlightRecord, FlightSettings, Touch
+from radmpc.plotting.film.animation import FRAMES_PER_STEP
+from radmpc.plotting.flight.film import make_flight_film
+
+KEPT = FlightSettings(replan=None, missions=3, seed=1)
+
+
+@pytest.fixture(scope="module", params=[2, 3], ids=["plane", "space"])
+def record(request: pytest.FixtureRequest) -> FlightRecord:
+    return radmpc.begin_flight(drifting(request.param), KEPT)
+
+
+def artist(axes: Axes, gid: str) -> object:
+    return next(a for a in axes.get_children() if a.get_gid() == gid)
+
+
+def test_a_picture_shows_paths_over_the_plan_and_the_account_beneath(record: FlightRecord) -> None:
+    axes = radmpc.plot_flight(record)
+    for number in range(3):
+        last = artist(axes, f"flown:{number}:a").get_xydata()[-1]
+        assert np.array_equal(last, record.missions[number].rows[-1].states[0][:2])
+    assert np.allclose(artist(axes, "planned:a").get_xydata()[-1], [6.0, 0.0])
+    account = axes.figure.axes[1]
+    wealth = artist(account, "wealth").get_ydata()
+    rows = record.missions[0].rows
+    assert wealth.tolist() == pytest.approx([row.bank + row.tail for row in rows])
+    assert [gid for a in axes.get_children() if (gid := str(a.get_gid())).startswith("cont")] == []
+
+
+def test_the_mission_that_hit_something_is_the_one_that_is_shown(record: FlightRecord) -> None:
+    rows = list(record.rows)
+    at = next(i for i, row in enumerate(rows) if (row.mission, row.step) == (2, 3))
+    rows[at] = replace(rows[at], contacts=(Touch(3, "obstacle", "a", "rock"),))
+    axes = radmpc.plot_flight(replace(record, rows=tuple(rows)))
+    [place] = artist(axes, "contact:2:a").get_xydata()
+    assert place.tolist() == rows[at].states[0][:2].tolist()
+    assert artist(axes, "steps:2:a").get_xydata().shape == (7, 2)
+    facts = next(t.get_text() for t in axes.figure.texts if t.get_gid() == "facts")
+    assert facts == "flown with model, as planned · 1 of 3 missions hit something"
+
+
+def test_discs_of_what_is_to_come_shrink_as_a_film_goes_on(record: FlightRecord) -> None:
+    film = make_flight_film(record)
+    assert film.num_frames == 6 * FRAMES_PER_STEP + 1
+    axes = film.figure.axes[0]
+    widths = []
+    for step in range(7):
+        film.show(step * FRAMES_PER_STEP)
+        outlines = [path.vertices for path in artist(axes, "ahead:a").get_paths()]
+        assert len(outlines) == 6 - step
+        widths.append(max((float(np.ptp(o[:, 0])) for o in outlines), default=0.0))
+        place = record.missions[0].rows[step].states[0][:2]
+        assert np.allclose(artist(axes, "vehicle:a").center, place)
+        assert artist(axes, "trail:a").get_xydata().shape == (step * FRAMES_PER_STEP + 1, 2)
+    assert widths == sorted(widths, reverse=True)
+    assert widths[0] > 1.1 * widths[4] > widths[5] > 0.0
+    # Six deviations of the noise of one step.
+    assert widths[5] == pytest.approx(0.6, rel=0.01)
+
+
+def test_a_flight_that_was_cut_short_is_drawn_as_far_as_it_goes(record: FlightRecord) -> None:
+    cut = replace(record, rows=record.rows[:4])
+    axes = radmpc.plot_flight(cut)
+    assert artist(axes, "steps:0:a").get_xydata().shape == (4, 2)
+    assert make_flight_film(cut).num_frames == 3 * FRAMES_PER_STEP + 1
+    with pytest.raises(ArgumentError, match="at least one tick, got a flight that never began"):
+        radmpc.plot_flight(replace(record, rows=()))
+    with pytest.raises(ArgumentTypeError, match=r"record must be a FlightRecord, got 'a\.jsonl'"):
+        radmpc.plot_flight("a.jsonl")  # type: ignore[arg-type]
