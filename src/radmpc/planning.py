@@ -75,7 +75,7 @@ def plan(
     Raises
     ------
     ScenarioError
-        If there is no such planner.
+        If there is no such planner, or if it plans no visits and the scenario has some.
     ArgumentTypeError
         If an argument is of another kind; the message says what to do instead.
     ArgumentError
@@ -88,6 +88,7 @@ def plan(
     begun = time.perf_counter()
     check_scenario(scenario)
     record = _record(planner)
+    record.check_visits(scenario)
     _check_options(rng, time_limit, executor, progress, stop)
     check_callable(found, "found")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -28,6 +29,7 @@ from radmpc.model.numbers import check_correlation, check_positive, check_vehicl
 if TYPE_CHECKING:
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.spread import Spread
+    from radmpc.model.visits import Visit
 
 __all__ = ["Goal", "Vehicle"]
 
@@ -75,6 +77,8 @@ class Vehicle(Frozen):
     measurement : Measurement or None
         What the vehicle measures of its state: feedback is then ``u = ū + K (x̂ − x̄)`` with the
         estimate x̂ of a Kalman filter. None is that the state is known exactly.
+    via : tuple of Visit
+        Boxes that its mean visits on the way, one after the other.
     """
 
     name: str
@@ -92,6 +96,7 @@ class Vehicle(Frozen):
     drift: Vector | None = None
     disturbance_correlation: float = 0.0
     measurement: Measurement | None = None
+    via: tuple[Visit, ...] = ()
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -112,6 +117,7 @@ class Vehicle(Frozen):
             drift: npt.ArrayLike | None = None,
             disturbance_correlation: float = 0.0,
             measurement: Measurement | None = None,
+            via: Iterable[Visit] = (),
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -148,6 +154,10 @@ class Vehicle(Frozen):
                 f"must have {d} coordinates like the position, got {self.goal.lower.size}",
                 ("goal",),
             )
+        if self.via != ():
+            from radmpc.model.visits import checked_visits  # noqa: PLC0415 - few visit anything
+
+            put(self, "via", checked_visits(self.via, self.system))
         if self.system.velocity is None:
             for name, limit in (("speed_limit", self.speed_limit), ("goal", self.goal.speed)):
                 if limit is not None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices
+from radmpc.program.avoidance import Part
 
-__all__ = ["ProgramLayout", "owners_of_runs"]
+__all__ = ["ProgramLayout", "laid_out", "owners_of_runs"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +51,43 @@ class ProgramLayout:
     def window_of(self, step: int) -> int:
         """Return the window of an avoidance from its absolute step."""
         return step - self.first_step - (0 if self.intervals else 1)
+
+
+def laid_out(
+    parts: Sequence[Part],
+    horizon: int,
+    dimension: int,
+    first_step: int,
+    starts: Indices,
+    *,
+    intervals: bool,
+) -> ProgramLayout:
+    """Return where things lie in a program.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Each vehicle's place among the outputs.
+    horizon, dimension, first_step : int
+        As in `ProgramLayout`.
+    starts : (v+1,) int array
+        Where the alternatives of each avoidance start.
+    intervals : bool
+        As in `ProgramLayout`.
+    """
+    return ProgramLayout(
+        horizon=horizon,
+        dimension=dimension,
+        intervals=intervals,
+        first_step=first_step,
+        positions=tuple(
+            slice(part.position, part.position + dimension * (horizon + 1)) for part in parts
+        ),
+        controls=tuple(
+            slice(part.controls, part.controls + 2 * part.control_bounds.size) for part in parts
+        ),
+        owners=owners_of_runs(starts),
+    )
 
 
 def owners_of_runs(starts: Indices) -> Indices:

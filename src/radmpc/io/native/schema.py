@@ -22,6 +22,7 @@ __all__ = [
     "ObstacleSpec",
     "ScenarioSpec",
     "VehicleSpec",
+    "VisitSpec",
     "WorkspaceSpec",
 ]
 
@@ -34,6 +35,10 @@ _MOST_CORNERS = 2000
 
 _MOST_STEPS = 1000
 """Steps of one scenario."""
+
+
+_MOST_VISITS = 200
+"""Boxes that one vehicle visits."""
 
 
 class FileModel(BaseModel):
@@ -71,6 +76,17 @@ class GoalSpec(FileModel):
     half_width: ScalarOrVector = 0.0
     min: Vector | None = None
     max: Vector | None = None
+    speed: ScalarOrVector | None = None
+
+
+class VisitSpec(FileModel):
+    """A box as of a goal, the window of steps, and the speed."""
+
+    center: Vector | None = None
+    half_width: ScalarOrVector = 0.0
+    min: Vector | None = None
+    max: Vector | None = None
+    between: Annotated[list[int], Field(min_length=2, max_length=2)] | None = None
     speed: ScalarOrVector | None = None
 
 
@@ -139,6 +155,7 @@ class VehicleSpec(FileModel):
     cost_weight: Number = 1.0
     drift: DriftSpec | None = None
     measurement: MeasurementSpec | None = None
+    via: Annotated[list[VisitSpec], Field(max_length=_MOST_VISITS)] = []
 
 
 class ScenarioSpec(FileModel):

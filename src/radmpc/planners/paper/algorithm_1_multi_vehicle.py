@@ -42,6 +42,7 @@ class Couplings(Decomposition):
     """
 
     needs_proof: ClassVar[bool] = True
+    plans_visits: ClassVar[bool] = False
 
     threshold: float = 1e-6
     approximation: Receding = field(default_factory=Receding)

@@ -54,6 +54,7 @@ class Receding(Decomposition):
     """
 
     families: ClassVar[frozenset[Family]] = frozenset({"deterministic", "fixed", "pooled"})
+    plans_visits: ClassVar[bool] = False
 
     covariances: str = "schedule"
     arrivals: str = "once"
