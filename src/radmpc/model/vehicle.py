@@ -154,10 +154,6 @@ class Vehicle(Frozen):
                 f"must have {d} coordinates like the position, got {self.goal.lower.size}",
                 ("goal",),
             )
-        if self.via != ():
-            from radmpc.model.visits import checked_visits  # noqa: PLC0415 - few visit anything
-
-            put(self, "via", checked_visits(self.via, self.system))
         if self.system.velocity is None:
             for name, limit in (("speed_limit", self.speed_limit), ("goal", self.goal.speed)):
                 if limit is not None:
@@ -177,6 +173,10 @@ class Vehicle(Frozen):
             part = getattr(self, name)
             if not isinstance(part, kind):
                 raise ScenarioError(f"must be a {kind.__name__}, got {told(part)}", (name,))
+        if self.via != ():
+            from radmpc.model.visits import checked_visits  # noqa: PLC0415 - few visit anything
+
+            object.__setattr__(self, "via", checked_visits(self.via, self.system))
         numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
         for name in numbers:
             object.__setattr__(self, name, field_number(getattr(self, name), (name,)))

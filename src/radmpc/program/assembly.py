@@ -16,7 +16,7 @@ from radmpc.program.hard import hard_rows
 from radmpc.program.program import ChanceRows
 
 if TYPE_CHECKING:
-    from radmpc.program.visits import TimeColumns
+    from radmpc.program.visits.columns import TimeColumns
 
 __all__ = [
     "DecisionColumns",
@@ -70,7 +70,7 @@ def decision_columns(models: Sequence[CondensedModel]) -> DecisionColumns:
     blocks = np.repeat(np.arange(len(models)), [2 * s.control_bounds.size for s in models])
     if not any(model.vehicle.via for model in models):
         return DecisionColumns(cost, lower, upper, blocks, hard, hard_lower, hard_upper, None)
-    from radmpc.program.visits import time_columns  # noqa: PLC0415 - few visit anything
+    from radmpc.program.visits.columns import time_columns  # noqa: PLC0415 - few visit anything
 
     times = time_columns(models)
     num_orders = times.order.shape[0]
@@ -99,7 +99,15 @@ def _cost_and_upper_bounds(models: Sequence[CondensedModel]) -> tuple[Vector, Ve
 
 
 def mean_positions(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr_array, Vector]:
-    """Return all mean positions over the columns, and their drift [m]."""
+    """Return all mean positions over the columns, and their drift [m].
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        The vehicles.
+    num_columns : int
+        Columns of the program, the vehicles' controls first.
+    """
     blocks = []
     for model in models:
         prediction = model.position.reshape(-1, model.position.shape[2])

@@ -127,7 +127,7 @@ def point_of(models: Sequence[CondensedModel], controls: Sequence[Matrix]) -> Ve
     halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
     parts = [half for pair in halves for half in pair]
     if any(model.vehicle.via for model in models):
-        from radmpc.program.visits import times_of  # noqa: PLC0415 - few visit anything
+        from radmpc.program.visits.steps import times_of  # noqa: PLC0415 - few visit anything
 
         parts.append(times_of(models, controls))
     return np.concatenate(parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
@@ -29,6 +29,9 @@ from radmpc.program.layout import laid_out
 from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.program.rows import avoidance_rows
+
+if TYPE_CHECKING:
+    from radmpc.program.visits.columns import TimeColumns
 
 __all__ = ["ProgramBuilder"]
 
@@ -242,21 +245,20 @@ class ProgramBuilder:
             if risk > _NEGLIGIBLE:
                 self.initial.append((RiskItem(*label, 0), risk))
 
-    def finish(self, risk_bound: float) -> DisjunctiveProgram:
-        """Stack the blocks and the hard rows into the program of a risk bound Δ.
+    def _add_visits(self, times: TimeColumns) -> int:
+        """Add what is visited; return how many visits."""
+        from radmpc.program.visits.rows import visit_blocks  # noqa: PLC0415 - few visit anything
 
-        Visits come last, after everything that is avoided.
-        """
+        found = list(visit_blocks(self.models, self.parts, times, intervals=self.intervals))
+        for vehicle, block, names in found:
+            self.add_block(block, "visit", vehicle, *names)
+        return sum(len(names) for _, _, names in found)
+
+    def finish(self, risk_bound: float) -> DisjunctiveProgram:
+        """Stack the blocks, visits last, and the hard rows into the program of a risk bound Δ."""
         columns = decision_columns(self.models)
         lower, upper = columns.lower, columns.upper
-        num_visits = 0
-        if columns.times is not None:
-            from radmpc.program.visits import visit_blocks  # noqa: PLC0415 - few visit anything
-
-            blocks = visit_blocks(self.models, self.parts, columns.times, intervals=self.intervals)
-            for vehicle, block, names in blocks:
-                self.add_block(block, "visit", vehicle, *names)
-                num_visits += len(names)
+        num_visits = 0 if columns.times is None else self._add_visits(columns.times)
         positions, constant = mean_positions(self.models, upper.size)
         outputs = csr_array(vstack([positions, eye_array(upper.size)]))
         rows = stacked_chance_rows(self.blocks, self.block_risk_items, outputs.shape[0])
@@ -283,14 +285,7 @@ class ProgramBuilder:
             risk_bound=risk_bound,
             initial_risk=self.initial_risk + self.presolved_risk,
             initial=tuple(self.initial),
-            layout=laid_out(
-                self.parts,
-                self.models[0].horizon,
-                self.scenario.dimension,
-                self.first_step,
-                avoidance_starts,
-                intervals=self.intervals,
-            ),
+            layout=laid_out(self.parts, self.scenario, self.first_step, avoidance_starts),
             presolved_risk=self.presolved_risk,
             num_presolved=self.num_presolved,
             parents=joined_parents(self.blocks),

@@ -41,7 +41,7 @@ def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
         lowers.append((-limits - model.drift_velocity)[binding])
         uppers.append((limits - model.drift_velocity)[binding])
     if vehicle.via:
-        from radmpc.program.visits import fixed_visit_rows  # noqa: PLC0415 - few visit anything
+        from radmpc.program.visits.rows import fixed_visit_rows  # noqa: PLC0415 - few visit anything
 
         visits, lower, upper = fixed_visit_rows(model)
         rows.append(visits)

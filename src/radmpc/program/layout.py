@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices
+from radmpc.model.scenario import Scenario
 from radmpc.program.avoidance import Part
 
 __all__ = ["ProgramLayout", "laid_out", "owners_of_runs"]
@@ -54,13 +55,7 @@ class ProgramLayout:
 
 
 def laid_out(
-    parts: Sequence[Part],
-    horizon: int,
-    dimension: int,
-    first_step: int,
-    starts: Indices,
-    *,
-    intervals: bool,
+    parts: Sequence[Part], scenario: Scenario, first_step: int, starts: Indices
 ) -> ProgramLayout:
     """Return where things lie in a program.
 
@@ -68,24 +63,21 @@ def laid_out(
     ----------
     parts : sequence of Part
         Each vehicle's place among the outputs.
-    horizon, dimension, first_step : int
+    scenario : Scenario
+        Theirs.
+    first_step : int
         As in `ProgramLayout`.
     starts : (v+1,) int array
         Where the alternatives of each avoidance start.
-    intervals : bool
-        As in `ProgramLayout`.
     """
+    horizon, d = len(parts[0].control_bounds), scenario.dimension
     return ProgramLayout(
         horizon=horizon,
-        dimension=dimension,
-        intervals=intervals,
+        dimension=d,
+        intervals=scenario.avoidance == "intervals",
         first_step=first_step,
-        positions=tuple(
-            slice(part.position, part.position + dimension * (horizon + 1)) for part in parts
-        ),
-        controls=tuple(
-            slice(part.controls, part.controls + 2 * part.control_bounds.size) for part in parts
-        ),
+        positions=tuple(slice(p.position, p.position + d * (horizon + 1)) for p in parts),
+        controls=tuple(slice(p.controls, p.controls + 2 * p.control_bounds.size) for p in parts),
         owners=owners_of_runs(starts),
     )
 

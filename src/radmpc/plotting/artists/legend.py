@@ -148,6 +148,8 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
             entries["3σ"] = _sign("o", 7.0, "none", "#55555580", 0.4)
     star = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
     entries["goal"] = (_sign("s", 6.0, "#55555540", MUTED, 0.7), star) if is_flat else star
+    if any(vehicle.via for vehicle in plan.scenario.vehicles):
+        entries["visit"] = _sign("s" if is_flat else "D", 6.0, "none", MUTED, 0.8)
     if nearest_ghosts(plan):
         entries["when nearest"] = (
             _sign("s", 7.5, OBSTACLE_FILL, MUTED, 0.9),

@@ -17,6 +17,8 @@ from radmpc.model.visits import steps_of_visits
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.hazards import Hazards
+from radmpc.program.visits.rows import fixed_visit_rows
+from radmpc.program.visits.steps import at_steps, visiting_steps
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 
 __all__ = ["at_good_visits", "at_visits_of", "good_steps"]
@@ -52,8 +54,6 @@ def at_visits_of(hazards: Hazards, controls: Sequence[Matrix]) -> Hazards:
     """
     if not any(model.vehicle.via for model in hazards.models):
         return hazards
-    from radmpc.program.visits import at_steps, visiting_steps  # noqa: PLC0415 - few visit anything
-
     pairs = zip(hazards.models, controls, strict=True)
     models = tuple(at_steps(model, visiting_steps(model, each)) for model, each in pairs)
     return replace(hazards, models=models)
@@ -74,8 +74,6 @@ def at_good_visits(hazards: Hazards) -> Hazards:
     """
     if not any(model.vehicle.via for model in hazards.models):
         return hazards
-    from radmpc.program.visits import at_steps  # noqa: PLC0415 - few visit anything
-
     models = tuple(
         at_steps(model, good_steps(model)) if model.vehicle.via else model
         for model in hazards.models
@@ -187,8 +185,6 @@ class _VisitLp:
 
     def _added(self, visit: int, step: int) -> tuple[list[int], Vector]:
         """Add the rows of a visit at a step; return their numbers and lower bounds."""
-        from radmpc.program.visits import at_steps, fixed_visit_rows  # noqa: PLC0415 - as above
-
         given = replace(self._model.vehicle, via=(self._model.vehicle.via[visit],))
         rows, lower, upper = fixed_visit_rows(
             at_steps(replace(self._model, vehicle=given), (step,))
