@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
     from radmpc.model.scenario import Scenario, Workspace
     from radmpc.model.vehicle import Goal, Vehicle
+    from radmpc.model.visits import Visit
     from radmpc.planners import Planner
     from radmpc.planning import plan
     from radmpc.plotting import (
@@ -104,6 +105,7 @@ __all__ = [
     "Tick",
     "Trajectory",
     "Vehicle",
+    "Visit",
     "Workspace",
     "__version__",
     "animate_plan",
@@ -172,6 +174,7 @@ _HOMES = {
     "model.plan": ("Coupling", "LedgerRow", "Plan", "Risk", "Status", "Trajectory"),
     "model.scenario": ("Scenario", "Workspace"),
     "model.vehicle": ("Goal", "Vehicle"),
+    "model.visits": ("Visit",),
     "planners.planner": ("Planner",),
     "planning": ("plan",),
     "plotting": (

@@ -75,7 +75,8 @@ def plan(
     Raises
     ------
     ScenarioError
-        If there is no such planner, or it does not take disturbances that vehicles share.
+        If there is no such planner, or it takes no visits or no disturbances that vehicles share,
+        and the scenario has some.
     ArgumentTypeError
         If an argument is of another kind; the message says what to do instead.
     ArgumentError
@@ -89,6 +90,7 @@ def plan(
     check_scenario(scenario)
     record = _record(planner)
     _check_shared(scenario, record)
+    record.check_visits(scenario)
     _check_options(rng, time_limit, executor, progress, stop)
     check_callable(found, "found")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None

@@ -14,6 +14,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.model.visits import Visit
 
 texts = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=8)
 finite = st.floats(-1e9, 1e9)
@@ -86,6 +87,16 @@ def goals(draw: st.DrawFn, d: int, has_speed: bool) -> Goal:
     return Goal(center - half, center + half, draw(speed) if wants_speed else None)
 
 
+@st.composite
+def visits(draw: st.DrawFn, vehicle: Vehicle, horizon: int) -> tuple[Visit, ...]:
+    """At most one for each step, in windows that leave them their order."""
+    d, found = vehicle.system.dimension, []
+    for k in range(1, draw(st.integers(0, horizon)) + 1):
+        box = draw(goals(d, vehicle.system.velocity is not None))
+        found.append(Visit(box.lower, box.upper, (k, draw(st.integers(k, horizon))), box.speed))
+    return tuple(found)
+
+
 def drifts(system: LinearSystem, dt: float) -> st.SearchStrategy[np.ndarray]:
     """Any, or a current in whole millimeters per second."""
     current = st.integers(-3000, 3000).map(
@@ -155,15 +166,15 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     kind = draw(st.none() | vehicles("", dt, d))
     faces = st.integers(3, 9) if d == 2 else st.sampled_from([6, 8, 14])
     corner = st.floats(60.0, 1e6)
+    fleet = [
+        draw(vehicles(name, dt, d)) if kind is None else replace(kind, name=name) for name in names
+    ]
     return Scenario(
         name=draw(texts | st.just("")),
         dt=dt,
         horizon=horizon,
         risk_bound=draw(st.floats(1e-12, 0.4999)),
-        vehicles=tuple(
-            draw(vehicles(name, dt, d)) if kind is None else replace(kind, name=name)
-            for name in names
-        ),
+        vehicles=tuple(replace(v, via=draw(visits(v, horizon))) for v in fleet),
         obstacles=tuple(draw(obstacles(name, d, horizon)) for name in stones),
         avoidance=draw(st.sampled_from(["steps", "intervals"])),
         pair_faces=draw(st.none() | faces),

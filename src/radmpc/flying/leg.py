@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_matrix
+from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
@@ -234,7 +235,16 @@ def left_of(
     -------
     Scenario
         With the same goals, and moving obstacles where they are by then.
+
+    Raises
+    ------
+    ScenarioError
+        If vehicles visit anything on the way: which visits a flight has made, states do not tell.
     """
+    if any(v.via for v in scenario.vehicles):
+        raise ScenarioError(
+            "a mission with visits (via) is not planned anew under way", ("vehicles",)
+        )
     vehicles = tuple(
         replace(v, start=state, initial_covariance=0.0 * v.initial_covariance)
         for v, state in zip(scenario.vehicles, states, strict=True)

@@ -105,6 +105,9 @@ class Scenario:
             from radmpc.model.noise.shared import check_sources  # noqa: PLC0415 - few share
 
             check_sources(vehicle.shared for vehicle in self.vehicles)
+        for i, vehicle in enumerate(self.vehicles):
+            if vehicle.via:
+                self._check_visits(i, vehicle)
 
     def __repr__(self) -> str:
         """Return the scenario in one line."""
@@ -154,6 +157,15 @@ class Scenario:
                 )
             # A plain dict, not a proxy, would be shared and mutable; a proxy does not pickle.
             put(self, "source", dict(self.source))
+
+    def _check_visits(self, i: int, vehicle: Vehicle) -> None:
+        """Check that a vehicle's visits fit within the horizon and the workspace."""
+        from radmpc.model.visits import check_visits  # noqa: PLC0415 - few visit anything
+
+        try:
+            check_visits(vehicle.via, self.horizon, self.workspace)
+        except ScenarioError as error:
+            raise error.under("vehicles", i) from error
 
     def _check_numbers(self) -> None:
         """Check the scalars."""

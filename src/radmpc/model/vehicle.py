@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.noise.spread import Spread
+    from radmpc.model.visits import Visit
 
 __all__ = ["Goal", "Vehicle"]
 
@@ -79,6 +80,8 @@ class Vehicle(Frozen):
         estimate x̂ of a Kalman filter. None is that the state is known exactly.
     shared : tuple of SharedDisturbance
         Its part in disturbances that others meet, too; names distinct.
+    via : tuple of Visit
+        Boxes that its mean visits on the way, one after the other.
     """
 
     name: str
@@ -97,6 +100,7 @@ class Vehicle(Frozen):
     disturbance_correlation: float = 0.0
     measurement: Measurement | None = None
     shared: tuple[SharedDisturbance, ...] = ()
+    via: tuple[Visit, ...] = ()
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -118,6 +122,7 @@ class Vehicle(Frozen):
             disturbance_correlation: float = 0.0,
             measurement: Measurement | None = None,
             shared: Sequence[SharedDisturbance] = (),
+            via: Iterable[Visit] = (),
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -178,6 +183,10 @@ class Vehicle(Frozen):
             from radmpc.model.noise.shared import as_shared  # noqa: PLC0415 - few share
 
             put(self, "shared", as_shared(self.shared, self.system.num_states))
+        if self.via != ():
+            from radmpc.model.visits import checked_visits  # noqa: PLC0415 - few visit anything
+
+            put(self, "via", checked_visits(self.via, self.system))
         numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
         for name in numbers:
             put(self, name, field_number(getattr(self, name), (name,)))

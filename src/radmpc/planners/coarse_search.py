@@ -47,9 +47,10 @@ def propose_alternatives(
     Returns
     -------
     (v,) int array or None
-        A selection; None if no path was found in time, and in space, where grids are too large.
+        A selection; None if no path was found in time, where something is visited on the way, and
+        in space, where grids are too large.
     """
-    if program.layout.dimension != 2:
+    if program.layout.dimension != 2 or program.num_visits:
         return None
     search = _Search(program, models, margins, limits)
     order = list(range(len(models)))

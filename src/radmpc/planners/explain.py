@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
+from typing import Literal
 
 import numpy as np
 
@@ -250,7 +251,9 @@ def _capitalized(text: str) -> str:
 
 def hazard_name(risk_item: RiskItem) -> str:
     """Return the parties of a hazard in words."""
-    cause: Cause = risk_item.cause
+    cause: Cause | Literal["visit"] = risk_item.cause
+    if cause == "visit":
+        return f"vehicle {risk_item.vehicle!r} and its {risk_item.other}"
     if cause == "pair":
         return f"vehicles {risk_item.vehicle!r} and {risk_item.other!r}"
     if cause == "obstacle":

@@ -75,6 +75,9 @@ class Decomposition(ABC):
     default_seconds: ClassVar[float | None] = None
     """Time limit where none is given [s]; None is no limit."""
 
+    plans_visits: ClassVar[bool] = True
+    """Whether its plans make the visits of vehicles (`via`)."""
+
     @abstractmethod
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
         """Plan a fleet.
@@ -153,6 +156,29 @@ class Planner:
                 raise ScenarioError(
                     f"solver '{self.solver}' does not go with the {name} '{part}', which needs one "
                     "that proves that there is no solution"
+                )
+
+    def check_visits(self, scenario: Scenario) -> None:
+        """Refuse a scenario whose visits these choices cannot plan.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            What is to be planned.
+
+        Raises
+        ------
+        ScenarioError
+            With the first vehicle that visits anything.
+        """
+        if self.decomposition.plans_visits and self.solver.plans_visits:
+            return
+        for i, vehicle in enumerate(scenario.vehicles):
+            if vehicle.via:
+                raise ScenarioError(
+                    f"the planner '{self}' goes straight for goals and makes no visits; "
+                    "use certified, distance, or one that is centralized without random trees",
+                    ("vehicles", i, "via"),
                 )
 
     @property

@@ -39,6 +39,10 @@ _NOTICED = 0.5
 """Share of the control limit from which on what feedback reserves is worth telling [-]."""
 
 
+_UNREACHED = 1e-6
+"""Distance from a box from which it counts as out of reach [m]: reach is exact up to rounding."""
+
+
 @dataclass(frozen=True, slots=True)
 class Reason:
     """Why some vehicles have no plan.
@@ -76,7 +80,7 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
     """
     reasons = []
     for i, model in enumerate(models):
-        reason = overdrawn_texts(model) or _too_far(scenario, model)
+        reason = overdrawn_texts(model) or _too_far(scenario, model) or _beyond_reach(model)
         if reason is not None:
             reasons.append(Reason((i,), *reason))
     return reasons + endpoint_reasons(scenario, floors(scenario, models))
@@ -165,6 +169,28 @@ def _too_far(scenario: Scenario, model: CondensedModel) -> tuple[str, str] | Non
     if np.all(missing <= 1e-6):
         return None
     return too_far_texts(scenario, model)
+
+
+def _beyond_reach(model: CondensedModel) -> tuple[str, str] | None:
+    """Say that full throttle does not lead to a box and on to the goal in time."""
+    if not model.vehicle.via:
+        return None
+    from radmpc.model.visits import steps_of_visits  # noqa: PLC0415 - few visit anything
+
+    via = model.vehicle.via
+    for j, (first, last) in enumerate(steps_of_visits(via, model.horizon)):
+        during = slice(first, last + 1)
+        gap = np.maximum(
+            model.reach_lower[during] - via[j].upper, via[j].lower - model.reach_upper[during]
+        )
+        if float(gap.max(axis=1).min()) > _UNREACHED:
+            text = (
+                f"cannot be in the box of via[{j}] at any step from {first} to {last} and at its "
+                "goal in time under its control and speed limits, obstacles aside."
+            )
+            many = text.replace("its goal", "their goals").replace("its control", "their control")
+            return text, many
+    return None
 
 
 def too_far_texts(scenario: Scenario, model: CondensedModel) -> tuple[str, str]:

@@ -56,7 +56,7 @@ def uniform_allocation(
     if counts.sum() == 0 or left <= 0.0:
         return unavoidable
     shares = counts.sum() + (program.num_presolved if spread == "all" else 0)
-    risks: Vector = unavoidable + left / float(shares)
+    risks: Vector = unavoidable + left / float(shares) * _takes_risk(program)
     return risks
 
 
@@ -134,7 +134,7 @@ def _needed(program: DisjunctiveProgram, selection: Indices, z: Vector) -> tuple
     rows, num = program.rows, len(program.risk_items)
     risks = program.event_risks(z, selection)
     events = np.unique(rows.events[program.selected_rows(selection)])
-    paid = np.bincount(rows.risk_items[events], minlength=num)
+    paid = np.bincount(rows.risk_items[events], minlength=num) * _takes_risk(program)
     needed = np.zeros(num)
     np.maximum.at(needed, rows.risk_items[events], risks[events])
     return paid, needed
@@ -241,7 +241,14 @@ def _largest_counts(program: DisjunctiveProgram) -> Indices:
     by_avoidance = np.zeros(num, dtype=np.int64)
     np.add.at(by_avoidance, keys % num, most)
     by_event = np.bincount(rows.risk_items, minlength=num)
-    return np.minimum(by_avoidance, by_event)
+    return np.minimum(by_avoidance, by_event) * _takes_risk(program)
+
+
+def _takes_risk(program: DisjunctiveProgram) -> Indices:
+    """Return 1 for risk items that risk is allocated to, 0 for visits."""
+    if not program.num_visits:
+        return np.ones(len(program.risk_items), dtype=np.int64)
+    return np.array([item.cause != "visit" for item in program.risk_items], dtype=np.int64)
 
 
 def _unavoidable(program: DisjunctiveProgram) -> Vector:
@@ -255,6 +262,6 @@ def _unavoidable(program: DisjunctiveProgram) -> Vector:
     risk_item = rows.risk_items[rows.events]
     best = np.full(least.size, np.inf)
     np.minimum.at(best, risk_item[fixed], risk[fixed])
-    found = np.isfinite(best)
+    found = np.isfinite(best) & (_takes_risk(program) > 0)
     least[found] = best[found]
     return least

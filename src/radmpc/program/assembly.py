@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array
@@ -13,17 +15,78 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.program import ChanceRows
 
+if TYPE_CHECKING:
+    from radmpc.program.visits.columns import TimeColumns
+
 __all__ = [
-    "cost_and_upper_bounds",
+    "DecisionColumns",
+    "decision_columns",
     "joined_parents",
     "mean_positions",
     "run_starts",
     "stacked_chance_rows",
-    "stacked_hard_rows",
 ]
 
 
-def cost_and_upper_bounds(models: Sequence[CondensedModel]) -> tuple[Vector, Vector]:
+@dataclass(frozen=True, slots=True, eq=False)
+class DecisionColumns:
+    """The decision variables of a program, and the rows that hold in any case.
+
+    Attributes
+    ----------
+    cost, lower, upper : (n,) array
+        As in `DisjunctiveProgram`: the controls of all vehicles, then the times of visits.
+    blocks : (n,) int array
+        The vehicle of each.
+    hard : (h, n) sparse array
+        Coefficients of the rows.
+    hard_lower, hard_upper : (h,) array
+        Their bounds.
+    times : TimeColumns or None
+        The times of visits; None where nothing is visited.
+    """
+
+    cost: Vector
+    lower: Vector
+    upper: Vector
+    blocks: Indices
+    hard: csr_array
+    hard_lower: Vector
+    hard_upper: Vector
+    times: TimeColumns | None
+
+
+def decision_columns(models: Sequence[CondensedModel]) -> DecisionColumns:
+    """Return the columns of a program of some vehicles.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        The vehicles.
+    """
+    cost, upper = _cost_and_upper_bounds(models)
+    hard, hard_lower, hard_upper = _stacked_hard_rows(models)
+    lower = np.zeros(cost.size)
+    blocks = np.repeat(np.arange(len(models)), [2 * s.control_bounds.size for s in models])
+    if not any(model.vehicle.via for model in models):
+        return DecisionColumns(cost, lower, upper, blocks, hard, hard_lower, hard_upper, None)
+    from radmpc.program.visits.columns import time_columns  # noqa: PLC0415 - few visit anything
+
+    times = time_columns(models)
+    num_orders = times.order.shape[0]
+    return DecisionColumns(
+        np.concatenate([cost, np.zeros(times.count)]),
+        np.concatenate([lower, times.lower]),
+        np.concatenate([upper, times.upper]),
+        np.concatenate([blocks, times.blocks]),
+        csr_array(block_diag([hard, times.order])),
+        np.concatenate([hard_lower, np.full(num_orders, 1.0 / models[0].horizon)]),
+        np.concatenate([hard_upper, np.full(num_orders, np.inf)]),
+        times,
+    )
+
+
+def _cost_and_upper_bounds(models: Sequence[CondensedModel]) -> tuple[Vector, Vector]:
     """Return cost and upper bounds of the columns, (n,) each.
 
     A negative upper bound, from feedback that needs more than the control limit, leaves no
@@ -35,17 +98,27 @@ def cost_and_upper_bounds(models: Sequence[CondensedModel]) -> tuple[Vector, Vec
     return cost, np.concatenate(bounds)
 
 
-def mean_positions(models: Sequence[CondensedModel]) -> tuple[csr_array, Vector]:
-    """Return all mean positions over the columns, and their drift [m]."""
+def mean_positions(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr_array, Vector]:
+    """Return all mean positions over the columns, and their drift [m].
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        The vehicles.
+    num_columns : int
+        Columns of the program, the vehicles' controls first.
+    """
     blocks = []
     for model in models:
         prediction = model.position.reshape(-1, model.position.shape[2])
         blocks.append(np.hstack([prediction, -prediction]))
     drift = np.concatenate([s.drift_position.ravel() for s in models])
-    return csr_array(block_diag(blocks)), drift
+    rows = csr_array(block_diag(blocks))
+    shape = (rows.shape[0], num_columns)
+    return csr_array((rows.data, rows.indices, rows.indptr), shape=shape), drift
 
 
-def stacked_hard_rows(models: Sequence[CondensedModel]) -> tuple[csr_array, Vector, Vector]:
+def _stacked_hard_rows(models: Sequence[CondensedModel]) -> tuple[csr_array, Vector, Vector]:
     """Return the hard rows of all vehicles over the columns, with lower and upper bounds."""
     blocks, lowers, uppers = [], [], []
     for model in models:

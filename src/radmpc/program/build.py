@@ -1,7 +1,8 @@
 """From vehicles and what they avoid to a program, and from its solution back to controls.
 
 Columns: per vehicle ``u⁺`` step by step, then ``u⁻``,
-so that ``u = u⁺ − u⁻`` and, at no extra row, ``|u| <= u⁺ + u⁻``.
+so that ``u = u⁺ − u⁻`` and, at no extra row, ``|u| <= u⁺ + u⁻``. The times of visits follow where
+they are needed (`radmpc.program.visits`).
 """
 
 from __future__ import annotations
@@ -112,18 +113,25 @@ def controls_of(models: Sequence[CondensedModel], z: Vector) -> list[Matrix]:
     return controls
 
 
-def point_of(controls: Sequence[Matrix]) -> Vector:
+def point_of(models: Sequence[CondensedModel], controls: Sequence[Matrix]) -> Vector:
     """Return the decision variables of vehicles' controls, the least that stand for them.
 
     Parameters
     ----------
+    models : sequence of CondensedModel
+        The vehicles of the program.
     controls : sequence of (T, m) array
         Nominal controls of each vehicle of a program, in its order.
 
     Returns
     -------
     (n,) array
-        ``u⁺`` and then ``u⁻`` of each vehicle.
+        ``u⁺`` and then ``u⁻`` of each vehicle; then the times of visits, if any need one.
     """
     halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
-    return np.concatenate([half for pair in halves for half in pair])
+    parts = [half for pair in halves for half in pair]
+    if any(model.vehicle.via for model in models):
+        from radmpc.program.visits.steps import times_of  # noqa: PLC0415 - few visit anything
+
+        parts.append(times_of(models, controls))
+    return np.concatenate(parts)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
@@ -15,22 +16,24 @@ from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.program.assembly import (
-    cost_and_upper_bounds,
+    decision_columns,
     joined_parents,
     mean_positions,
     run_starts,
     stacked_chance_rows,
-    stacked_hard_rows,
 )
 from radmpc.program.avoidance import Body, Part, RowBlock, Windows
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.joined import batches, faces_at_start, joined_windows
 from radmpc.program.keepout import KeepOut
-from radmpc.program.layout import ProgramLayout, owners_of_runs
+from radmpc.program.layout import laid_out
 from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.program.relative import relative_bent_covariances, relative_covariances
 from radmpc.program.rows import avoidance_rows
+
+if TYPE_CHECKING:
+    from radmpc.program.visits.columns import TimeColumns
 
 __all__ = ["ProgramBuilder"]
 
@@ -181,14 +184,16 @@ class ProgramBuilder:
         block = avoidance_rows(body, windows, self.scenario.risk_bound)
         self.add_block(block, cause, vehicle, *others)
 
-    def add_block(self, block: RowBlock, cause: Cause, vehicle: str, *others: str | None) -> None:
-        """Take rows of things to avoid, and number them.
+    def add_block(
+        self, block: RowBlock, cause: Cause | Literal["visit"], vehicle: str, *others: str | None
+    ) -> None:
+        """Take rows of things to avoid or to visit, and number them.
 
         Parameters
         ----------
         block : RowBlock
             Their rows.
-        cause : {'obstacle', 'pair', 'workspace'}
+        cause : {'obstacle', 'pair', 'workspace', 'visit'}
             What may happen.
         vehicle : str
             To whom.
@@ -241,30 +246,36 @@ class ProgramBuilder:
             if risk > _NEGLIGIBLE:
                 self.initial.append((RiskItem(*label, 0), risk))
 
+    def _add_visits(self, times: TimeColumns) -> int:
+        """Add what is visited; return how many visits."""
+        from radmpc.program.visits.rows import visit_blocks  # noqa: PLC0415 - few visit anything
+
+        found = list(visit_blocks(self.models, self.parts, times, intervals=self.intervals))
+        for vehicle, block, names in found:
+            self.add_block(block, "visit", vehicle, *names)
+        return sum(len(names) for _, _, names in found)
+
     def finish(self, risk_bound: float) -> DisjunctiveProgram:
-        """Stack the blocks and the hard rows into the program of a risk bound Δ."""
-        cost, upper = cost_and_upper_bounds(self.models)
-        hard, hard_lower, hard_upper = stacked_hard_rows(self.models)
-        positions, constant = mean_positions(self.models)
-        outputs = csr_array(vstack([positions, eye_array(cost.size)]))
+        """Stack the blocks, visits last, and the hard rows into the program of a risk bound Δ."""
+        columns = decision_columns(self.models)
+        lower, upper = columns.lower, columns.upper
+        num_visits = 0 if columns.times is None else self._add_visits(columns.times)
+        positions, constant = mean_positions(self.models, upper.size)
+        outputs = csr_array(vstack([positions, eye_array(upper.size)]))
         rows = stacked_chance_rows(self.blocks, self.block_risk_items, outputs.shape[0])
         avoidance_starts = run_starts([b.avoidance_sizes for b in self.blocks])
         return DisjunctiveProgram(
-            cost=cost,
-            lower=np.zeros(cost.size),
+            cost=columns.cost,
+            lower=lower,
             upper=upper,
-            blocks=np.repeat(
-                np.arange(len(self.models)), [2 * s.control_bounds.size for s in self.models]
-            ),
-            hard=hard,
-            hard_lower=hard_lower,
-            hard_upper=hard_upper,
+            blocks=columns.blocks,
+            hard=columns.hard,
+            hard_lower=columns.hard_lower,
+            hard_upper=columns.hard_upper,
             outputs=outputs,
             num_positions=positions.shape[0],
-            constant=np.concatenate([constant, np.zeros(cost.size)]),
-            output_lower=np.concatenate(
-                [*(s.reach_lower.ravel() for s in self.models), np.zeros(cost.size)]
-            ),
+            constant=np.concatenate([constant, np.zeros(upper.size)]),
+            output_lower=np.concatenate([*(s.reach_lower.ravel() for s in self.models), lower]),
             output_upper=np.concatenate([*(s.reach_upper.ravel() for s in self.models), upper]),
             rows=rows,
             alternative_starts=run_starts([b.alternative_sizes for b in self.blocks]),
@@ -275,26 +286,9 @@ class ProgramBuilder:
             risk_bound=risk_bound,
             initial_risk=self.initial_risk + self.presolved_risk,
             initial=tuple(self.initial),
-            layout=self._layout(owners_of_runs(avoidance_starts)),
+            layout=laid_out(self.parts, self.scenario, self.first_step, avoidance_starts),
             presolved_risk=self.presolved_risk,
             num_presolved=self.num_presolved,
             parents=joined_parents(self.blocks),
-        )
-
-    def _layout(self, owners: Indices) -> ProgramLayout:
-        """Return where things lie in the program."""
-        horizon, d = self.models[0].horizon, self.scenario.dimension
-        return ProgramLayout(
-            horizon=horizon,
-            dimension=d,
-            intervals=self.intervals,
-            first_step=self.first_step,
-            positions=tuple(
-                slice(part.position, part.position + d * (horizon + 1)) for part in self.parts
-            ),
-            controls=tuple(
-                slice(part.controls, part.controls + 2 * part.control_bounds.size)
-                for part in self.parts
-            ),
-            owners=owners,
+            num_visits=num_visits,
         )

@@ -11,7 +11,7 @@ __all__ = ["hard_rows"]
 
 
 def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
-    """Return one vehicle's goal and speed rows over its controls, with their bounds.
+    """Return one vehicle's rows over its controls, with their bounds: goal, speed, fixed visits.
 
     Parameters
     ----------
@@ -40,4 +40,11 @@ def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
         rows.append(model.velocity[binding])
         lowers.append((-limits - model.drift_velocity)[binding])
         uppers.append((limits - model.drift_velocity)[binding])
+    if vehicle.via:
+        from radmpc.program.visits.rows import fixed_visit_rows  # noqa: PLC0415 - few visit anything
+
+        visits, lower, upper = fixed_visit_rows(model)
+        rows.append(visits)
+        lowers.append(lower)
+        uppers.append(upper)
     return np.vstack(rows), np.concatenate(lowers), np.concatenate(uppers)

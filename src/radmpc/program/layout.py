@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices
+from radmpc.model.scenario import Scenario
+from radmpc.program.avoidance import Part
 
-__all__ = ["ProgramLayout", "owners_of_runs"]
+__all__ = ["ProgramLayout", "laid_out", "owners_of_runs"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +52,34 @@ class ProgramLayout:
     def window_of(self, step: int) -> int:
         """Return the window of an avoidance from its absolute step."""
         return step - self.first_step - (0 if self.intervals else 1)
+
+
+def laid_out(
+    parts: Sequence[Part], scenario: Scenario, first_step: int, starts: Indices
+) -> ProgramLayout:
+    """Return where things lie in a program.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Each vehicle's place among the outputs.
+    scenario : Scenario
+        Theirs.
+    first_step : int
+        As in `ProgramLayout`.
+    starts : (v+1,) int array
+        Where the alternatives of each avoidance start.
+    """
+    horizon, d = len(parts[0].control_bounds), scenario.dimension
+    return ProgramLayout(
+        horizon=horizon,
+        dimension=d,
+        intervals=scenario.avoidance == "intervals",
+        first_step=first_step,
+        positions=tuple(slice(p.position, p.position + d * (horizon + 1)) for p in parts),
+        controls=tuple(slice(p.controls, p.controls + 2 * p.control_bounds.size) for p in parts),
+        owners=owners_of_runs(starts),
+    )
 
 
 def owners_of_runs(starts: Indices) -> Indices:

@@ -9,7 +9,7 @@ product; a row's dense form over ``z`` is made only for the few that enter a sol
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -35,17 +35,17 @@ class RiskItem(NamedTuple):
 
     Attributes
     ----------
-    cause : {'obstacle', 'pair', 'workspace'}
-        What may happen.
+    cause : {'obstacle', 'pair', 'workspace', 'visit'}
+        What may happen; a visit does without risk.
     vehicle : str
         To whom.
     other : str or None
-        The obstacle or the other vehicle.
+        The obstacle or the other vehicle; which visit.
     step : int
         Absolute step 0..T.
     """
 
-    cause: Cause
+    cause: Cause | Literal["visit"]
     vehicle: str
     other: str | None
     step: int
@@ -140,6 +140,8 @@ class DisjunctiveProgram:
         The alternative of the same avoidance that each refines, -1 where there is none: whatever
         satisfies it satisfies that one. Only those that nothing refines are alternatives proper;
         the others stand for all that refine them. None where no alternative refines another.
+    num_visits : int
+        How many of the avoidances, the last of them, are visits: without risk.
     """
 
     cost: Vector
@@ -167,6 +169,7 @@ class DisjunctiveProgram:
     presolved_risk: float = 0.0
     num_presolved: int = 0
     parents: Indices | None = None
+    num_visits: int = 0
 
     @property
     def num_columns(self) -> int:

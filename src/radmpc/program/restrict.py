@@ -218,6 +218,7 @@ def _with_avoidances(
         avoidance_starts=avoidance_starts,
         avoidances=tuple(program.avoidances[int(i)] for i in avoidances),
         layout=replace(program.layout, owners=owners_of_runs(avoidance_starts)),
+        num_visits=int(np.sum(avoidances >= program.num_avoidances - program.num_visits)),
     )
     return Restriction(smaller, part.columns, rows, alternatives, avoidances)
 

@@ -183,7 +183,7 @@ def _gain_problems(vehicle: Vehicle, stated: Trajectory) -> list[str]:
 
 
 def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
-    """Return which limits and goals the mean does not keep, beyond 1e-6.
+    """Return which limits, goals and visits the mean does not keep, beyond 1e-6.
 
     Speeds are checked at k = 1..T: the start is the scenario's, not the plan's.
 
@@ -201,6 +201,10 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         bounds = _control_bounds(vehicle, motion.seen[i][:-1])
         problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
+        if vehicle.via:
+            from radmpc.referee.visits import visit_problems  # noqa: PLC0415 - few visit anything
+
+            problems += visit_problems(vehicle, motion.states[i])
     return problems
 
 

@@ -165,6 +165,9 @@ class Solver(ABC):
     proves: ClassVar[bool] = True
     """Whether "none found" means that there is none, and costs come with a lower bound."""
 
+    plans_visits: ClassVar[bool] = True
+    """Whether it takes disjunctions over steps, as visits are."""
+
     @abstractmethod
     def solve(
         self,

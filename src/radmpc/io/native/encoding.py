@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -24,10 +25,13 @@ from radmpc.model.obstacle import (
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 
+if TYPE_CHECKING:
+    from radmpc.model.visits import Visit
+
 __all__ = ["encode_scenario"]
 
 # What a vehicle has alone; all else moves to the defaults where every vehicle agrees.
-_OWN = ("name", "start", "goal")
+_OWN = ("name", "start", "goal", "via")
 
 
 def encode_scenario(scenario: Scenario) -> dict[str, object]:
@@ -150,6 +154,8 @@ def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
     if vehicle.measurement is not None:
         noise = _covariance(vehicle.measurement.covariance)
         content["measurement"] = {**encode_sensor(vehicle.measurement), "covariance": noise}
+    if vehicle.via:
+        content["via"] = [_visit(visit) for visit in vehicle.via]
     return content
 
 
@@ -162,16 +168,29 @@ def _start(vehicle: Vehicle) -> list[float]:
     return _floats(vehicle.start_position)
 
 
+def _box(lower: Vector, upper: Vector) -> dict[str, object]:
+    """Return a box by its center where that loses nothing, else by its corners."""
+    # Rounded, so that a box written by its center comes back as that center.
+    center = np.round(0.5 * (lower + upper), 12)
+    half = np.round(0.5 * (upper - lower), 12)
+    if _is_same(center - half, lower) and _is_same(center + half, upper):
+        return {"center": _floats(center), "half_width": _short(half)}
+    return {"min": _floats(lower), "max": _floats(upper)}
+
+
+def _visit(visit: Visit) -> dict[str, object]:
+    """Return a visit's fields, without those that are as when absent."""
+    content = _box(visit.lower, visit.upper)
+    if visit.between is not None:
+        content["between"] = list(visit.between)
+    if visit.speed is not None:
+        content["speed"] = _short(visit.speed)
+    return content
+
+
 def _goal(goal: Goal, has_speed: bool) -> dict[str, object]:
-    """Return a goal by its center where that loses nothing, else by its corners."""
-    # Rounded, so that a goal written as a center comes back as that center.
-    center = np.round(0.5 * (goal.lower + goal.upper), 12)
-    half = np.round(0.5 * (goal.upper - goal.lower), 12)
-    content: dict[str, object] = {}
-    if _is_same(center - half, goal.lower) and _is_same(center + half, goal.upper):
-        content |= {"center": _floats(center), "half_width": _short(half)}
-    else:
-        content |= {"min": _floats(goal.lower), "max": _floats(goal.upper)}
+    """Return a goal's box, and its speed where there is one."""
+    content = _box(goal.lower, goal.upper)
     if has_speed:
         content["speed"] = None if goal.speed is None else _short(goal.speed)
     return content

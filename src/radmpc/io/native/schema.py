@@ -24,6 +24,7 @@ __all__ = [
     "SharedDisturbanceSpec",
     "TrackSpec",
     "VehicleSpec",
+    "VisitSpec",
     "WorkspaceSpec",
 ]
 
@@ -36,6 +37,10 @@ _MOST_CORNERS = 2000
 
 _MOST_STEPS = 1000
 """Steps of one scenario."""
+
+
+_MOST_VISITS = 200
+"""Boxes that one vehicle visits."""
 
 
 class FileModel(BaseModel):
@@ -111,6 +116,17 @@ class GoalSpec(FileModel):
     speed: ScalarOrVector | None = None
 
 
+class VisitSpec(FileModel):
+    """A box as of a goal, the window of steps, and the speed."""
+
+    center: Vector | None = None
+    half_width: ScalarOrVector = 0.0
+    min: Vector | None = None
+    max: Vector | None = None
+    between: Annotated[list[int], Field(min_length=2, max_length=2)] | None = None
+    speed: ScalarOrVector | None = None
+
+
 class DynamicsSpec(FileModel):
     """``{model}`` or ``{A, B, position, velocity}``."""
 
@@ -176,6 +192,7 @@ class VehicleSpec(FileModel):
     cost_weight: Number = 1.0
     drift: DriftSpec | None = None
     measurement: MeasurementSpec | None = None
+    via: Annotated[list[VisitSpec], Field(max_length=_MOST_VISITS)] = []
 
 
 class SharedDisturbanceSpec(FileModel):

@@ -6,6 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_vector
 from radmpc.errors import ScenarioError, all_checked
+from radmpc.io.native.boxes import box_of, build_visits
 from radmpc.io.native.noise import build_disturbance, build_drift, build_measurement
 from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
@@ -93,8 +94,8 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         raise _missing("goal")
     goal_spec = spec.goal
     numbers = (spec.radius, spec.control_sigmas, spec.cost_weight)
-    all_checked(lambda: _goal_box(goal_spec), lambda: check_vehicle_numbers(*numbers))
-    lower, upper = _goal_box(goal_spec)
+    all_checked(lambda: box_of(goal_spec, "goal"), lambda: check_vehicle_numbers(*numbers))
+    lower, upper = box_of(goal_spec, "goal")
     system = shared.system(spec.dynamics, lower.size)
     d, n, m = system.dimension, system.num_states, system.num_controls
     disturbance, correlation = build_disturbance(spec, n, shared.dt)
@@ -116,38 +117,13 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         drift=build_drift(spec.drift, system, shared.dt),
         disturbance_correlation=correlation,
         measurement=build_measurement(spec.measurement, n),
+        via=build_visits(spec.via),
     )
 
 
 def _missing(name: str) -> ScenarioError:
     """Return the error of a field that stands nowhere."""
     return ScenarioError("is required, here or in defaults", (name,))
-
-
-def _goal_box(spec: GoalSpec) -> tuple[Vector, Vector]:
-    """Return the corners of the goal."""
-    has_center = spec.center is not None
-    has_width = "half_width" in spec.model_fields_set
-    if spec.center is not None and spec.min is None and spec.max is None:
-        center = as_vector(spec.center, path=("goal", "center"))
-        half = as_axes(spec.half_width, center.size, ("goal", "half_width"))
-        if np.any(half < 0.0):
-            raise ScenarioError(f"must be >= 0 m, got {spec.half_width}", ("goal", "half_width"))
-        lower, upper, key = center - half, center + half, "center"
-    elif spec.min is not None and spec.max is not None and not has_center and not has_width:
-        lower = as_vector(spec.min, path=("goal", "min"))
-        upper, key = as_vector(spec.max, lower.size, ("goal", "max")), "min"
-    else:
-        names = ("center", "half_width", "min", "max")
-        given = [n for n in names if n in spec.model_fields_set]
-        raise ScenarioError(
-            "needs either center (and half_width), or min and max; "
-            f"got {' and '.join(given) or 'none of them'}",
-            ("goal",),
-        )
-    if lower.size not in (2, 3):
-        raise ScenarioError(f"must have 2 or 3 coordinates, got {lower.size}", ("goal", key))
-    return lower, upper
 
 
 def _goal(spec: GoalSpec, lower: Vector, upper: Vector, system: LinearSystem) -> Goal:

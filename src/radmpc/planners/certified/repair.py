@@ -124,7 +124,10 @@ def repriced(
     alternatives = incumbent.selection.tolist()
     far = float(clearance_for(_NEAR * unit))
     near = tuple(
-        a for a in alternatives if clearances[program.rows_of(a)].min(initial=np.inf) < far
+        a
+        for v, a in enumerate(alternatives)
+        if clearances[program.rows_of(a)].min(initial=np.inf) < far
+        or v >= program.num_avoidances - program.num_visits
     )
     tree = RiskTree(
         program, unit, unit_price, gap=1e-3, scale=unit_price, limits=limits, rater=problem.rater

@@ -219,7 +219,7 @@ def _round(
 
 def _incumbent(problem: SetProblem, controls: Sequence[Matrix]) -> Incumbent:
     """Return a set's controls as a plan of its program."""
-    z = point_of(controls)
+    z = point_of(problem.models, controls)
     rating = problem.rater.rate(z)
     return Incumbent(z, rating.selection, float(problem.program.cost @ z), rating.risk)
 

@@ -43,6 +43,7 @@ class Couplings(Decomposition):
 
     needs_proof: ClassVar[bool] = True
     takes_shared: ClassVar[bool] = False
+    plans_visits: ClassVar[bool] = False
 
     threshold: float = 1e-6
     approximation: Receding = field(default_factory=Receding)

@@ -55,6 +55,7 @@ class Receding(Decomposition):
 
     families: ClassVar[frozenset[Family]] = frozenset({"deterministic", "fixed", "pooled"})
     takes_shared: ClassVar[bool] = False
+    plans_visits: ClassVar[bool] = False
 
     covariances: str = "schedule"
     arrivals: str = "once"

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
@@ -63,7 +63,7 @@ def draw_workspace(ax: Axes, workspace: Workspace, board: LabelBoard, plane: Pla
 
 
 def draw_ends(ax: Axes, vehicle: Vehicle, color: Color, plane: Plane = ABOVE) -> None:
-    """Draw the hull at the start as an open circle, the goal as a box with a star.
+    """Draw the hull at the start as an open circle, visits as boxes, the goal as one with a star.
 
     Parameters
     ----------
@@ -102,6 +102,8 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color, plane: Plane = ABOVE) ->
             gid=f"goal:{vehicle.name}",
         )
     )
+    for j, visit in enumerate(vehicle.via, start=1):
+        _draw_visit(ax, visit.lower[seen], visit.upper[seen], color, f"visit {j}:{vehicle.name}")
     ax.plot(
         *vehicle.goal.center[seen, None],
         marker="*",
@@ -111,6 +113,33 @@ def draw_ends(ax: Axes, vehicle: Vehicle, color: Color, plane: Plane = ABOVE) ->
         color=color,
         zorder=8,
         gid=f"star:{vehicle.name}",
+    )
+
+
+def _draw_visit(ax: Axes, lower: Vector, upper: Vector, color: Color, name: str) -> None:
+    """Draw a box that is visited, its place in the order beside it."""
+    width, height = (upper - lower).tolist()
+    ax.add_patch(
+        Rectangle(
+            (float(lower[0]), float(lower[1])),
+            width,
+            height,
+            facecolor="none",
+            edgecolor=color,
+            linewidth=0.8,
+            linestyle=(0, (2, 1.2)),
+            zorder=6,
+            gid=name,
+        )
+    )
+    ax.annotate(
+        name.partition(":")[0].removeprefix("visit "),
+        (float(upper[0]), float(upper[1])),
+        xytext=(1.0, 1.0),
+        textcoords="offset points",
+        fontsize=NUMBER_SIZE,
+        color=color,
+        zorder=7,
     )
 
 

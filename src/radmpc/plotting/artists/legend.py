@@ -153,6 +153,8 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
         entries["obstacle's 3σ"] = Line2D(
             [], [], color=MUTED, linewidth=0.6, linestyle=SPREAD_DASHES
         )
+    if any(vehicle.via for vehicle in plan.scenario.vehicles):
+        entries["visit"] = _sign("s" if is_flat else "D", 6.0, "none", MUTED, 0.8)
     if nearest_ghosts(plan):
         entries["when nearest"] = (
             _sign("s", 7.5, OBSTACLE_FILL, MUTED, 0.9),

@@ -124,7 +124,7 @@ def _draw_piece_3d(ax: Axes3D, name: str, corners: Matrix, alpha: float) -> None
 
 
 def draw_ends_3d(ax: Axes3D, vehicle: Vehicle, color: Color) -> None:
-    """Draw the start as an open circle, the goal as a star, both in front of all else.
+    """Draw the start as a circle, visits as rhombs, the goal as a star, in front of all else.
 
     Parameters
     ----------
@@ -147,6 +147,18 @@ def draw_ends_3d(ax: Axes3D, vehicle: Vehicle, color: Color) -> None:
         zorder=52,
         gid=f"start:{vehicle.name}",
     )
+    for j, visit in enumerate(vehicle.via, start=1):
+        ax.plot(
+            *visit.center[:, None],
+            linestyle="none",
+            marker="D",
+            markersize=5.0,
+            markerfacecolor="none",
+            markeredgewidth=0.8,
+            color=color,
+            zorder=53,
+            gid=f"visit {j}:{vehicle.name}",
+        )
     ax.plot(
         *vehicle.goal.center[:, None],
         linestyle="none",

@@ -40,6 +40,7 @@ def _corners(scenario: Scenario) -> Matrix:
             np.stack([vehicle.start_position - vehicle.radius]),
             np.stack([vehicle.start_position + vehicle.radius]),
             np.stack([vehicle.goal.lower, vehicle.goal.upper]),
+            *(np.stack([visit.lower, visit.upper]) for visit in vehicle.via),
         ]
     for obstacle in scenario.obstacles:
         for step, pieces in enumerate(obstacle.steps):

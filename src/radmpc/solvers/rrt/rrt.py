@@ -48,6 +48,7 @@ class Rrt(Solver):
     """
 
     proves: ClassVar[bool] = False
+    plans_visits: ClassVar[bool] = False
 
     max_nodes: int = 300
 

@@ -256,7 +256,8 @@ class _Search:
     ) -> None:
         """Search a set for so many nodes, up to one value after the other."""
         members, last = known.members, known.nodes + share
-        hint = point_of([self.incumbent.controls[i] for i in members])
+        models = [self.fleet.programs.models[i] for i in members]
+        hint = point_of(models, [self.incumbent.controls[i] for i in members])
         is_over = False
         while not is_over:
             most = self._next_most(known, gap)

@@ -49,7 +49,8 @@ def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> Searc
     alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
     starts = [_noiseless(fleet, whole, limits)]
     if alone and all(z is not None for z in alone):
-        apart = np.concatenate([z for z in alone if z is not None])
+        parts = {i: z for i, z in enumerate(alone) if z is not None}
+        apart = fleet.programs.assembled(whole, parts)
         controls = _controls(fleet, whole, apart)
         state = plan_by_turning(fleet, state, judge, fleet.singles, controls)
         if starts[0] is None or not np.array_equal(apart, starts[0]):

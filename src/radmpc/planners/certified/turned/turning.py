@@ -6,7 +6,7 @@ The price is the shadow price of the risk, per unit of probability, unless calle
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from radmpc.arrays import Matrix
@@ -20,6 +20,7 @@ from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.visiting import at_visits_of
 from radmpc.planners.verdict import Judge
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
@@ -54,7 +55,7 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     """
     incumbent = state.incumbent
     price = incumbent.turned_price or state.last_unit_price(fleet) / fleet.unit
-    turning = Turning(_task(fleet, judge), incumbent, incumbent.sets, price)
+    turning = Turning(_task(fleet, judge, incumbent.controls), incumbent, incumbent.sets, price)
     turning.successive.begin(incumbent.controls)
     task, paths = turning.task, turning.successive.paths
     if task.hazards.count > TUNING.most_together:
@@ -91,7 +92,7 @@ def turn_to(
     SearchState
         With a cheaper plan where there is one.
     """
-    incumbent, task = state.incumbent, _task(fleet, judge)
+    incumbent, task = state.incumbent, _task(fleet, judge, controls)
     turning = Turning(task, incumbent, incumbent.sets, price)
     if task.hazards.count > TUNING.most_together:
         others = on_other_sides(task.hazards, incumbent.controls, controls)
@@ -135,15 +136,15 @@ def plan_by_turning(
     """
     # Risk counts for much more than effort until the plan is certified.
     price = TUNING.dear * fleet.first_unit_price(state.budget) / fleet.unit
-    turning = Turning(_task(fleet, judge), state.incumbent, sets, price)
+    turning = Turning(_task(fleet, judge, controls), state.incumbent, sets, price)
     turning.successive.begin(controls)
     return replace(state, incumbent=turning.run(2 * TUNING.rounds))
 
 
-def _task(fleet: Fleet, judge: Judge) -> Task:
-    """Return what turning is asked of a fleet."""
-    risk_bound = fleet.scenario.risk_bound
-    return Task(fleet.programs.hazards, judge, fleet.limits, fleet.gap, risk_bound)
+def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
+    """Return what turning is asked of a fleet, visits at the steps of given controls."""
+    hazards = at_visits_of(fleet.programs.hazards, controls)
+    return Task(hazards, judge, fleet.limits, fleet.gap, fleet.scenario.risk_bound)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -282,9 +283,8 @@ class Turning:
         controls = tuple(paths.controls)
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
-            price = (
-                self.price * min(self.risk / max(certified, _NOTHING), TUNING.most_ratio) or None
-            )
+            ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
+            price = self.price * ratio or None
             if self.is_partial:
                 # What most vehicles would still pay for risk is what they paid before.
                 price = self.incumbent.turned_price

@@ -1,0 +1,83 @@
+"""Boxes in scenario files, by their centers or their corners: goals and visits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from radmpc.arrays import Vector, as_axes, as_vector
+from radmpc.errors import ScenarioError
+from radmpc.io.native.schema import GoalSpec, VisitSpec
+
+if TYPE_CHECKING:
+    from radmpc.model.visits import Visit
+
+__all__ = ["box_of", "build_visits"]
+
+
+def box_of(spec: GoalSpec | VisitSpec, *path: str | int) -> tuple[Vector, Vector]:
+    """Return the corners of the box of a goal or a visit.
+
+    Parameters
+    ----------
+    spec : GoalSpec or VisitSpec
+        What the file gives.
+    *path : str or int
+        Where it stands.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no box in the plane or in space.
+    """
+    has_center = spec.center is not None
+    has_width = "half_width" in spec.model_fields_set
+    if spec.center is not None and spec.min is None and spec.max is None:
+        center = as_vector(spec.center, path=(*path, "center"))
+        half = as_axes(spec.half_width, center.size, (*path, "half_width"))
+        if np.any(half < 0.0):
+            raise ScenarioError(f"must be >= 0 m, got {spec.half_width}", (*path, "half_width"))
+        lower, upper, key = center - half, center + half, "center"
+    elif spec.min is not None and spec.max is not None and not has_center and not has_width:
+        lower = as_vector(spec.min, path=(*path, "min"))
+        upper, key = as_vector(spec.max, lower.size, (*path, "max")), "min"
+    else:
+        names = ("center", "half_width", "min", "max")
+        given = [n for n in names if n in spec.model_fields_set]
+        raise ScenarioError(
+            "needs either center (and half_width), or min and max; "
+            f"got {' and '.join(given) or 'none of them'}",
+            path,
+        )
+    if lower.size not in (2, 3):
+        raise ScenarioError(f"must have 2 or 3 coordinates, got {lower.size}", (*path, key))
+    return lower, upper
+
+
+def build_visits(specs: Sequence[VisitSpec]) -> tuple[Visit, ...]:
+    """Return what a vehicle visits.
+
+    Parameters
+    ----------
+    specs : sequence of VisitSpec
+        What the file gives.
+
+    Raises
+    ------
+    ScenarioError
+        With a path within the vehicle.
+    """
+    if not specs:
+        return ()
+    from radmpc.model.visits import Visit  # noqa: PLC0415 - few visit anything
+
+    visits = []
+    for j, spec in enumerate(specs):
+        lower, upper = box_of(spec, "via", j)
+        try:
+            visits.append(Visit(lower, upper, spec.between, spec.speed))
+        except ScenarioError as error:
+            raise error.under("via", j) from error
+    return tuple(visits)

@@ -1,0 +1,199 @@
+"""Visits at given steps: those of a plan, or good ones before there is any.
+
+Half-spaces are turned to plans whose visits keep the steps at which they are made. The first plan
+has them at the steps that cost least in empty space, as far as moving one at a time tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.visits import steps_of_visits
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.hard import hard_rows
+from radmpc.program.hazards import Hazards
+from radmpc.program.visits.rows import fixed_visit_rows
+from radmpc.program.visits.steps import at_steps, visiting_steps
+from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
+
+__all__ = ["at_good_visits", "at_visits_of", "good_steps"]
+
+_MOVES = (4, 2, 1)
+"""Steps that a visit is moved by while it pays, long moves first [-]."""
+
+_PAYS = 1e-6
+"""Share of the cost that a move gains at least [-]."""
+
+_MISSED = 1e3
+"""What a meter beside a box costs, in what a meter's detour over one step costs [-]: enough for
+visits to be missed only where there is no way to make them."""
+
+_FAR = 1e7
+"""How far a box may be missed [m]: linear programs with finite bounds can be proven."""
+
+
+def at_visits_of(hazards: Hazards, controls: Sequence[Matrix]) -> Hazards:
+    """Return a fleet whose visits take place at the steps of given controls.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    controls : sequence of (T, m) array
+        Nominal controls of every vehicle.
+
+    Returns
+    -------
+    Hazards
+        The fleet itself where nothing is visited.
+    """
+    if not any(model.vehicle.via for model in hazards.models):
+        return hazards
+    pairs = zip(hazards.models, controls, strict=True)
+    models = tuple(at_steps(model, visiting_steps(model, each)) for model, each in pairs)
+    return replace(hazards, models=models)
+
+
+def at_good_visits(hazards: Hazards) -> Hazards:
+    """Return a fleet whose visits take place at good steps, obstacles and others aside.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+
+    Returns
+    -------
+    Hazards
+        The fleet itself where nothing is visited.
+    """
+    if not any(model.vehicle.via for model in hazards.models):
+        return hazards
+    models = tuple(
+        at_steps(model, good_steps(model)) if model.vehicle.via else model
+        for model in hazards.models
+    )
+    return replace(hazards, models=models)
+
+
+def good_steps(model: CondensedModel) -> tuple[int, ...]:
+    """Return steps for a vehicle's visits that cost little in empty space.
+
+    At even speed from box to box to begin with; then one visit after the other is moved while that
+    pays. A heuristic: by moving one at a time not every better choice is found.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+
+    Returns
+    -------
+    tuple of int
+        One per visit, rising, each within its window.
+    """
+    windows = steps_of_visits(model.vehicle.via, model.horizon)
+    steps = _at_even_speed(model, windows)
+    program = _VisitLp(model)
+    least = program.cost(steps)
+    for move in _MOVES:
+        has_moved = True
+        while has_moved:
+            has_moved = False
+            for j in range(len(steps)):
+                for by in (-move, move):
+                    moved = [*steps[:j], steps[j] + by, *steps[j + 1 :]]
+                    if not _is_allowed(moved, j, windows):
+                        continue
+                    cost = program.cost(moved)
+                    if cost < least - _PAYS * abs(least):
+                        steps, least, has_moved = moved, cost, True
+    return tuple(steps)
+
+
+def _is_allowed(steps: Sequence[int], j: int, windows: Sequence[tuple[int, int]]) -> bool:
+    """Whether a visit's step is in its window and between those of its neighbors."""
+    before = steps[j - 1] if j else -1
+    after = steps[j + 1] if j + 1 < len(steps) else windows[j][1] + 1
+    return before < steps[j] < after and windows[j][0] <= steps[j] <= windows[j][1]
+
+
+def _at_even_speed(model: CondensedModel, windows: Sequence[tuple[int, int]]) -> list[int]:
+    """Return the steps of visits at even speed from middle to middle, as far as windows allow."""
+    vehicle = model.vehicle
+    middles = [visit.center for visit in vehicle.via]
+    corners = np.array([model.drift_position[0], *middles, vehicle.goal.center])
+    along = np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))
+    shares = along[:-1] / max(float(along[-1]), 1e-9)
+    steps: list[int] = []
+    for share, (first, last) in zip(shares.tolist(), windows, strict=True):
+        earliest = max(first, steps[-1] + 1) if steps else first
+        steps.append(min(max(round(share * model.horizon), earliest), last))
+    return steps
+
+
+class _VisitLp:
+    """The least effort of a vehicle in empty space with its visits at given steps.
+
+    Boxes may be missed, at a high price: every choice of steps has a cost.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    """
+
+    def __init__(self, model: CondensedModel) -> None:
+        self._model = model
+        alone = replace(model, vehicle=replace(model.vehicle, via=()))
+        rows, lower, upper = hard_rows(alone)
+        span, self._count = rows.shape[1], len(model.vehicle.via)
+        weight = model.vehicle.cost_weight or 1.0
+        nearest = float(np.abs(model.position[1:]).max(axis=(1, 2)).min())
+        beside = _MISSED * weight / max(nearest, 1e-9)
+        bounds = np.maximum(np.tile(model.control_bounds.ravel(), 2), 0.0)
+        self._lp = HighsLp(
+            np.append(np.full(2 * span, weight), np.full(self._count, beside)),
+            np.zeros(2 * span + self._count),
+            np.append(bounds, np.full(self._count, _FAR)),
+        )
+        nothing = np.zeros((len(rows), self._count))
+        self._lp.add_rows(csr_array(np.hstack([rows, -rows, nothing])), lower, upper)
+        self._rows: dict[tuple[int, int], tuple[list[int], Vector]] = {}
+        self._active: set[tuple[int, int]] = set()
+
+    def cost(self, steps: Sequence[int]) -> float:
+        """Return the least cost with visits at some steps, what is missed included."""
+        target = set(enumerate(steps))
+        for key in self._active - target:
+            numbers, lower = self._rows[key]
+            self._lp.bound_rows(numbers, np.full(lower.size, -np.inf), np.full(lower.size, np.inf))
+        for key in sorted(target - self._active):
+            if key not in self._rows:
+                self._rows[key] = self._added(*key)
+                continue
+            numbers, lower = self._rows[key]
+            self._lp.bound_rows(numbers, lower, np.full(lower.size, np.inf))
+        self._active = target
+        outcome, bound = self._lp.solve()
+        return bound if outcome is LpOutcome.OPTIMAL else np.inf
+
+    def _added(self, visit: int, step: int) -> tuple[list[int], Vector]:
+        """Add the rows of a visit at a step; return their numbers and lower bounds."""
+        given = replace(self._model.vehicle, via=(self._model.vehicle.via[visit],))
+        rows, lower, upper = fixed_visit_rows(
+            at_steps(replace(self._model, vehicle=given), (step,))
+        )
+        both = np.vstack([rows, -rows])
+        beside = np.zeros((len(both), self._count))
+        beside[:, visit] = 1.0
+        right = np.append(lower, -upper)
+        begin = self._lp.add_rows(
+            csr_array(np.hstack([both, -both, beside])), right, np.full(right.size, np.inf)
+        )
+        return list(range(begin, begin + right.size)), right

@@ -1,0 +1,95 @@
+"""The columns of visits' times, where their order needs them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.sparse import block_diag, csr_array
+
+from radmpc.arrays import Indices, Vector
+from radmpc.model.visits import steps_of_visits
+from radmpc.program.condensed import CondensedModel
+
+__all__ = ["TimeColumns", "is_disjunctive", "time_columns", "timed_visits", "windows_of"]
+
+
+def is_disjunctive(model: CondensedModel) -> bool:
+    """Whether a step has to be chosen for any visit of a vehicle."""
+    return any(first < last for first, last in windows_of(model))
+
+
+def windows_of(model: CondensedModel) -> tuple[tuple[int, int], ...]:
+    """Return the steps of each visit of a vehicle."""
+    return steps_of_visits(model.vehicle.via, model.horizon)
+
+
+def timed_visits(model: CondensedModel) -> tuple[tuple[int, ...], tuple[bool, ...]]:
+    """Return the visits that need a time, and whether each follows the one before at once."""
+    windows = windows_of(model)
+    overlaps = [one[1] >= two[0] for one, two in pairwise(windows)]
+    befores = [False, *overlaps]
+    afters = [*overlaps, False]
+    timed = [j for j in range(len(windows)) if befores[j] or afters[j]]
+    return tuple(timed), tuple(befores[j] for j in timed)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TimeColumns:
+    """The columns of visits' times; t of them, vehicle by vehicle.
+
+    Attributes
+    ----------
+    blocks : (t,) int array
+        The vehicle of each.
+    visits : (t,) int array
+        Which of its visits.
+    lower, upper : (t,) array
+        Bounds [shares of the horizon].
+    order : (o, t) sparse array
+        Rows that keep times in order, ``order @ times >= 1 / T``.
+    """
+
+    blocks: Indices
+    visits: Indices
+    lower: Vector
+    upper: Vector
+    order: csr_array
+
+    @property
+    def count(self) -> int:
+        """Number of columns."""
+        return int(self.blocks.size)
+
+
+def time_columns(models: Sequence[CondensedModel]) -> TimeColumns:
+    """Return the columns of the times of vehicles' visits.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        The vehicles of a program.
+    """
+    blocks: list[int] = []
+    visits: list[int] = []
+    bounds, orders = [], []
+    for i, model in enumerate(models):
+        timed, follows = timed_visits(model)
+        blocks += [i] * len(timed)
+        visits += timed
+        bounds += [windows_of(model)[j] for j in timed]
+        later = np.flatnonzero(follows)
+        rows = np.zeros((later.size, len(timed)))
+        rows[np.arange(later.size), later] = 1.0
+        rows[np.arange(later.size), later - 1] = -1.0
+        orders.append(rows)
+    shares = np.array(bounds, dtype=np.float64).reshape(-1, 2) / models[0].horizon
+    return TimeColumns(
+        np.array(blocks, dtype=np.int64),
+        np.array(visits, dtype=np.int64),
+        shares[:, 0],
+        shares[:, 1],
+        csr_array(block_diag(orders)),
+    )

@@ -1,0 +1,97 @@
+"""Visits at given steps, and the steps at which controls make them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.visits.columns import timed_visits, windows_of
+
+__all__ = ["at_steps", "times_of", "visiting_steps"]
+
+_MISSED = 1e6
+"""What a meter beside a box counts, in meters from its middle [-]: of the steps in the box the one
+nearest to its middle is taken."""
+
+_ROUNDING = 1e-7
+"""Distance from a box up to which a position counts as in it [m]: above the solver's tolerance."""
+
+
+def visiting_steps(model: CondensedModel, controls: Matrix) -> tuple[int, ...]:
+    """Return the steps at which a vehicle makes its visits; where it misses any, the nearest.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    controls : (T, m) array
+        Its nominal controls.
+
+    Returns
+    -------
+    tuple of int
+        One per visit, rising, each within its window.
+    """
+    horizon, via = model.horizon, model.vehicle.via
+    means = model.drift_position + model.position @ controls.ravel()
+    totals, before = np.zeros(horizon + 1), []
+    for visit, (first, last) in zip(via, windows_of(model), strict=True):
+        beside = np.maximum(np.maximum(visit.lower - means, means - visit.upper), 0.0).sum(axis=1)
+        velocity, drift = model.velocity, model.drift_velocity
+        if visit.speed is not None and velocity is not None and drift is not None:
+            speeds = np.abs(drift + velocity @ controls.ravel())
+            beside += np.maximum(speeds - visit.speed, 0.0).sum(axis=1)
+        beside[beside <= _ROUNDING] = 0.0
+        costs = _MISSED * beside + np.linalg.norm(means - visit.center, axis=1)
+        costs[:first] = costs[last + 1 :] = np.inf
+        # The best way to have made all earlier visits before each step.
+        order = np.minimum.accumulate(totals)
+        is_new = np.append(True, totals[1:] < order[:-1])
+        best = np.maximum.accumulate(np.where(is_new, np.arange(horizon + 1), 0))
+        before.append(np.append(0, best[:-1]))
+        totals = costs + np.append(np.inf if len(before) > 1 else 0.0, order[:-1])
+    steps = [int(totals.argmin())] if via else []
+    for earlier in before[:0:-1]:
+        steps.append(int(earlier[steps[-1]]))
+    return tuple(reversed(steps))
+
+
+def at_steps(model: CondensedModel, steps: Sequence[int]) -> CondensedModel:
+    """Return a vehicle whose visits take place at given steps.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    steps : sequence of int
+        One per visit, rising.
+    """
+    pairs = zip(model.vehicle.via, steps, strict=True)
+    via = tuple(replace(visit, between=(k, k)) for visit, k in pairs)
+    return replace(model, vehicle=replace(model.vehicle, via=via))
+
+
+def times_of(models: Sequence[CondensedModel], controls: Sequence[Matrix]) -> Vector:
+    """Return the columns of visits' times for given controls.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        The vehicles of a program.
+    controls : sequence of (T, m) array
+        Nominal controls of each.
+
+    Returns
+    -------
+    (t,) array
+        Shares of the horizon.
+    """
+    steps = []
+    for model, each in zip(models, controls, strict=True):
+        visiting = visiting_steps(model, each)
+        steps += [visiting[j] for j in timed_visits(model)[0]]
+    return np.array(steps, dtype=np.float64) / models[0].horizon

@@ -1,0 +1,63 @@
+"""Whether the mean makes its visits: each in its box, in its window, one after the other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.vehicle import Vehicle
+from radmpc.model.visits import Visit
+
+__all__ = ["visit_problems"]
+
+_TOL = 1e-6
+"""By how much a box, or a speed, may be missed [m, m/s]."""
+
+
+def visit_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
+    """Name the first visit that a mean does not make.
+
+    Every visit is taken at the earliest step there is: if any choice of steps makes all visits in
+    order, that one does.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With what it visits.
+    states : (T+1, n) array
+        Its mean states.
+
+    Returns
+    -------
+    list of str
+        Empty where all are made.
+    """
+    horizon, previous = len(states) - 1, 0
+    for j, visit in enumerate(vehicle.via):
+        first, last = (1, horizon - 1) if visit.between is None else visit.between
+        beside = _beside(vehicle, visit, states)
+        earliest = max(first, previous + 1)
+        made = [k for k in range(earliest, last + 1) if beside[k] <= _TOL]
+        if made:
+            previous = made[0]
+            continue
+        head = f"vehicle {vehicle.name!r}: does not visit via[{j}]"
+        if earliest > last:
+            return [
+                f"{head}: the one before takes place at step {previous}, allowed is up to {last}"
+            ]
+        nearest = earliest + int(beside[earliest : last + 1].argmin())
+        return [
+            f"{head} at any step from {earliest} to {last}: its mean is nearest at step {nearest}, "
+            f"beyond box or speed by {beside[nearest]:.3g}"
+        ]
+    return []
+
+
+def _beside(vehicle: Vehicle, visit: Visit, states: Matrix) -> Vector:
+    """Return by how much each mean state misses a visit's box or speed, (T+1,) [m, m/s]."""
+    positions = states[:, list(vehicle.system.position)]
+    excess = [visit.lower - positions, positions - visit.upper]
+    if visit.speed is not None and vehicle.system.velocity is not None:
+        excess.append(np.abs(states[:, list(vehicle.system.velocity)]) - visit.speed)
+    return np.asarray(np.concatenate(excess, axis=1).max(axis=1))
