@@ -59,7 +59,7 @@ CASES = {
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", CASES)
 def test_intervals_contain_the_truth_as_often_as_they_say(name: str) -> None:
     truth, log = CASES[name]

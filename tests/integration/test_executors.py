@@ -21,7 +21,7 @@ from radmpc.io.native.scenario_file import save_scenario
 from radmpc.planning import plan
 
 pytestmark = pytest.mark.slow
-SCENARIO = fleet(10, 1)
+SCENARIO = fleet(5, 0)  # three sets, one of them of three vehicles
 
 
 def controls(result_or_plan):
