@@ -140,3 +140,32 @@ def test_files_keep_the_world_as_it_is(world, tmp_path):
     read = radmpc.load_plan(tmp_path / "fleet.plan.json")
     assert radmpc.to_dict(read) == radmpc.to_dict(plan)
     assert radmpc.certify(read).certified == radmpc.certify(plan).certified
+
+
+@pytest.mark.parametrize("avoidance", ["intervals", "steps"])
+def test_a_track_known_exactly_gives_the_plan_that_its_outlines_give(avoidance):
+    base = fleet("freighter", avoidance)
+    hull = np.array([[-1.5, -0.4], [1.5, -0.4], [1.5, 0.4], [-1.5, 0.4]])
+    place, velocity = np.array([8.0, 4.0]), np.array([-0.6, -0.4])
+    outlines = [hull + (place + k * velocity) for k in range(base.horizon + 1)]
+    costs = []
+    for freighter in (
+        Obstacle.tracked("freighter", hull, [*place, *velocity]),
+        Obstacle.moving("freighter", outlines),
+    ):
+        scenario = replace(base, obstacles=(base.obstacles[0], freighter))
+        costs.append(radmpc.plan(scenario, "uniform", rng=0).require().cost)
+    assert costs[0] == costs[1]
+
+
+def test_the_less_is_known_of_a_track_the_more_a_plan_costs():
+    base = fleet("freighter")
+    [pier, freighter] = base.obstacles
+    start = [4.0, 2.5, 0.0, -0.3]
+    costs = []
+    for variance in (0.0, 0.02, 0.08):
+        known = [variance, variance, 0.0, 0.0]
+        track = Obstacle.tracked("freighter", freighter.shape.outline, start, known)
+        scenario = replace(base, obstacles=(pier, track))
+        costs.append(radmpc.plan(scenario, "uniform", rng=0).require().cost)
+    assert costs[0] < costs[1] < costs[2]

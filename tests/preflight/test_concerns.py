@@ -236,3 +236,14 @@ def test_the_recommended_gain_takes_less() -> None:
     vehicle = scenario.vehicles[0]
     softer = replace(vehicle, gain=lqr_gain(vehicle.system, np.eye(4), 1e3 * np.eye(2)))
     assert warned(replace(scenario, vehicles=(softer,)), "control") == []
+
+
+def test_a_track_that_is_lost_by_the_end_is_told(harbor: Scenario) -> None:
+    hull, start = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], [40.0, 40.0, 0.0, 0.0]
+    lost = Obstacle.tracked("barge", hull, start, [0.04, 0.04, 0.09, 0.01])
+    known = Obstacle.tracked("barge", hull, start, [0.04, 0.04, 1e-4, 1e-4])
+    (concern,) = warned(replace(harbor, obstacles=(lost,)), "track")
+    # After 12 s: the root of 0.04 + 0.09 · 144.
+    assert "'barge': its place deviates by 3.61 m at the end, 0.2 m at the start" in concern.text
+    assert not concern.is_fatal
+    assert warned(replace(harbor, obstacles=(known,)), "track") == []

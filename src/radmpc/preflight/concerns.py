@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil
 from typing import Literal
@@ -11,15 +11,14 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.preflight.noise import NoiseKind, noise_warnings
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
 from radmpc.preflight.places import Narrowest
 from radmpc.preflight.reserve import tails
 
 __all__ = ["Concern", "Kind", "concerns_of"]
 
-Kind = Literal[
-    "control", "time", "endpoint", "narrow", "saturation", "deviation", "noise", "assumed noise"
-]
+Kind = Literal["control", "time", "endpoint", "narrow", "saturation", "deviation"] | NoiseKind
 
 _TIGHT = 0.9
 """Share of the horizon that the least time may take before it is a concern [-]. Of the drawn
@@ -110,7 +109,8 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
         for vehicle, seen in zip(scenario.vehicles, outlook.vehicles, strict=True)
         for one in _of_vehicle(scenario, vehicle, seen)
     ]
-    told = [*_endpoints(outlook), *_grouped(found), *_of_noise(scenario)]
+    noise = (Concern(kind, (), text, False) for kind, text in noise_warnings(scenario))
+    told = [*_endpoints(outlook), *_grouped(found), *noise]
     return tuple(sorted(told, key=lambda concern: not concern.is_fatal))
 
 
@@ -255,26 +255,6 @@ def _endpoints(outlook: Outlook) -> Iterator[Concern]:
         f"({worst.risk:.2g}): move them, reduce the noise, or raise risk_bound"
     )
     yield Concern("endpoint", names, text, False)
-
-
-def _of_noise(scenario: Scenario) -> Iterator[Concern]:
-    """Yield what is to be said of noise that nobody measured."""
-    if not any(
-        v.initial_covariance.any() or v.disturbance_covariance.any() for v in scenario.vehicles
-    ):
-        text = (
-            "No vehicle has any noise: plans may touch what they pass, and their certificate says "
-            "nothing; state initial_covariance and disturbance_covariance"
-        )
-        yield Concern("noise", (), text, False)
-    choices = (scenario.source or {}).get("choices")
-    noise = choices.get("noise") if isinstance(choices, Mapping) else None
-    if isinstance(noise, str):
-        text = (
-            f"The noise was chosen by the import, the problem states none "
-            f"({' '.join(noise.split())}): replace it by what was measured"
-        )
-        yield Concern("assumed noise", (), text, False)
 
 
 def _grouped(found: Sequence[_Found]) -> Iterator[Concern]:
