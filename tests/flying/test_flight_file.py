@@ -19,6 +19,7 @@ from radmpc.flying.recording.verifying import flight_problems
 from radmpc.io.flight.flight_file import FlightWriter, is_flight, load_flight
 from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow, Touch
 from radmpc.model.plan import Plan
+from radmpc.referee.claims import shape_problems
 
 KEPT = FlightSettings(replan=None, missions=2, seed=4)
 
@@ -274,3 +275,60 @@ def test_a_rate_above_the_bound_is_called_one(plan: Plan, rows: list[TickRow]) -
     assert (summary.flown.rate, summary.flown.obstacle_rate, summary.flown.pair_rate) == (1, 1, 0)
     assert summary.flown.saturation_rate == 1.0
     assert "collision rate is at least 0.3976" in str(summary.contradiction)
+
+
+ODD = (None, True, "x", -1, 0, 7, 1e9, [], {}, [[]], [None], [[1.0, "x"]], {"x": 1})
+
+
+def _refusal(path: Path) -> str | None:
+    """Return why a flight cannot be read; judge one that can."""
+    try:
+        record = load_flight(path)
+    except FileFormatError as error:
+        return str(error)
+    assert record.changed == ()
+    flight_problems(record)
+    if not shape_problems(record.plan):
+        summary_of(record)
+    return None
+
+
+def _spoiled(path: Path, line: int, keys: list[str]) -> None:
+    """Put one odd value after another where keys lead, and see that each is answered."""
+    whole = path.read_bytes()
+    *above, last = keys
+    for odd in ODD:
+
+        def change(content: dict[str, object], odd: object = odd) -> None:
+            for key in above:
+                content = content[key]  # type: ignore[assignment]
+            content[last] = odd
+
+        forged(path, line, change)
+        refusal = _refusal(path)
+        if refusal is not None:
+            assert refusal.startswith(f"{path}:{line}: "), odd
+            assert "\n" not in refusal
+        path.write_bytes(whole)
+
+
+@pytest.mark.sampled(8)
+@pytest.mark.parametrize(
+    ("line", "keys"),
+    [
+        *((1, key.split(".")) for key in (
+            "format", "backend", "options", "replan", "missions", "seed", "deadline", "versions",
+            "plan", "plan.scenario", "plan.vehicles", "plan.cost", "plan.risk", "plan.sets",
+        )),
+        *((2, key.split(".")) for key in (
+            "mission", "step", "states", "contacts", "choice", "reason", "value", "wealth",
+            "price", "next_step", "tail", "bank", "controls", "excess", "leg", "alarms",
+            "seconds", "leg.risk_bound", "leg.starts", "leg.controls",
+        )),
+    ],
+    ids=lambda value: ".".join(value) if isinstance(value, list) else "",
+)  # fmt: skip
+def test_whatever_stands_in_a_line_is_read_or_refused_with_its_place(
+    path: Path, rows: list[TickRow], line: int, keys: list[str]
+) -> None:
+    _spoiled(path, line if line == 1 else _first_leg(rows), keys)

@@ -88,7 +88,7 @@ class RecordedMission(Mission):
                 mission=self._number,
                 step=tick.step,
                 states=given,
-                contacts=tuple(Touch(c.step, c.cause, c.vehicle, c.other) for c in contacts),
+                contacts=tuple(Touch(int(c.step), c.cause, c.vehicle, c.other) for c in contacts),
                 choice=tick.choice,
                 reason=tick.reason,
                 value=tick.value,
