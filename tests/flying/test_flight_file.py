@@ -14,6 +14,7 @@ from recorded_flights import beside_the_wall, forged, staked_rows, written
 import radmpc
 from radmpc.errors import FileFormatError
 from radmpc.flying.recording.campaign import begin_flight, resume_flight
+from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.recording.summary import summary_of
 from radmpc.flying.recording.verifying import flight_problems
 from radmpc.io.flight.flight_file import FlightWriter, is_flight, load_flight
@@ -238,6 +239,14 @@ def test_what_cannot_be_flown_leaves_no_file(tmp_path: Path, plan: Plan) -> None
     with pytest.raises(radmpc.ArgumentError, match="takes no option 'wind'"):
         begin_flight(plan, FlightSettings(options={"wind": "3"}), path)
     assert not path.exists()
+
+
+def test_what_a_file_has_no_row_for_is_refused(plan: Plan) -> None:
+    mission = RecordedMission(plan, 0, lambda row: None, planner=None)
+    with pytest.raises(radmpc.ArgumentError, match=r"keeps its risk bound of 0\.05, got 0\.1"):
+        mission.set_risk_bound(0.1)
+    with pytest.raises(radmpc.ArgumentError, match="keeps its account"):
+        mission.start_again(plan)
 
 
 def test_a_recorded_flight_is_the_flight_it_records(plan: Plan) -> None:

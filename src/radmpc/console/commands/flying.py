@@ -237,7 +237,7 @@ def _write(record: FlightRecord, request: FlyRequest) -> None:
         with writing(request.log):
             write_bytes(request.log, write_log(record))
         written.append(("log", request.log))
-    if request.film is not None:
+    if request.film is not None and record.rows:
         from radmpc.plotting import save_flight_film  # noqa: PLC0415 - matplotlib loads slowly
 
         with writing(request.film):
