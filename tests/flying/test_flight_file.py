@@ -145,7 +145,9 @@ def test_a_leg_that_could_not_be_afforded_is_found_out(path: Path, rows: list[Ti
 
 
 def test_a_collision_that_is_kept_quiet_is_found_out(tmp_path: Path, plan: Plan) -> None:
-    rows = next(r for r in (staked_rows(plan, s) for s in range(2, 100)) if any(t.contacts for t in r))
+    rows = next(
+        r for r in (staked_rows(plan, s) for s in range(2, 100)) if any(t.contacts for t in r)
+    )
     path = tmp_path / "hit.jsonl"
     written(path, plan, rows)
     assert flight_problems(load_flight(path)) == ()
