@@ -69,7 +69,7 @@ def test_a_mission_that_plans_anew_shows_its_account_and_goes_on_where_it_was_cu
     assert run("verify", "a.jsonl").exit_code == 0
     whole = load_flight(tmp_path / "a.jsonl")
     lines = (tmp_path / "a.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
-    (tmp_path / "a.jsonl").write_text("".join(lines[:4]) + lines[4][:100], encoding="utf-8")
+    (tmp_path / "a.jsonl").write_text("".join(lines[:6]) + lines[6][:100], encoding="utf-8")
     assert run("fly", "a.jsonl").exit_code == 0
     again = load_flight(tmp_path / "a.jsonl")
     assert [row.bank for row in again.rows] == [row.bank for row in whole.rows]
@@ -228,7 +228,7 @@ def test_a_rate_that_speaks_against_the_bound_is_a_no(run: Run, plan: Path) -> N
     ("words", "line"),
     [
         (["--with", "kite"], "--with: backend must be one of model, rotorpy, irsim, boat, mavlink"),
-        (["--option", "wind=3"], "backend 'model' takes no option 'wind', got 3"),
+        (["--option", "wind=3"], "backend 'model' takes no option 'wind', got '3'"),
         (["--replan", "magic"], "--replan: planner must be one of milp, "),
         (["--log", "a.bag"], "a.bag: a log must end in .mcap"),
         (["--film", "a.png"], "a.png: a film must end in .gif, .mp4"),

@@ -199,20 +199,7 @@ def _backend(record: FlightRecord, number: int) -> Backend:
     settings = record.settings
     rng = np.random.default_rng([settings.seed, number])
     kind = backend_named(settings.backend)
-    options = {name: _value(text) for name, text in settings.options.items()}
-    return kind.make(record.plan.scenario, rng, **options)
-
-
-def _value(text: str) -> str | float | bool:
-    """Return the number or truth that an option's text is, or else the text."""
-    if text in {"true", "false"}:
-        return text == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
+    return kind.make(record.plan.scenario, rng, **settings.options)
 
 
 def _replayed(
