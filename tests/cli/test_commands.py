@@ -96,6 +96,8 @@ def test_the_demo_plans_draws_and_says_what_next(run: Run) -> None:
     assert names == {"harbor.yaml", "harbor.plan.json", "harbor.png"}
     assert "within the bound 0.05" in result.stdout
     assert "radmpc verify made/here/harbor.plan.json" in result.stdout
+    fly = "radmpc fly made/here/harbor.plan.json -o made/here/harbor.flight.jsonl"
+    assert fly in result.stdout
 
 
 def test_the_demo_refuses_a_file_as_its_folder(run: Run) -> None:

@@ -11,15 +11,19 @@ from typer.testing import CliRunner
 
 from radmpc.cli import app
 from radmpc.console.completing import (
+    BACKENDS,
     FORMATS,
     PLANNERS,
+    complete_backend,
     complete_format,
     complete_log,
     complete_plan,
     complete_planner,
     complete_planners,
+    complete_replan,
     complete_scenario,
 )
+from radmpc.flying import backends
 from radmpc.io.export import exporting
 from radmpc.planners.presets import COMPARED, DEFAULT, PRESETS
 
@@ -61,6 +65,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_the_words_completed_are_those_that_commands_take() -> None:
     assert tuple(PRESETS) == PLANNERS
     assert exporting.FORMATS == FORMATS
+    assert tuple(backends.BACKENDS) == BACKENDS
 
 
 def test_help_names_what_is_taken_when_nothing_is_given() -> None:
@@ -92,6 +97,9 @@ def test_names_are_completed_from_their_beginning() -> None:
     assert complete_planner("m") == ["milp", "multi-vehicle"]
     assert complete_planner("x") == []
     assert complete_format("") == list(FORMATS)
+    assert complete_backend("") == list(BACKENDS)
+    assert complete_replan("no") == ["none"]
+    assert complete_replan("") == [*PLANNERS, "none"]
 
 
 def test_of_a_list_the_last_name_is_completed_and_none_twice() -> None:

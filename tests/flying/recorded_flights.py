@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from radmpc.flying.leg import leg_of
 from radmpc.flying.model import Model
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.io.flight.flight_file import FlightWriter
-from radmpc.io.flight.record import FlightSettings, TickRow
+from radmpc.io.flight.record import FlightRecord, FlightSettings, TickRow
 from radmpc.model.plan import Plan, Risk
 
 
@@ -87,3 +87,18 @@ def forged(path: Path, line: int, change: Callable[[dict[str, object]], object])
         digest = hashlib.sha256(f"{digest}\n{body}".encode()).hexdigest()[:16]
         lines[number - 1] = f'{body}, "digest": "{digest}"}}'
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def told(value: object) -> object:
+    """Return a value with arrays as lists: rows are equal where these are."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [told(item) for item in value]
+    if hasattr(value, "__dataclass_fields__"):
+        return {field.name: told(getattr(value, field.name)) for field in fields(value)}
+    return value
+
+
+def without_seconds(record: FlightRecord) -> list[object]:
+    return [told(row) | {"seconds": 0.0} for row in record.rows]  # type: ignore[operator]

@@ -53,7 +53,8 @@ def test_missions_follow_one_another_in_a_log() -> None:
     assert times == [*range(7), *range(16, 23)]
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.nightly)])
 def test_the_noise_of_a_flight_is_identified_from_its_log(tmp_path: Path, dimension: int) -> None:
     plan = drifting(dimension)
     record = radmpc.begin_flight(plan, FlightSettings(replan=None, missions=40, seed=3))

@@ -18,7 +18,10 @@ from radmpc.plotting.flight.film import make_flight_film
 KEPT = FlightSettings(replan=None, missions=3, seed=1)
 
 
-@pytest.fixture(scope="module", params=[2, 3], ids=["plane", "space"])
+DIMENSIONS = [pytest.param(2, id="plane"), pytest.param(3, id="space", marks=pytest.mark.nightly)]
+
+
+@pytest.fixture(scope="module", params=DIMENSIONS)
 def record(request: pytest.FixtureRequest) -> FlightRecord:
     return radmpc.begin_flight(drifting(request.param), KEPT)
 
@@ -80,3 +83,13 @@ def test_a_flight_that_was_cut_short_is_drawn_as_far_as_it_goes(record: FlightRe
         radmpc.plot_flight(replace(record, rows=()))
     with pytest.raises(ArgumentTypeError, match=r"record must be a FlightRecord, got 'a\.jsonl'"):
         radmpc.plot_flight("a.jsonl")  # type: ignore[arg-type]
+
+
+def test_a_flight_in_space_is_seen_from_above() -> None:
+    record = radmpc.begin_flight(drifting(3), replace(KEPT, missions=1))
+    axes = radmpc.plot_flight(record)
+    last = artist(axes, "flown:0:a").get_xydata()[-1]
+    assert np.array_equal(last, record.rows[-1].states[0][:2])
+    film = make_flight_film(record)
+    film.show(film.num_frames - 1)
+    assert np.allclose(artist(film.figure.axes[0], "vehicle:a").center, last)

@@ -34,12 +34,15 @@ class BackendKind:
         The extra that it needs; None needs none.
     help : str
         What it is, in a few words.
+    repeats : bool
+        Whether the same seed and controls lead to the same states: vehicles do not repeat.
     """
 
     name: str
     factory: str
     extra: str | None
     help: str
+    repeats: bool = True
 
     def make(
         self, scenario: Scenario, rng: np.random.Generator | int | None = None, **options: object
@@ -119,6 +122,7 @@ BACKENDS: Mapping[str, BackendKind] = MappingProxyType(
                 "radmpc.simulators.mavlink:Mavlink",
                 "mavlink",
                 "vehicles that speak MAVLink",
+                repeats=False,
             ),
         )
     }

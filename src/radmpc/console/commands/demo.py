@@ -41,6 +41,7 @@ def run_demo(folder: Path) -> int:
         "",
         "Try next:",
         f"  radmpc verify {plan_path}",
+        f"  radmpc fly {plan_path} -o {folder / f'{DEMO_NAME}.flight.jsonl'}",
         f"  radmpc plan {scenario_path} --seed 1 --ledger {folder / 'ledger.png'}",
         "  radmpc planners",
     )

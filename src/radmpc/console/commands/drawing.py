@@ -17,6 +17,7 @@ from radmpc.io.ranges import PLAN_FORMAT
 from radmpc.io.text.document import read_document
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.referee.claims import shape_problems
 
 __all__ = ["run_draw"]
 
@@ -79,6 +80,9 @@ def _draw_flight(source: Path, view: str | None, output: Path, *, is_film: bool)
     if view is not None:
         raise ScenarioError(f"--view is for plans, and {source} is a flight")
     record = load_flight(source)
+    problems = shape_problems(record.plan)
+    if problems:
+        raise FileFormatError(f"{source}:1: plan: {problems[0]}")
     try:
         with writing(output):
             (save_flight_film if is_film else save_flight)(record, output)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -97,8 +98,7 @@ def run_fly(request: FlyRequest) -> int:
         if goes_on:
             begun = load_flight(request.source)
             told = _Progress(line, begun)
-            with writing(request.source):
-                record = resume_flight(request.source, stop=is_stopped, progress=told)
+            record = resume_flight(request.source, stop=is_stopped, progress=told)
         else:
             record = _begun(request, line, is_stopped)
         was_interrupted = is_stopped()
@@ -185,7 +185,7 @@ def _check_nothing_new(request: FlyRequest) -> None:
             )
 
 
-def _begun(request: FlyRequest, line: ProgressLine, is_stopped: object) -> FlightRecord:
+def _begun(request: FlyRequest, line: ProgressLine, is_stopped: Callable[[], bool]) -> FlightRecord:
     """Fly a plan from its beginning."""
     plan = _flyable(request.source)
     replan = "certified" if request.replan is None else request.replan.strip()
@@ -198,10 +198,8 @@ def _begun(request: FlyRequest, line: ProgressLine, is_stopped: object) -> Fligh
         options=_options(request.options),
     )
     told = _Progress(line, FlightRecord(plan, settings))
-    stop = is_stopped if callable(is_stopped) else bool
     try:
-        with writing(request.output or "the flight"):
-            return begin_flight(plan, settings, request.output, stop=stop, progress=told)
+        return begin_flight(plan, settings, request.output, stop=is_stopped, progress=told)
     except RiskError as error:
         raise NoPlanError(f"{request.source}: cannot be flown: {error}") from error
 
@@ -239,7 +237,7 @@ def _write(record: FlightRecord, request: FlyRequest) -> None:
         with writing(request.log):
             write_bytes(request.log, write_log(record))
         written.append(("log", request.log))
-    if request.film is not None:
+    if request.film is not None and record.rows:
         from radmpc.plotting import save_flight_film  # noqa: PLC0415 - matplotlib loads slowly
 
         with writing(request.film):

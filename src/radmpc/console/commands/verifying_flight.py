@@ -11,7 +11,7 @@ from radmpc.console.reports.flight import flight_json, flight_rows
 from radmpc.console.reports.report import facts
 from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
-from radmpc.errors import FileFormatError, RadmpcError
+from radmpc.errors import RadmpcError
 from radmpc.flying.recording.summary import summary_of
 from radmpc.flying.recording.verifying import flight_problems
 from radmpc.io.flight.flight_file import load_flight
@@ -38,14 +38,14 @@ def run_verify_flight(path: Path, *, as_json: bool) -> int:
     Raises
     ------
     FileFormatError
-        If the file is no flight, or its plan cannot be flown at all.
+        If the file is no flight.
     """
     record = load_flight(path)
     problems = flight_problems(record)
     try:
         summary = summary_of(record)
     except RadmpcError as error:
-        raise FileFormatError(f"{path}:1: plan: {error}") from error
+        return _hopeless((*problems, f"the plan cannot be flown: {error}"), as_json=as_json)
     if summary.contradiction is not None:
         problems += (summary.contradiction,)
     holds = not problems
@@ -60,3 +60,13 @@ def run_verify_flight(path: Path, *, as_json: bool) -> int:
     title = Text(scenario_line(record.plan.scenario), style="bold")
     show(title, facts(rows | {"the flight": word}))
     return Code.OK if holds else Code.NO
+
+
+def _hopeless(problems: tuple[str, ...], *, as_json: bool) -> int:
+    """Report a flight that cannot even be summed up."""
+    if as_json:
+        show_json({"holds": False, "problems": list(problems)})
+    else:
+        told = Text("\n".join(dict.fromkeys(problems)), style="red")
+        show(facts({"problems": told, "the flight": Text("does not hold", "bold red")}))
+    return Code.NO

@@ -75,13 +75,17 @@ def begin_flight(
     record = FlightRecord(plan, settings, (), (), {"radmpc": __version__})
     # Before the file is touched: who cannot fly leaves nothing behind.
     _mission(record, 0, lambda row: None)
-    with ExitStack() as stack:
-        first, writer = _backend(record, 0), None
-        stack.callback(_close, first)
-        if path is not None:
-            begun = FlightWriter.begin(path, plan, settings, record.versions)
-            writer = stack.enter_context(begun)
-        return _flown(record, writer, stop, progress, first)
+    ready = [_backend(record, 0)]
+    try:
+        with ExitStack() as stack:
+            writer = None
+            if path is not None:
+                begun = FlightWriter.begin(path, plan, settings, record.versions)
+                writer = stack.enter_context(begun)
+            return _flown(record, writer, stop, progress, ready)
+    finally:
+        for backend in ready:
+            _close(backend)
 
 
 def resume_flight(
@@ -119,7 +123,8 @@ def resume_flight(
     writer, record = FlightWriter.go_on(path)
     with writer:
         try:
-            return _flown(record, writer, stop, progress)
+            _check_repeats(record)
+            return _flown(record, writer, stop, progress, [])
         except FileFormatError as error:
             raise FileFormatError(f"{os.fspath(path)}: {error}") from error
 
@@ -129,9 +134,9 @@ def _flown(
     writer: FlightWriter | None,
     stop: Callable[[], bool],
     progress: Progress | None,
-    first: Backend | None = None,
+    ready: list[Backend],
 ) -> FlightRecord:
-    """Fly the missions that are left, the very first with a backend that is there already."""
+    """Fly the missions that are left, the first with a backend that is taken from those ready."""
     rows = list(record.rows)
 
     def tell(row: TickRow) -> None:
@@ -144,11 +149,11 @@ def _flown(
     missions = record.missions
     begun = missions[-1] if missions and not missions[-1].is_over else None
     if begun is not None:
-        _fly(record, begun.number, begun.rows, tell, stop)
+        _fly(record, begun.number, begun.rows, tell, stop, ready)
     for number in range(len(missions), record.settings.missions):
         if stop():
             break
-        _fly(record, number, (), tell, stop, first if number == 0 else None)
+        _fly(record, number, (), tell, stop, ready)
     return FlightRecord(record.plan, record.settings, tuple(rows), (), record.versions)
 
 
@@ -158,20 +163,29 @@ def _fly(
     past: Sequence[TickRow],
     tell: Callable[[TickRow], None],
     stop: Callable[[], bool],
-    backend: Backend | None = None,
+    ready: list[Backend],
 ) -> None:
     """Fly one mission to its end, or until it is to stop."""
     mission = _mission(record, number, tell, past)
-    flown_with = _backend(record, number) if backend is None else backend
+    backend = ready.pop() if ready else _backend(record, number)
     try:
-        states, contacts = _replayed(flown_with, record.plan.scenario, past)
+        states, contacts = _replayed(backend, record.plan.scenario, past)
         while not mission.is_over and not stop():
             tick = mission.step(states, deadline=record.settings.deadline, contacts=contacts)
             if tick.segments:
-                states, contacts = flown_with.advance(tick.segments)
+                states, contacts = backend.advance(tick.segments)
     finally:
-        if backend is None:
-            _close(flown_with)
+        _close(backend)
+
+
+def _check_repeats(record: FlightRecord) -> None:
+    """Refuse to go on with a mission whose vehicles are not where they were."""
+    under_way = [mission for mission in record.missions if not mission.is_over]
+    if under_way and not backend_named(record.settings.backend).repeats:
+        raise FileFormatError(
+            f"cannot go on: {record.settings.backend} does not repeat the {len(under_way[0].rows)} "
+            f"steps of mission {under_way[0].number}, the vehicles have moved on"
+        )
 
 
 def _close(backend: Backend) -> None:

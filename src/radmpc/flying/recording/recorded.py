@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.errors import FileFormatError
+from radmpc.errors import ArgumentError, FileFormatError
 from radmpc.flying.measuring import measured
 from radmpc.flying.mission import Mission
 from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.tick import Contact, Tick
 from radmpc.io.flight.record import NewLeg, TickRow, Touch
 from radmpc.model.plan import Plan
+from radmpc.result import Result
 
 __all__ = ["RecordedMission"]
 
@@ -88,7 +89,7 @@ class RecordedMission(Mission):
                 mission=self._number,
                 step=tick.step,
                 states=given,
-                contacts=tuple(Touch(c.step, c.cause, c.vehicle, c.other) for c in contacts),
+                contacts=tuple(Touch(int(c.step), c.cause, c.vehicle, c.other) for c in contacts),
                 choice=tick.choice,
                 reason=tick.reason,
                 value=tick.value,
@@ -105,6 +106,39 @@ class RecordedMission(Mission):
             )
         )
         return tick
+
+    def set_risk_bound(self, risk_bound: float) -> None:
+        """Refuse: rows are of one risk bound.
+
+        Parameters
+        ----------
+        risk_bound : float
+            As in `Mission.set_risk_bound`.
+
+        Raises
+        ------
+        ArgumentError
+            Always.
+        """
+        raise ArgumentError(
+            f"a recorded mission keeps its risk bound of {self.balance.risk_bound:g}, "
+            f"got {risk_bound:g}: fly a Mission"
+        )
+
+    def start_again(self, result: Result | Plan) -> None:
+        """Refuse: rows are of one account.
+
+        Parameters
+        ----------
+        result : Result or Plan
+            As in `Mission.start_again`.
+
+        Raises
+        ------
+        ArgumentError
+            Always.
+        """
+        raise ArgumentError(f"a recorded mission keeps its account, got {result!r}: fly a Mission")
 
     def _new_leg(self) -> NewLeg:
         """Return what tells the leg in the air from any other."""

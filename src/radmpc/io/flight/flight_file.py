@@ -81,7 +81,8 @@ def _record(name: str, lines: list[str]) -> FlightRecord:
         try:
             content = read_json(line, name)
         except FileFormatError as error:
-            raise FileFormatError(one_line(f"{name}:{number}: not valid JSON")) from error
+            why = str(error).removeprefix(f"{name}:1: ")
+            raise FileFormatError(one_line(f"{name}:{number}: {why}")) from error
         stated = _DIGEST.search(line)
         if stated is None or stated[1] != _digest(digest, line[: stated.start()]):
             changed.append(number)
@@ -110,8 +111,8 @@ class FlightWriter:
     Made by `begin` or `go_on`; to be closed, or used as a context.
     """
 
-    def __init__(self, file: BinaryIO, digest: str) -> None:
-        self._file, self._digest = file, digest
+    def __init__(self, file: BinaryIO, digest: str, name: str) -> None:
+        self._file, self._digest, self._name = file, digest, name
 
     @classmethod
     def begin(
@@ -139,7 +140,7 @@ class FlightWriter:
         """
         file = _locked(path, os.O_CREAT)
         file.truncate(0)
-        writer = cls(file, "")
+        writer = cls(file, "", os.fspath(path))
         writer._write(encode_header(plan, settings, versions))
         _settle_folder(path)
         return writer
@@ -177,7 +178,7 @@ class FlightWriter:
         file.truncate(file.read().rfind(b"\n") + 1)
         file.seek(0, os.SEEK_END)
         found = _DIGEST.search(lines[-1])
-        return cls(file, found[1] if found else ""), record
+        return cls(file, found[1] if found else "", name), record
 
     def append(self, row: TickRow) -> None:
         """Write a tick, and wait until it is on the disk.
@@ -205,9 +206,12 @@ class FlightWriter:
         """Write a line whole, its digest last."""
         text = json.dumps(content, ensure_ascii=False, allow_nan=False)[:-1]
         self._digest = _digest(self._digest, text)
-        self._file.write(f'{text}, "digest": "{self._digest}"}}\n'.encode())
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        try:
+            self._file.write(f'{text}, "digest": "{self._digest}"}}\n'.encode())
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, self._name) from error
 
 
 def _locked(path: str | os.PathLike[str], flags: int) -> BinaryIO:

@@ -171,6 +171,11 @@ class FlownMission:
         """What was hit."""
         return tuple(touch for row in self.rows for touch in row.contacts)
 
+    def __repr__(self) -> str:
+        """Return what became of it in one line."""
+        hit = f"{len(self.contacts)} contacts" if self.contacts else "no collision"
+        return f"FlownMission({self.number}: {len(self.rows)} ticks, {hit})"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightRecord:
@@ -204,3 +209,9 @@ class FlightRecord:
             FlownMission(number, tuple(rows), horizon)
             for number, rows in groupby(self.rows, key=lambda row: row.mission)
         )
+
+    def __repr__(self) -> str:
+        """Return the flight in one line."""
+        over, asked = sum(mission.is_over for mission in self.missions), self.settings.missions
+        name = self.plan.scenario.name
+        return f"FlightRecord({name!r}: {over} of {asked} missions over, {len(self.rows)} ticks)"

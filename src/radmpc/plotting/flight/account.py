@@ -27,8 +27,8 @@ def draw_account(ax: Axes, record: FlightRecord, mission: FlownMission) -> None:
     scenario = record.plan.scenario
     for other in record.missions[:MOST_PATHS]:
         if other.number != mission.number:
-            times = [row.step * scenario.dt for row in other.rows]
-            ax.step(times, [row.wealth for row in other.rows], where="post", color="#55555560",
+            at = [row.step * scenario.dt for row in other.rows]
+            ax.step(at, [row.wealth for row in other.rows], where="post", color="#55555560",
                     linewidth=0.4, gid=f"wealth:{other.number}")  # fmt: skip
     times = np.array([row.step * scenario.dt for row in mission.rows])
     bank = np.array([row.bank for row in mission.rows])

@@ -123,10 +123,10 @@ def _draw_paths(
     for vehicle, trajectory in pairs:
         color, name = stage.colors[vehicle.name], f"{mission.number}:{vehicle.name}"
         path = mean_path(vehicle, trajectory)
-        looks = {"linewidth": 1.1, "zorder": 5.2} if is_main else {"linewidth": 0.4, "zorder": 4.5}
+        width, strength, order = (1.1, 1.0, 5.2) if is_main else (0.4, 0.35, 4.5)
         stage.above.plot(
-            path[:, 0], path[:, 1], color=(*color, 1.0 if is_main else 0.35), gid=f"flown:{name}",
-            **looks,
+            path[:, 0], path[:, 1], color=(*color, strength), linewidth=width, zorder=order,
+            gid=f"flown:{name}",
         )  # fmt: skip
         if not is_main:
             continue

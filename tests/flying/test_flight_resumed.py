@@ -1,0 +1,151 @@
+"""Flights go on from their files, whatever ended them; each backend is opened once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from recorded_flights import beside_the_wall, forged, without_seconds
+
+import radmpc
+from radmpc.errors import FileFormatError
+from radmpc.flying import backends
+from radmpc.flying.backends import BACKENDS
+from radmpc.flying.model import Model
+from radmpc.flying.recording.campaign import begin_flight, resume_flight
+from radmpc.flying.recording.verifying import flight_problems
+from radmpc.io.flight.flight_file import FlightWriter, load_flight
+from radmpc.io.flight.record import FlightSettings
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+
+KEPT = FlightSettings(replan=None, missions=2, seed=4)
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    return beside_the_wall()
+
+
+def test_a_flight_that_was_stopped_goes_on_as_if_it_had_not(tmp_path: Path, plan: Plan) -> None:
+    whole = begin_flight(plan, KEPT, tmp_path / "whole.jsonl")
+    for ticks in (5, 14):
+        path = tmp_path / f"cut{ticks}.jsonl"
+        left = iter(range(ticks + 1 + ticks // 12))
+        cut = begin_flight(plan, KEPT, path, stop=lambda left=left: next(left, None) is None)
+        assert len(cut.rows) < len(whole.rows)
+        with path.open("a", encoding="utf-8") as file:
+            file.write('{"mission": 0, "step": 3, "sta')  # killed while writing
+        record = resume_flight(path)
+        assert without_seconds(record) == without_seconds(whole)
+        assert without_seconds(load_flight(path)) == without_seconds(whole)
+        assert load_flight(path).changed == ()
+
+
+KILLED = """
+import os, signal, sys
+from radmpc.flying.recording.campaign import begin_flight
+from radmpc.io.flight.record import FlightSettings
+from radmpc import load_plan
+
+def told(mission, step):
+    if (mission, step) == (1, 3):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+settings = FlightSettings(replan=None, missions=2, seed=4)
+begin_flight(load_plan(sys.argv[1]), settings, sys.argv[2], progress=told)
+"""
+
+
+@pytest.mark.slow
+def test_a_flight_whose_process_is_killed_loses_no_tick(tmp_path: Path, plan: Plan) -> None:
+    radmpc.save_plan(plan, tmp_path / "plan.json")
+    path = tmp_path / "killed.jsonl"
+    command = [sys.executable, "-c", KILLED, str(tmp_path / "plan.json"), str(path)]
+    assert subprocess.run(command, timeout=120, check=False).returncode == -9
+    record = load_flight(path)
+    assert [(row.mission, row.step) for row in record.rows][-1] == (1, 3)
+    assert flight_problems(record) == ()
+    whole = begin_flight(plan, KEPT)
+    assert without_seconds(resume_flight(path)) == without_seconds(whole)
+
+
+def test_nothing_is_added_where_the_backend_is_elsewhere(tmp_path: Path, plan: Plan) -> None:
+    path = tmp_path / "flight.jsonl"
+    left = iter(range(4))
+    begin_flight(plan, KEPT, path, stop=lambda: next(left, None) is None)
+    forged(path, 1, lambda header: header.update({"seed": 5}))
+    before = path.read_bytes()
+    with pytest.raises(FileFormatError, match="cannot go on: at step 1 of mission 0 vehicle 'v'"):
+        resume_flight(path)
+    assert path.read_bytes() == before
+
+
+def test_only_vehicles_do_not_repeat() -> None:
+    assert [name for name, kind in BACKENDS.items() if not kind.repeats] == ["mavlink"]
+
+
+def test_vehicles_are_not_sent_through_a_mission_again(
+    tmp_path: Path, plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "flight.jsonl"
+    left = iter(range(4))
+    begin_flight(plan, KEPT, path, stop=lambda: next(left, None) is None)
+    vehicles = replace(backends.BACKENDS["model"], repeats=False)
+    monkeypatch.setattr(backends, "BACKENDS", {"model": vehicles})
+    with pytest.raises(FileFormatError, match="cannot go on: model does not repeat the 3 steps of"):
+        resume_flight(path)
+
+
+class Link(Model):
+    """A backend of which there can be but one at a time."""
+
+    opened = 0
+
+    def __init__(self, scenario: Scenario, rng: object) -> None:
+        super().__init__(scenario, rng)  # type: ignore[arg-type]
+        Link.opened += 1
+        assert Link.opened == 1
+
+    def close(self) -> None:
+        Link.opened -= 1
+
+
+def test_every_backend_is_closed_before_the_next_is_opened(
+    tmp_path: Path, plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = ModuleType("links")
+    monkeypatch.setattr(module, "Link", Link, raising=False)
+    monkeypatch.setitem(sys.modules, "links", module)
+    link = backends.BackendKind("model", "links:Link", None, "")
+    monkeypatch.setattr(backends, "BACKENDS", {"model": link})
+    begin_flight(plan, KEPT, tmp_path / "flight.jsonl")
+    assert Link.opened == 0
+    begin_flight(plan, KEPT, stop=lambda: True)
+    assert Link.opened == 0
+    with pytest.raises(OSError, match="No such file"):
+        begin_flight(plan, KEPT, tmp_path / "none" / "flight.jsonl")
+    assert Link.opened == 0
+
+
+def test_two_processes_do_not_write_one_file(tmp_path: Path, plan: Plan) -> None:
+    path = tmp_path / "flight.jsonl"
+    with FlightWriter.begin(path, plan, KEPT, {}):
+        with pytest.raises(FileFormatError, match="is being written by another flight"):
+            FlightWriter.go_on(path)
+        with pytest.raises(FileFormatError, match="is being written by another flight"):
+            FlightWriter.begin(path, plan, KEPT, {})
+    writer, record = FlightWriter.go_on(path)
+    writer.close()
+    assert record.rows == ()
+
+
+def test_what_cannot_be_flown_leaves_no_file(tmp_path: Path, plan: Plan) -> None:
+    path = tmp_path / "flight.jsonl"
+    with pytest.raises(radmpc.ArgumentError, match="takes no option 'wind'"):
+        begin_flight(plan, FlightSettings(options={"wind": "3"}), path)
+    assert not path.exists()
