@@ -33,7 +33,7 @@ def planned(plan_text: str, tmp_path: Path) -> Path:
 
 
 def test_the_model_is_found_to_be_what_it_is_planned_for(run: Run, planned: Path) -> None:
-    words = ("calibrate", "plan.json", "--with", "model", "--flights", "12", "-o", "new.yaml")
+    words = ("calibrate", "plan.json", "--with", "model", "--missions", "12", "-o", "new.yaml")
     result = run(*words, "--plan", "new.json", "--json")
     assert result.exit_code == 0, result.output
     told = json.loads(result.stdout)
@@ -48,11 +48,11 @@ def test_the_model_is_found_to_be_what_it_is_planned_for(run: Run, planned: Path
 
 
 def test_a_report_says_what_was_flown_and_written(run: Run, planned: Path) -> None:
-    result = run("calibrate", "plan.json", "--with", "model", "--flights", "6", "-o", "new.yaml")
+    result = run("calibrate", "plan.json", "--with", "model", "--missions", "6", "-o", "new.yaml")
     assert result.exit_code == 0, result.output
     for words in (
-        "6 flights: 2 vehicles, 72 steps of 1 s",
-        "of 6 flights collided",
+        "6 missions: 2 vehicles, 72 steps of 1 s",
+        "of 6 missions collided",
         "; certified 0.0",
         "written to new.yaml",
     ):

@@ -42,7 +42,7 @@ class _Pilot:
     Attributes
     ----------
     pull : float
-        Speed towards the reference by distance from it [1/s]. Twice as much overshoots in turns.
+        Speed toward the reference by distance from it [1/s]. Twice as much overshoots in turns.
     ahead : float
         How much earlier the reference's course is steered [s]: about what a turn takes to begin.
     yaw_rate : float

@@ -10,7 +10,7 @@ Equations of motion after T. I. Fossen, *Handbook of Marine Craft Hydrodynamics 
 The numbers are those that Fossen publishes for the Otter of Maritime Robotics in the Marine Systems
 Simulator and its Python version: mass, payload, added mass, time constants, bollard pull and shaft
 speeds. Roll, pitch and heave are left out. Axes are the scenario's: x and y in meters, headings
-from x towards y.
+from x toward y.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def heading_vectors(headings: Vector) -> tuple[Matrix, Matrix]:
     Parameters
     ----------
     headings : (N,) array
-        From x towards y [rad].
+        From x toward y [rad].
     """
     ahead = np.stack([np.cos(headings), np.sin(headings)], axis=1)
     return ahead, np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)

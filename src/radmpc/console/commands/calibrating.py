@@ -1,4 +1,4 @@
-"""Noise from a plan's own flights in a simulator, and a plan that knows it."""
+"""Noise from a plan's own missions in a simulator, and a plan that knows it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planning import plan as make_plan
 from radmpc.referee import certify
 from radmpc.simulators.calibration.calibrate import Calibration, calibrate
-from radmpc.simulators.calibration.flights import Making, Rate, flown, rate_of
+from radmpc.simulators.calibration.missions import Making, Rate, flown, rate_of
 
 __all__ = ["CalibrateRequest", "run_calibrate"]
 
@@ -45,7 +45,7 @@ class CalibrateRequest:
         Where the scenario with the noise goes.
     plan_output : Path or None
         Where a plan of that scenario goes, which then is flown, too.
-    flights : int
+    missions : int
         How often each is flown.
     seed : int
         Of all noise and of planning.
@@ -59,7 +59,7 @@ class CalibrateRequest:
     backend: str
     output: Path
     plan_output: Path | None = None
-    flights: int = 20
+    missions: int = 20
     seed: int = 0
     options: tuple[str, ...] = ()
     as_json: bool = False
@@ -108,10 +108,10 @@ def run_calibrate(request: CalibrateRequest) -> int:
         found = calibrate(
             plan,
             making,
-            flights=request.flights,
+            missions=request.missions,
             seed=request.seed,
             day=day,
-            told=lambda done: line("flying", done, request.flights),
+            told=lambda done: line("flying", done, request.missions),
         )
     before = _Flown(plan.scenario.risk_bound, certify(plan).certified, found.rate)
     with writing(request.output):
@@ -164,14 +164,14 @@ def _planned(request: CalibrateRequest, found: Calibration, making: Making) -> _
     with writing(request.plan_output):
         save_plan(plan, request.plan_output)
     with progress_line(is_wanted=not request.as_json) as line:
-        flights = flown(
+        missions = flown(
             plan,
             making,
-            request.flights,
+            request.missions,
             request.seed + 1,
-            lambda done: line("flying again", done, request.flights),
+            lambda done: line("flying again", done, request.missions),
         )
-    rate = rate_of(plan.scenario, flights)
+    rate = rate_of(plan.scenario, missions)
     return _Flown(plan.scenario.risk_bound, certify(plan).certified, rate)
 
 
@@ -199,7 +199,7 @@ def _sentence(flight: _Flown) -> Text:
     rate = flight.rate
     holds = "" if flight.holds else ": more than the certificate allows"
     return Text(
-        f"{rate.collided} of {rate.flights} flights collided, {rate.rate:.3g} "
+        f"{rate.collided} of {rate.missions} missions collided, {rate.rate:.3g} "
         f"[{rate.low:.2g}, {rate.high:.2g}]; certified {flight.certified:.3g}{holds}; disturbances "
         f"spoke against the model in {rate.doubted}",
         style="" if flight.holds else "yellow",
@@ -213,7 +213,7 @@ def _record(
     vehicles = found.scenario.vehicles
     return {
         "backend": request.backend,
-        "flights": request.flights,
+        "missions": request.missions,
         "before": _plain(before),
         "identified": identification_json(found.identification),
         "covers": [

@@ -14,7 +14,7 @@ from radmpc.importing.logs.applying import provenance
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.calibration.covering import Cover, Strays, covering
-from radmpc.simulators.calibration.flights import (
+from radmpc.simulators.calibration.missions import (
     Making,
     Rate,
     controls_of_vehicle,
@@ -28,7 +28,7 @@ __all__ = ["Calibration", "calibrate"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
-    """What flights tell of a simulator.
+    """What missions tell of a simulator.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ def calibrate(
     plan: Plan,
     making: Making,
     *,
-    flights: int = 20,
+    missions: int = 20,
     seed: int = 0,
     day: str,
     told: Callable[[int], None] | None = None,
 ) -> Calibration:
-    """Fly a plan, and return its scenario with the noise that explains the flights.
+    """Fly a plan, and return its scenario with the noise that explains the missions.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def calibrate(
         Of double integrators, within its risk bound; its own noise counts for nothing.
     making : callable
         Makes the simulator.
-    flights : int
+    missions : int
         How often it is flown.
     seed : int
         Of all noise.
@@ -79,14 +79,14 @@ def calibrate(
     ArgumentError
         If a number is out of its range.
     FileFormatError
-        If flights are too few to tell anything.
+        If missions are too few to tell anything.
     RiskError
         If the plan's certificate exceeds its bound.
     ScenarioError
         If the scenario is none for missions, or for the simulator.
     """
     orders = [_order(plan.scenario, i) for i in range(plan.scenario.num_vehicles)]
-    made = flown(plan, making, flights, seed, told)
+    made = flown(plan, making, missions, seed, told)
     found = identify(_tracks(plan.scenario, made, orders), dt=plan.scenario.dt)
     strays = [
         Strays(i, vehicle, tuple(order), states_of_vehicle(made, i) - trajectory.means)
@@ -114,20 +114,20 @@ def _order(scenario: Scenario, number: int) -> list[int]:
 
 
 def _tracks(
-    scenario: Scenario, flights: Sequence[Flight], orders: Sequence[Sequence[int]]
+    scenario: Scenario, missions: Sequence[Flight], orders: Sequence[Sequence[int]]
 ) -> list[Track]:
-    """Return flights as logs: every flight has a clock of its own."""
+    """Return missions as logs: every flight has a clock of its own."""
     times = scenario.dt * np.arange(scenario.horizon + 1, dtype=np.float64)
     d = scenario.dimension
     tracks = []
     for i, vehicle in enumerate(scenario.vehicles):
-        states = states_of_vehicle(flights, i)[..., list(orders[i])]
-        controls = controls_of_vehicle(flights, i)
+        states = states_of_vehicle(missions, i)[..., list(orders[i])]
+        controls = controls_of_vehicle(missions, i)
         for number, (path, pushes) in enumerate(zip(states, controls, strict=True)):
             # Nothing follows the last sample, but a log has a command there, too.
             commands = np.vstack([pushes, np.zeros((1, d))])
             clock = f"flight {number + 1}"
-            source = f"{len(flights)} flights"
+            source = f"{len(missions)} missions"
             tracks.append(
                 Track(vehicle.name, source, clock, times, path[:, :d], path[:, d:], commands)
             )

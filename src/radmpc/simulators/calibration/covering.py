@@ -1,4 +1,4 @@
-r"""Noise that explains flights, deviations and all.
+r"""Noise that explains missions, deviations and all.
 
 What a step leaves unexplained, ``x⁺ − A x − B u``, is identified as from any log. That is not
 enough to plan with: simulators lag and gust, their residuals are colored and depend on the
@@ -31,7 +31,7 @@ _LEAST = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cover:
-    """Noise of a group of vehicles that explains their flights.
+    """Noise of a group of vehicles that explains their missions.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def covering(one: Estimate, strays: Sequence[Strays]) -> Cover:
 def deviation_ratio(strays: Sequence[Strays], covariance: Matrix, drift: Vector | None) -> float:
     """Return how much larger position deviations are than noise makes them, as a variance [-].
 
-    Of few flights some direction always has more than its share. The largest eigenvalue of the
+    Of few missions some direction always has more than its share. The largest eigenvalue of the
     covariance of n independent samples in d directions is about (1 + √(d/n))² where the truth is 1,
     by which the ratio is divided.
 
@@ -138,10 +138,10 @@ def deviation_ratio(strays: Sequence[Strays], covariance: Matrix, drift: Vector 
 
 def _scaled(stray: Strays, covariance: Matrix, drift: Vector | None) -> Tensor:
     """Return covariances of positions at steps 1..T where noise would make them 1, (T, d, d)."""
-    vehicle, flights, places = stray.vehicle, stray.deviations, np.argsort(stray.order)
+    vehicle, missions, places = stray.vehicle, stray.deviations, np.argsort(stray.order)
     W = covariance[np.ix_(places, places)]
     extra = _extra(vehicle, None if drift is None else drift[places])
-    horizon = flights.shape[1] - 1
+    horizon = missions.shape[1] - 1
     system, gain, none = vehicle.system, vehicle.gain, np.zeros_like(W)
     F = system.A if gain is None else system.A + system.B @ gain
     start = covariances(system, vehicle.initial_covariance, none, gain, horizon)
@@ -149,7 +149,7 @@ def _scaled(stray: Strays, covariance: Matrix, drift: Vector | None) -> Tensor:
     axes, found, mean = list(system.position), [], np.zeros(len(F))
     for k in range(1, horizon + 1):
         mean = F @ mean + extra
-        off = (flights[:, k] - mean)[:, axes]
+        off = (missions[:, k] - mean)[:, axes]
         seen = off.T @ off / len(off) - start[k][np.ix_(axes, axes)]
         values, vectors = np.linalg.eigh(noise[k][np.ix_(axes, axes)])
         root = (vectors / np.sqrt(np.maximum(values, _LEAST))) @ vectors.T
