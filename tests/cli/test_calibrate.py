@@ -42,6 +42,7 @@ def test_the_model_is_found_to_be_what_it_is_planned_for(run: Run, planned: Path
     assert told["after"]["certified"] <= 0.05
     assert told["identified"]["evidence"] == "commands"
     assert told["covers"][0]["vehicles"] == ["east", "west"]
+    assert [loop["differs"] for loop in told["loops"]] == [False, False]
     W = np.diag(load_scenario(planned / "new.yaml").vehicles[0].disturbance_covariance)
     assert np.all((W > [5e-4, 5e-4, 5e-5, 5e-5]) & (W < [4e-3, 4e-3, 4e-4, 4e-4]))
     assert (planned / "new.json").exists()

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +9,7 @@ import pytest
 from boats import sea
 
 from radmpc.errors import ArgumentError
-from radmpc.flying.model import Backend
+from radmpc.flying.model import Backend, Model
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -49,6 +50,16 @@ def test_boats_contradict_noise_that_is_made_up_and_not_their_own(hopeful: Plan)
     assert rate.low <= better.risk.certified <= better.scenario.risk_bound
     assert found.scenario.source["noise"]["logs"] == ["8 missions"]
     assert found.scenario.source["noise"]["by_deviations"] == [round(found.covers[0].ratio, 3)]
+
+
+def test_feedback_is_found_again_and_a_softer_one_is_not_taken_for_it(hopeful: Plan) -> None:
+    def linear(scenario: Scenario, rng: np.random.Generator) -> Backend:
+        return Model(scenario, rng)
+
+    found = calibrate(hopeful, linear, missions=10, seed=3, day="2026-01-01")
+    assert [loop.vehicle for loop in found.loops] == ["east", "west"]
+    assert not any(loop.differs for loop in found.loops)
+    assert all(replace(loop, planned=0.3 * loop.planned).differs for loop in found.loops)
 
 
 @pytest.mark.nightly

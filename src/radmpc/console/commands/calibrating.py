@@ -184,6 +184,7 @@ def _report(
         "flown with": request.backend,
         "as planned": _sentence(before),
         "covering": f"variances multiplied by {ratios} for deviations, whatever color, as flown",
+        "feedback": _loops_sentence(found),
         "scenario": f"written to {request.output}",
     }
     if after is not None:
@@ -192,6 +193,18 @@ def _report(
     elif request.plan_output is not None:
         rows["planned anew"] = Text("no certified plan with that noise", style="yellow")
     return [*noise_report(found.identification), Text(), facts(rows)]
+
+
+def _loops_sentence(found: Calibration) -> str:
+    """Return whether feedback did what it should."""
+    if not found.loops:
+        return "cannot be told"
+    worst = max(found.loops, key=lambda loop: loop.score)
+    if not worst.differs:
+        return "as planned, within what chance makes of it"
+    return (
+        f"of {worst.vehicle!r} not as planned, by {worst.score:.1f} deviations: covered as if noise"
+    )
 
 
 def _sentence(flight: _Flown) -> Text:
@@ -225,6 +238,17 @@ def _record(
                 "ratio": cover.ratio,
             }
             for cover in found.covers
+        ],
+        "loops": [
+            {
+                "vehicle": loop.vehicle,
+                "planned": loop.planned.tolist(),
+                "flown": loop.flown.value.tolist(),
+                "low": loop.flown.low.tolist(),
+                "high": loop.flown.high.tolist(),
+                "differs": loop.differs,
+            }
+            for loop in found.loops
         ],
         "scenario": str(request.output),
         "plan": None if after is None else str(request.plan_output),

@@ -14,6 +14,7 @@ from radmpc.importing.logs.applying import provenance
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.calibration.covering import Cover, Strays, covering
+from radmpc.simulators.calibration.loops import Loop, loops_of
 from radmpc.simulators.calibration.missions import (
     Making,
     Rate,
@@ -36,6 +37,8 @@ class Calibration:
         Of what steps left unexplained: covariance, drift, time constant, tails, with intervals.
     covers : tuple of Cover
         What is planned with; one for all vehicles, or one for each where they differ.
+    loops : tuple of Loop
+        Feedback as it was flown, of vehicles that it can be told of.
     scenario : Scenario
         The plan's, with that noise.
     rate : Rate
@@ -44,6 +47,7 @@ class Calibration:
 
     identification: Identification
     covers: tuple[Cover, ...]
+    loops: tuple[Loop, ...]
     scenario: Scenario
     rate: Rate
 
@@ -87,7 +91,8 @@ def calibrate(
     """
     orders = [_order(plan.scenario, i) for i in range(plan.scenario.num_vehicles)]
     made = flown(plan, making, missions, seed, told)
-    found = identify(_tracks(plan.scenario, made, orders), dt=plan.scenario.dt)
+    tracks = _tracks(plan.scenario, made, orders)
+    found = identify(tracks, dt=plan.scenario.dt)
     strays = [
         Strays(i, vehicle, tuple(order), states_of_vehicle(made, i) - trajectory.means)
         for i, (vehicle, order, trajectory) in enumerate(
@@ -99,7 +104,8 @@ def calibrate(
         for one in found.groups
     )
     changed = _with_covers(plan.scenario, covers, orders, found, day)
-    return Calibration(found, covers, changed, rate_of(plan.scenario, made))
+    loops = loops_of(plan, tracks, orders)
+    return Calibration(found, covers, loops, changed, rate_of(plan.scenario, made))
 
 
 def _order(scenario: Scenario, number: int) -> list[int]:
