@@ -33,7 +33,7 @@ def planned(plan_text: str, tmp_path: Path) -> Path:
 
 
 def test_the_model_is_found_to_be_what_it_is_planned_for(run: Run, planned: Path) -> None:
-    words = ("calibrate", "plan.json", "--with", "model", "--missions", "12", "-o", "new.yaml")
+    words = ("calibrate", "plan.json", "--with", "model", "--missions", "8", "-o", "new.yaml")
     result = run(*words, "--plan", "new.json", "--json")
     assert result.exit_code == 0, result.output
     told = json.loads(result.stdout)
