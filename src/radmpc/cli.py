@@ -301,7 +301,7 @@ def calibrate(
     plan_output: Annotated[
         Path | None, typer.Option("--plan", help="Plan that scenario, fly it, write it here.")
     ] = None,
-    flights: Annotated[int, typer.Option("--flights", min=1, help="How often to fly.")] = 20,
+    missions: Annotated[int, typer.Option("--missions", min=1, help="How often to fly.")] = 20,
     seed: given.Seed = 0,
     option: Annotated[
         list[str] | None,
@@ -309,12 +309,12 @@ def calibrate(
     ] = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Learn noise from a plan's own flights in a simulator."""
+    """Learn noise from a plan's own missions in a simulator."""
     from radmpc.console.commands.calibrating import CalibrateRequest, run_calibrate
 
     options = tuple(option or ())
     return run_calibrate(
-        CalibrateRequest(plan_file, backend, output, plan_output, flights, seed, options, as_json)
+        CalibrateRequest(plan_file, backend, output, plan_output, missions, seed, options, as_json)
     )
 
 

@@ -33,7 +33,7 @@ def planned(plan_text: str, tmp_path: Path) -> Path:
 
 
 def test_the_model_is_found_to_be_what_it_is_planned_for(run: Run, planned: Path) -> None:
-    words = ("calibrate", "plan.json", "--with", "model", "--flights", "12", "-o", "new.yaml")
+    words = ("calibrate", "plan.json", "--with", "model", "--missions", "8", "-o", "new.yaml")
     result = run(*words, "--plan", "new.json", "--json")
     assert result.exit_code == 0, result.output
     told = json.loads(result.stdout)
@@ -42,17 +42,18 @@ def test_the_model_is_found_to_be_what_it_is_planned_for(run: Run, planned: Path
     assert told["after"]["certified"] <= 0.05
     assert told["identified"]["evidence"] == "commands"
     assert told["covers"][0]["vehicles"] == ["east", "west"]
+    assert [loop["differs"] for loop in told["loops"]] == [False, False]
     W = np.diag(load_scenario(planned / "new.yaml").vehicles[0].disturbance_covariance)
     assert np.all((W > [5e-4, 5e-4, 5e-5, 5e-5]) & (W < [4e-3, 4e-3, 4e-4, 4e-4]))
     assert (planned / "new.json").exists()
 
 
 def test_a_report_says_what_was_flown_and_written(run: Run, planned: Path) -> None:
-    result = run("calibrate", "plan.json", "--with", "model", "--flights", "6", "-o", "new.yaml")
+    result = run("calibrate", "plan.json", "--with", "model", "--missions", "6", "-o", "new.yaml")
     assert result.exit_code == 0, result.output
     for words in (
-        "6 flights: 2 vehicles, 72 steps of 1 s",
-        "of 6 flights collided",
+        "6 missions: 2 vehicles, 72 steps of 1 s",
+        "of 6 missions collided",
         "; certified 0.0",
         "written to new.yaml",
     ):

@@ -16,45 +16,52 @@ from radmpc.simulators.otter import OTTER, accelerations, thrust_of
 CALM = {"force": 0.0, "current_deviation": 0.0}
 
 
-def settled(forces: list[float]) -> np.ndarray:
+def settled(forces: tuple[float, float, float]) -> tuple[float, ...]:
     """Return the velocities through the water that constant forces lead to."""
-    speeds, inverse = np.zeros((1, 3)), OTTER.mass_inverse
+    speeds = (0.0, 0.0, 0.0)
     for _ in range(600):
-        rates = accelerations(OTTER, inverse, speeds, np.array([forces]))
-        speeds = speeds + 0.05 * rates
-    return speeds[0]
+        rates = accelerations(OTTER, speeds, forces)
+        u, v, r = (old + 0.05 * rate for old, rate in zip(speeds, rates, strict=True))
+        speeds = u, v, r
+    return speeds
 
 
 def test_full_thrust_leads_to_the_published_top_speed() -> None:
-    u, v, r = settled([2.0 * OTTER.thrust_ahead, 0.0, 0.0])
+    u, v, r = settled((2.0 * OTTER.thrust_ahead, 0.0, 0.0))
     assert u == pytest.approx(6.0 * 0.5144, rel=1e-3)
     assert v == pytest.approx(0.0, abs=1e-9)
     assert r == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_boat_that_turns_left_slides_outwards() -> None:
-    _, v, r = settled([100.0, 0.0, 20.0])
+def test_a_boat_that_turns_left_slides_outward() -> None:
+    _, v, r = settled((100.0, 0.0, 20.0))
     assert r > 0.05
     assert v < -0.01
 
 
 def test_only_damping_takes_energy_from_a_boat() -> None:
     rng = np.random.default_rng(0)
-    speeds = rng.normal(size=(50, 3)) * [2.0, 0.5, 0.4]
-    mass = np.linalg.inv(OTTER.mass_inverse)
+    surge, sway, yaw = OTTER.inertia
+    coupling = OTTER.mass * OTTER.lead
     undamped = replace(OTTER, damping=(0.0, 0.0, 0.0), yaw_damping=0.0, cross_flow=0.0)
-    for vessel, is_kept in ((undamped, True), (OTTER, False)):
-        rates = accelerations(vessel, OTTER.mass_inverse, speeds, np.zeros((50, 3)))
-        power = np.einsum("ni,ij,nj->n", speeds, mass, rates)
-        assert np.all(np.abs(power) < 1e-9) if is_kept else np.all(power < 0.0)
+    for u, v, r in (rng.normal(size=(50, 3)) * [2.0, 0.5, 0.4]).tolist():
+        momentum = surge * u, sway * v + coupling * r, coupling * v + yaw * r
+        kept, lost = (
+            sum(p * a for p, a in zip(momentum, rates, strict=True))
+            for rates in (
+                accelerations(kind, (u, v, r), (0.0, 0.0, 0.0)) for kind in (undamped, OTTER)
+            )
+        )
+        assert abs(kept) < 1e-9
+        assert lost < 0.0
 
 
 def test_propellers_give_what_they_can_and_the_moment_first() -> None:
-    both = thrust_of(OTTER, np.array([50.0, 1000.0, 1000.0]), np.array([10.0, 0.0, 60.0]))
-    assert both[0] == pytest.approx([25.0 - 5.0 / 0.395, 25.0 + 5.0 / 0.395])
-    assert both[1] == pytest.approx([OTTER.thrust_ahead] * 2)
-    assert 0.395 * (both[2, 1] - both[2, 0]) == pytest.approx(60.0)
-    assert both[2, 1] == pytest.approx(OTTER.thrust_ahead)
+    assert thrust_of(OTTER, 50.0, 10.0) == pytest.approx((25.0 - 5.0 / 0.395, 25.0 + 5.0 / 0.395))
+    assert thrust_of(OTTER, 1000.0, 0.0) == pytest.approx([OTTER.thrust_ahead] * 2)
+    left, right = thrust_of(OTTER, 1000.0, 60.0)
+    assert 0.395 * (right - left) == pytest.approx(60.0)
+    assert right == pytest.approx(OTTER.thrust_ahead)
 
 
 def flown(scenario: Scenario, controls: list[list[float]], **options: object) -> np.ndarray:

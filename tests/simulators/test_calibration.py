@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +9,7 @@ import pytest
 from boats import sea
 
 from radmpc.errors import ArgumentError
-from radmpc.flying.model import Backend
+from radmpc.flying.model import Backend, Model
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -17,7 +18,7 @@ from radmpc.planning import plan
 from radmpc.simulators.boat import Boat
 from radmpc.simulators.calibration.calibrate import Calibration, calibrate
 from radmpc.simulators.calibration.covering import Strays, deviation_ratio, white_covariance
-from radmpc.simulators.calibration.flights import flown, rate_of
+from radmpc.simulators.calibration.missions import flown, rate_of
 
 pytestmark = pytest.mark.slow
 
@@ -33,9 +34,9 @@ def hopeful() -> Plan:
     return plan(sea(deviation=0.02), rng=0, time_limit=10).require()
 
 
-def calibrated(made: Plan, flights: int) -> tuple[Calibration, Plan]:
-    """Return what a boat's flights tell, and a plan that knows it."""
-    found = calibrate(made, boats, flights=flights, seed=1, day="2026-01-01")
+def calibrated(made: Plan, missions: int) -> tuple[Calibration, Plan]:
+    """Return what a boat's missions tell, and a plan that knows it."""
+    found = calibrate(made, boats, missions=missions, seed=1, day="2026-01-01")
     return found, plan(found.scenario, rng=0, time_limit=10).require()
 
 
@@ -47,8 +48,18 @@ def test_boats_contradict_noise_that_is_made_up_and_not_their_own(hopeful: Plan)
     rate = rate_of(better.scenario, flown(better, boats, 8, 2))
     assert rate.doubted <= 2
     assert rate.low <= better.risk.certified <= better.scenario.risk_bound
-    assert found.scenario.source["noise"]["logs"] == ["8 flights"]
+    assert found.scenario.source["noise"]["logs"] == ["8 missions"]
     assert found.scenario.source["noise"]["by_deviations"] == [round(found.covers[0].ratio, 3)]
+
+
+def test_feedback_is_found_again_and_a_softer_one_is_not_taken_for_it(hopeful: Plan) -> None:
+    def linear(scenario: Scenario, rng: np.random.Generator) -> Backend:
+        return Model(scenario, rng)
+
+    found = calibrate(hopeful, linear, missions=10, seed=3, day="2026-01-01")
+    assert [loop.vehicle for loop in found.loops] == ["east", "west"]
+    assert not any(loop.differs for loop in found.loops)
+    assert all(replace(loop, planned=0.3 * loop.planned).differs for loop in found.loops)
 
 
 @pytest.mark.nightly
@@ -79,8 +90,8 @@ def strays(vehicle: Vehicle, covariance: np.ndarray, drift: np.ndarray, count: i
 def test_deviations_larger_than_the_noise_makes_them_are_measured_with_it(factor: float) -> None:
     vehicle = sea().vehicles[0]
     W, drift = vehicle.disturbance_covariance, np.array([0.1, 0.0, 0.02, 0.0])
-    flights = strays(vehicle, factor * W, drift, 4000)
-    made = [Strays(0, vehicle, (0, 1, 2, 3), flights)]
+    missions = strays(vehicle, factor * W, drift, 4000)
+    made = [Strays(0, vehicle, (0, 1, 2, 3), missions)]
     assert deviation_ratio(made, W, drift) == pytest.approx(factor, rel=0.08)
     # What is taken for chance, and always the same way, looks like more of it.
     assert deviation_ratio(made, W, None) > 1.2 * factor
@@ -89,8 +100,8 @@ def test_deviations_larger_than_the_noise_makes_them_are_measured_with_it(factor
 def test_few_flights_by_the_model_do_not_look_like_more_noise() -> None:
     vehicle = sea().vehicles[0]
     W, none = vehicle.disturbance_covariance, np.zeros(4)
-    flights = strays(vehicle, W, none, 4000).reshape(400, 10, 9, 4)
-    ratios = [deviation_ratio([Strays(0, vehicle, (0, 1, 2, 3), x)], W, None) for x in flights]
+    missions = strays(vehicle, W, none, 4000).reshape(400, 10, 9, 4)
+    ratios = [deviation_ratio([Strays(0, vehicle, (0, 1, 2, 3), x)], W, None) for x in missions]
     assert 0.9 < np.mean(ratios) < 1.3
 
 
@@ -123,5 +134,5 @@ def test_white_noise_for_colored_leads_to_deviations_at_least_as_large() -> None
 
 
 def test_none_but_a_number_of_flights_is_flown(hopeful: Plan) -> None:
-    with pytest.raises(ArgumentError, match=r"^flights must be an integer >= 1, got 0$"):
-        calibrate(hopeful, boats, flights=0, day="2026-01-01")
+    with pytest.raises(ArgumentError, match=r"^missions must be an integer >= 1, got 0$"):
+        calibrate(hopeful, boats, missions=0, day="2026-01-01")

@@ -53,14 +53,14 @@ def test_gusts_push_as_hard_as_they_are_told_to() -> None:
 @needs_rotorpy
 @pytest.mark.slow
 def test_flights_depend_on_their_seed_alone_and_leave_the_source_of_others_as_it_was() -> None:
-    flights = []
+    twice = []
     for others in (1, 2):
         np.random.seed(others)  # noqa: NPY002 - the source that rotorpy draws from
-        flights.append(flown(motor_noise=20.0))
+        twice.append(flown(motor_noise=20.0))
         drawn = np.random.random()  # noqa: NPY002 - the source that rotorpy draws from
         assert drawn == np.random.RandomState(others).random()
-    assert np.array_equal(*flights)
-    assert not np.allclose(flights[0], flown(1, motor_noise=20.0))
+    assert np.array_equal(*twice)
+    assert not np.allclose(twice[0], flown(1, motor_noise=20.0))
 
 
 @needs_rotorpy

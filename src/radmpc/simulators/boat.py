@@ -8,13 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.gusts import Gusts
 from radmpc.simulators.options import number_within, vector_within
-from radmpc.simulators.otter import OTTER, accelerations, heading_vectors, thrust_of
+from radmpc.simulators.otter import OTTER, Triple, accelerations, thrust_of
 from radmpc.simulators.surroundings import Surroundings
 from radmpc.simulators.tracking import (
     Reference,
@@ -42,7 +41,7 @@ class _Pilot:
     Attributes
     ----------
     pull : float
-        Speed towards the reference by distance from it [1/s]. Twice as much overshoots in turns.
+        Speed toward the reference by distance from it [1/s]. Twice as much overshoots in turns.
     ahead : float
         How much earlier the reference's course is steered [s]: about what a turn takes to begin.
     yaw_rate : float
@@ -67,6 +66,33 @@ class _Pilot:
 
 
 _PILOT = _Pilot()
+
+
+@dataclass(slots=True)
+class _Hull:
+    """One boat's state; in Python's numbers, which are quicker than numpy's for a few boats.
+
+    Attributes
+    ----------
+    x, y : float
+        Position [m].
+    vx, vy : float
+        Velocity over ground [m/s].
+    heading : float
+        From x toward y [rad].
+    relative : tuple of float
+        Surge, sway [m/s] and yaw [rad/s] through the water.
+    thrust : tuple of float
+        Of the left and the right propeller [N].
+    """
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    heading: float = 0.0
+    relative: Triple = (0.0, 0.0, 0.0)
+    thrust: tuple[float, float] = (0.0, 0.0)
 
 
 class Boat:
@@ -126,7 +152,6 @@ class Boat:
         self._streams = Gusts(np.full((1, 2), spread), 30.0, source)
         self._num_samples = max(1, math.ceil(scenario.dt / _SAMPLE - 1e-9))
         self._surroundings = Surroundings(scenario)
-        self._inverse = OTTER.mass_inverse
         self.reset()
 
     def reset(self) -> tuple[States, tuple[Contact, ...]]:
@@ -144,12 +169,11 @@ class Boat:
         self._streams.reset()
         self._water = self._current + self._streams.values[0]
         self._known_water = self._water
-        self._positions, self._velocities = started(self._scenario, self._rng)
-        self._headings: Vector | None = None
-        self._relative = np.zeros((self._scenario.num_vehicles, 3))
-        self._thrust = np.zeros((self._scenario.num_vehicles, 2))
-        contacts = self._surroundings.at_start(self._positions)
-        return states_of(self._scenario, self._positions, self._velocities), contacts
+        self._has_headings = False
+        positions, velocities = started(self._scenario, self._rng)
+        rows = np.hstack([positions, velocities]).tolist()
+        self._hulls = [_Hull(*row) for row in rows]
+        return self._states(), self._surroundings.at_start(positions)
 
     def advance(self, segments: Sequence[Segment]) -> tuple[States, tuple[Contact, ...]]:
         """Follow segments for a step.
@@ -167,68 +191,86 @@ class Boat:
             What was hit on the way.
         """
         reference = Reference.of(segments)
-        if self._headings is None:
-            self._headings = self._pointed(reference)
+        if not self._has_headings:
+            self._point(reference)
         self._step += 1
         tick = self._scenario.dt / self._num_samples
-        visited = [self._positions]
+        visited = [[(hull.x, hull.y) for hull in self._hulls]]
         for number in range(self._num_samples):
-            self._headings = self._moved(reference, number * tick, tick, self._headings)
-            visited.append(self._positions)
+            self._move(reference, number * tick, tick)
+            visited.append([(hull.x, hull.y) for hull in self._hulls])
         shares = np.linspace(0.0, 1.0, len(visited))
-        contacts = self._surroundings.contacts(self._step, shares, np.array(visited))
-        return states_of(self._scenario, self._positions, self._velocities), contacts
+        return self._states(), self._surroundings.contacts(self._step, shares, np.array(visited))
 
-    def _pointed(self, reference: Reference) -> Vector:
-        """Return headings of boats that wait for their first segment, pointing where it leads."""
-        wanted = reference.at(_PILOT.ahead)[1] - self._water
-        headings: Vector = np.arctan2(wanted[:, 1], wanted[:, 0])
-        ahead, left = heading_vectors(headings)
-        through = self._velocities - self._water
-        self._relative[:, 0] = np.einsum("ij,ij->i", ahead, through)
-        self._relative[:, 1] = np.einsum("ij,ij->i", left, through)
-        return headings
+    def _states(self) -> States:
+        """Return positions and velocities over ground as states."""
+        positions = np.array([(hull.x, hull.y) for hull in self._hulls])
+        velocities = np.array([(hull.vx, hull.vy) for hull in self._hulls])
+        return states_of(self._scenario, positions, velocities)
 
-    def _moved(self, reference: Reference, time: float, tick: float, headings: Vector) -> Vector:
-        """Move boats by a short time, and return their new headings."""
-        wanted = self._commands(reference, time, headings)
+    def _point(self, reference: Reference) -> None:
+        """Turn boats that wait for their first segment where it leads."""
+        self._has_headings = True
+        courses = (reference.at(_PILOT.ahead)[1] - self._water).tolist()
+        water_x, water_y = self._water.tolist()
+        for hull, (east, north) in zip(self._hulls, courses, strict=True):
+            hull.heading = math.atan2(north, east)
+            cosine, sine = math.cos(hull.heading), math.sin(hull.heading)
+            x, y = hull.vx - water_x, hull.vy - water_y
+            hull.relative = cosine * x + sine * y, cosine * y - sine * x, 0.0
+
+    def _move(self, reference: Reference, time: float, tick: float) -> None:
+        """Move all boats by a short time."""
+        pushes = self._pushes.advance(tick).tolist()
+        places, velocities = (part.tolist() for part in reference.at(time))
+        pushed = reference.accelerations.tolist()
         share = 1.0 - math.exp(-tick / OTTER.propeller_time)
-        self._thrust = self._thrust + share * (wanted - self._thrust)
-        forces = self._pushes.advance(tick).copy()
-        forces[:, 0] += self._thrust.sum(axis=1)
-        forces[:, 2] += OTTER.lever * (self._thrust[:, 1] - self._thrust[:, 0])
-        rates = accelerations(OTTER, self._inverse, self._relative, forces)
-        self._relative = self._relative + tick * rates
-        turned: Vector = headings + tick * self._relative[:, 2]
+        wanted = [
+            self._commands(hull, place, velocity, gained)
+            for hull, place, velocity, gained in zip(
+                self._hulls, places, velocities, pushed, strict=True
+            )
+        ]
         self._water = self._current + self._streams.advance(tick)[0]
         learned = 1.0 - math.exp(-tick / _PILOT.memory)
         self._known_water = self._known_water + learned * (self._water - self._known_water)
-        ahead, left = heading_vectors(turned)
-        before = self._velocities
-        u, v = self._relative[:, :1], self._relative[:, 1:2]
-        self._velocities = u * ahead + v * left + self._water
-        self._positions = self._positions + 0.5 * tick * (before + self._velocities)
-        return turned
+        water_x, water_y = self._water.tolist()
+        for hull, (left, right), push in zip(self._hulls, wanted, pushes, strict=True):
+            a, b = hull.thrust
+            a, b = a + share * (left - a), b + share * (right - b)
+            hull.thrust = a, b
+            forces = push[0] + a + b, push[1], push[2] + OTTER.lever * (b - a)
+            rates = accelerations(OTTER, hull.relative, forces)
+            u, v, r = (old + tick * rate for old, rate in zip(hull.relative, rates, strict=True))
+            hull.relative = u, v, r
+            hull.heading += tick * r
+            cosine, sine = math.cos(hull.heading), math.sin(hull.heading)
+            vx, vy = cosine * u - sine * v + water_x, sine * u + cosine * v + water_y
+            hull.x += 0.5 * tick * (hull.vx + vx)
+            hull.y += 0.5 * tick * (hull.vy + vy)
+            hull.vx, hull.vy = vx, vy
 
-    def _commands(self, reference: Reference, time: float, headings: Vector) -> Matrix:
-        """Return the thrust that follows a reference by heading and speed, (N, 2) [N]."""
-        places, velocities = reference.at(time)
-        ahead, _ = heading_vectors(headings)
-        water = velocities + _PILOT.pull * (places - self._positions) - self._known_water
-        course = water + _PILOT.ahead * reference.accelerations
-        speed = np.linalg.norm(course, axis=1)
-        error = np.arctan2(course[:, 1], course[:, 0]) - headings
-        # Slow boats go astern: the opposite heading will do where it is nearer.
-        span = np.where(speed < _PILOT.slow, np.pi, 2.0 * np.pi)
-        error = np.where(speed < _PILOT.still, 0.0, (error + 0.5 * span) % span - 0.5 * span)
+    def _commands(
+        self, hull: _Hull, place: list[float], velocity: list[float], gained: list[float]
+    ) -> tuple[float, float]:
+        """Return the thrust that follows a reference by heading and speed [N]."""
+        known_x, known_y = self._known_water.tolist()
+        x = velocity[0] + _PILOT.pull * (place[0] - hull.x) - known_x
+        y = velocity[1] + _PILOT.pull * (place[1] - hull.y) - known_y
+        course_x, course_y = x + _PILOT.ahead * gained[0], y + _PILOT.ahead * gained[1]
+        speed, error = math.hypot(course_x, course_y), 0.0
+        if speed >= _PILOT.still:
+            # Slow boats go astern: the opposite heading will do where it is nearer.
+            span = math.pi if speed < _PILOT.slow else 2.0 * math.pi
+            error = math.remainder(math.atan2(course_y, course_x) - hull.heading, span)
         surge, _, yaw = OTTER.inertia
-        turn = _PILOT.yaw_rate**2 * error - 2.0 * _PILOT.yaw_rate * self._relative[:, 2]
-        moment = yaw * turn + OTTER.damping[2] * self._relative[:, 2]
-        wanted = np.einsum("ij,ij->i", ahead, water)
-        gained = np.einsum("ij,ij->i", ahead, reference.accelerations)
-        gained = gained + _PILOT.surge_rate * (wanted - self._relative[:, 0])
-        force: Vector = surge * gained + OTTER.damping[0] * wanted
-        return thrust_of(OTTER, force, moment)
+        u, _, r = hull.relative
+        turn = _PILOT.yaw_rate**2 * error - 2.0 * _PILOT.yaw_rate * r
+        cosine, sine = math.cos(hull.heading), math.sin(hull.heading)
+        wanted = cosine * x + sine * y
+        faster = cosine * gained[0] + sine * gained[1] + _PILOT.surge_rate * (wanted - u)
+        force = surge * faster + OTTER.damping[0] * wanted
+        return thrust_of(OTTER, force, yaw * turn + OTTER.damping[2] * r)
 
 
 def _check_radii(scenario: Scenario) -> None:

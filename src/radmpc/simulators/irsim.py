@@ -33,7 +33,7 @@ _SAMPLE = 0.1
 """Step of the simulation, at most [s]; ir-sim draws its noise anew at each."""
 
 _PULL = 2.0
-"""Speed towards the reference by distance from it [1/s]: a fifth of it is undone in every step."""
+"""Speed toward the reference by distance from it [1/s]: a fifth of it is undone in every step."""
 
 _SPARE = 3.0
 """Speed of the wheels above the largest that plans may have [m/s], for what the tracking adds."""

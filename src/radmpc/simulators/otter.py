@@ -10,7 +10,7 @@ Equations of motion after T. I. Fossen, *Handbook of Marine Craft Hydrodynamics 
 The numbers are those that Fossen publishes for the Otter of Maritime Robotics in the Marine Systems
 Simulator and its Python version: mass, payload, added mass, time constants, bollard pull and shaft
 speeds. Roll, pitch and heave are left out. Axes are the scenario's: x and y in meters, headings
-from x towards y.
+from x toward y.
 """
 
 from __future__ import annotations
@@ -19,9 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
-
-__all__ = ["OTTER", "Vessel", "accelerations", "heading_vectors", "thrust_of"]
+__all__ = ["OTTER", "Triple", "Vessel", "accelerations", "thrust_of"]
 
 _GRAVITY = 9.81
 """Acceleration of gravity that bollard pulls are told in kilograms with [m/s²]."""
@@ -29,8 +27,11 @@ _GRAVITY = 9.81
 _WATER = 1025.0
 """Density of sea water [kg/m³]."""
 
-_STRIPS = np.polynomial.legendre.leggauss(8)
+_STRIPS = tuple(zip(*(part.tolist() for part in np.polynomial.legendre.leggauss(8)), strict=True))
 """Places and weights along the hull, from -1 to 1 [-], at which cross-flow drag is summed."""
+
+Triple = tuple[float, float, float]
+"""Surge, sway and yaw."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +79,12 @@ class Vessel:
     propeller_time: float
 
     @property
-    def mass_inverse(self) -> Matrix:
-        """Inverse of M, (3, 3)."""
-        coupling = self.mass * self.lead
+    def mass_inverse(self) -> tuple[float, float, float, float]:
+        """Entries of the inverse of M: surge, sway, sway with yaw, yaw."""
         surge, sway, yaw = self.inertia
-        mass = np.array([[surge, 0.0, 0.0], [0.0, sway, coupling], [0.0, coupling, yaw]])
-        return np.asarray(np.linalg.inv(mass), dtype=np.float64)
+        coupling = self.mass * self.lead
+        determinant = sway * yaw - coupling**2
+        return 1.0 / surge, yaw / determinant, -coupling / determinant, sway / determinant
 
 
 def _otter(hull: float = 55.0, payload: float = 25.0) -> Vessel:
@@ -119,65 +120,51 @@ OTTER = _otter()
 """With the payload of 25 kg; at full thrust 3.1 m/s through the water."""
 
 
-def heading_vectors(headings: Vector) -> tuple[Matrix, Matrix]:
-    """Return unit vectors ahead and to the left, (N, 2) each.
-
-    Parameters
-    ----------
-    headings : (N,) array
-        From x towards y [rad].
-    """
-    ahead = np.stack([np.cos(headings), np.sin(headings)], axis=1)
-    return ahead, np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
-
-
-def thrust_of(vessel: Vessel, surge: Vector, yaw: Vector) -> Matrix:
-    """Return what both propellers are to give, within what they can, (N, 2) [N].
+def thrust_of(vessel: Vessel, surge: float, yaw: float) -> tuple[float, float]:
+    """Return what the left and the right propeller are to give, within what they can [N].
 
     Parameters
     ----------
     vessel : Vessel
         Whose they are.
-    surge : (N,) array
+    surge : float
         Force ahead that is wanted [N].
-    yaw : (N,) array
+    yaw : float
         Moment to the left that is wanted [N m]; it comes first where both cannot be had.
     """
     low, high = -vessel.thrust_astern, vessel.thrust_ahead
-    half = np.clip(0.5 * yaw / vessel.lever, -0.5 * (high - low), 0.5 * (high - low))
-    middle = np.clip(0.5 * surge, low + np.abs(half), high - np.abs(half))
-    return np.stack([middle - half, middle + half], axis=1)
+    most = 0.5 * (high - low)
+    half = min(max(0.5 * yaw / vessel.lever, -most), most)
+    middle = min(max(0.5 * surge, low + abs(half)), high - abs(half))
+    return middle - half, middle + half
 
 
-def accelerations(vessel: Vessel, inverse: Matrix, speeds: Matrix, forces: Matrix) -> Matrix:
-    """Return how fast the velocities relative to the water change, (N, 3) [m/s², rad/s²].
+def accelerations(vessel: Vessel, speeds: Triple, forces: Triple) -> Triple:
+    """Return how fast the velocities relative to the water change [m/s², rad/s²].
 
     Parameters
     ----------
     vessel : Vessel
-        The boats' kind.
-    inverse : (3, 3) array
-        Its `mass_inverse`.
-    speeds : (N, 3) array
+        The boat's kind.
+    speeds : tuple of float
         Surge, sway [m/s] and yaw [rad/s].
-    forces : (N, 3) array
+    forces : tuple of float
         Surge, sway [N] and yaw [N m], of propellers, wind and waves.
     """
-    u, v, r = speeds.T
+    u, v, r = speeds
     surge, sway = vessel.mass + vessel.added[0], vessel.mass + vessel.added[1]
     lead = vessel.mass * vessel.lead
-    places, weights = _STRIPS
-    along = 0.5 * vessel.length * places
-    across = v[:, None] + r[:, None] * along
-    scale = 0.5 * _WATER * vessel.draft * vessel.cross_flow * 0.5 * vessel.length
-    drag = scale * weights * np.abs(across) * across
-    yawing = vessel.damping[2] + vessel.yaw_damping * np.abs(r)
-    total = np.stack(
-        [
-            sway * v * r + lead * r * r - vessel.damping[0] * u,
-            -surge * u * r - vessel.damping[1] * v - drag.sum(axis=1),
-            (surge - sway) * u * v - lead * u * r - yawing * r - drag @ along,
-        ],
-        axis=1,
-    )
-    return np.asarray((forces + total) @ inverse.T)
+    across = yawing = 0.0
+    for place, weight in _STRIPS:
+        along = 0.5 * vessel.length * place
+        flow = v + r * along
+        drag = weight * abs(flow) * flow
+        across += drag
+        yawing += drag * along
+    scale = 0.25 * _WATER * vessel.draft * vessel.cross_flow * vessel.length
+    x = forces[0] + sway * v * r + lead * r * r - vessel.damping[0] * u
+    y = forces[1] - surge * u * r - vessel.damping[1] * v - scale * across
+    n = forces[2] + (surge - sway) * u * v - lead * u * r - scale * yawing
+    n -= (vessel.damping[2] + vessel.yaw_damping * abs(r)) * r
+    first, second, mixed, third = vessel.mass_inverse
+    return first * x, second * y + mixed * n, mixed * y + third * n

@@ -1,4 +1,4 @@
-"""Noise from a plan's own flights in a simulator, and a plan that knows it."""
+"""Noise from a plan's own missions in a simulator, and a plan that knows it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planning import plan as make_plan
 from radmpc.referee import certify
 from radmpc.simulators.calibration.calibrate import Calibration, calibrate
-from radmpc.simulators.calibration.flights import Making, Rate, flown, rate_of
+from radmpc.simulators.calibration.missions import Making, Rate, flown, rate_of
 
 __all__ = ["CalibrateRequest", "run_calibrate"]
 
@@ -45,7 +45,7 @@ class CalibrateRequest:
         Where the scenario with the noise goes.
     plan_output : Path or None
         Where a plan of that scenario goes, which then is flown, too.
-    flights : int
+    missions : int
         How often each is flown.
     seed : int
         Of all noise and of planning.
@@ -59,7 +59,7 @@ class CalibrateRequest:
     backend: str
     output: Path
     plan_output: Path | None = None
-    flights: int = 20
+    missions: int = 20
     seed: int = 0
     options: tuple[str, ...] = ()
     as_json: bool = False
@@ -108,10 +108,10 @@ def run_calibrate(request: CalibrateRequest) -> int:
         found = calibrate(
             plan,
             making,
-            flights=request.flights,
+            missions=request.missions,
             seed=request.seed,
             day=day,
-            told=lambda done: line("flying", done, request.flights),
+            told=lambda done: line("flying", done, request.missions),
         )
     before = _Flown(plan.scenario.risk_bound, certify(plan).certified, found.rate)
     with writing(request.output):
@@ -164,14 +164,14 @@ def _planned(request: CalibrateRequest, found: Calibration, making: Making) -> _
     with writing(request.plan_output):
         save_plan(plan, request.plan_output)
     with progress_line(is_wanted=not request.as_json) as line:
-        flights = flown(
+        missions = flown(
             plan,
             making,
-            request.flights,
+            request.missions,
             request.seed + 1,
-            lambda done: line("flying again", done, request.flights),
+            lambda done: line("flying again", done, request.missions),
         )
-    rate = rate_of(plan.scenario, flights)
+    rate = rate_of(plan.scenario, missions)
     return _Flown(plan.scenario.risk_bound, certify(plan).certified, rate)
 
 
@@ -184,6 +184,7 @@ def _report(
         "flown with": request.backend,
         "as planned": _sentence(before),
         "covering": f"variances multiplied by {ratios} for deviations, whatever color, as flown",
+        "feedback": _loops_sentence(found),
         "scenario": f"written to {request.output}",
     }
     if after is not None:
@@ -194,12 +195,24 @@ def _report(
     return [*noise_report(found.identification), Text(), facts(rows)]
 
 
+def _loops_sentence(found: Calibration) -> str:
+    """Return whether feedback did what it should."""
+    if not found.loops:
+        return "cannot be told"
+    worst = max(found.loops, key=lambda loop: loop.score)
+    if not worst.differs:
+        return "as planned, within what chance makes of it"
+    return (
+        f"of {worst.vehicle!r} not as planned, by {worst.score:.1f} deviations: covered as if noise"
+    )
+
+
 def _sentence(flight: _Flown) -> Text:
     """Return what became of a plan."""
     rate = flight.rate
     holds = "" if flight.holds else ": more than the certificate allows"
     return Text(
-        f"{rate.collided} of {rate.flights} flights collided, {rate.rate:.3g} "
+        f"{rate.collided} of {rate.missions} missions collided, {rate.rate:.3g} "
         f"[{rate.low:.2g}, {rate.high:.2g}]; certified {flight.certified:.3g}{holds}; disturbances "
         f"spoke against the model in {rate.doubted}",
         style="" if flight.holds else "yellow",
@@ -213,7 +226,7 @@ def _record(
     vehicles = found.scenario.vehicles
     return {
         "backend": request.backend,
-        "flights": request.flights,
+        "missions": request.missions,
         "before": _plain(before),
         "identified": identification_json(found.identification),
         "covers": [
@@ -225,6 +238,17 @@ def _record(
                 "ratio": cover.ratio,
             }
             for cover in found.covers
+        ],
+        "loops": [
+            {
+                "vehicle": loop.vehicle,
+                "planned": loop.planned.tolist(),
+                "flown": loop.flown.value.tolist(),
+                "low": loop.flown.low.tolist(),
+                "high": loop.flown.high.tolist(),
+                "differs": loop.differs,
+            }
+            for loop in found.loops
         ],
         "scenario": str(request.output),
         "plan": None if after is None else str(request.plan_output),

@@ -1,1 +1,1 @@
-"""Noise from a plan's own flights in a simulator, and what plans that know it are worth."""
+"""Noise from a plan's own missions in a simulator, and what plans that know it are worth."""

@@ -14,7 +14,8 @@ from radmpc.importing.logs.applying import provenance
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.simulators.calibration.covering import Cover, Strays, covering
-from radmpc.simulators.calibration.flights import (
+from radmpc.simulators.calibration.loops import Loop, loops_of
+from radmpc.simulators.calibration.missions import (
     Making,
     Rate,
     controls_of_vehicle,
@@ -28,7 +29,7 @@ __all__ = ["Calibration", "calibrate"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
-    """What flights tell of a simulator.
+    """What missions tell of a simulator.
 
     Attributes
     ----------
@@ -36,6 +37,8 @@ class Calibration:
         Of what steps left unexplained: covariance, drift, time constant, tails, with intervals.
     covers : tuple of Cover
         What is planned with; one for all vehicles, or one for each where they differ.
+    loops : tuple of Loop
+        Feedback as it was flown, of vehicles that it can be told of.
     scenario : Scenario
         The plan's, with that noise.
     rate : Rate
@@ -44,6 +47,7 @@ class Calibration:
 
     identification: Identification
     covers: tuple[Cover, ...]
+    loops: tuple[Loop, ...]
     scenario: Scenario
     rate: Rate
 
@@ -52,12 +56,12 @@ def calibrate(
     plan: Plan,
     making: Making,
     *,
-    flights: int = 20,
+    missions: int = 20,
     seed: int = 0,
     day: str,
     told: Callable[[int], None] | None = None,
 ) -> Calibration:
-    """Fly a plan, and return its scenario with the noise that explains the flights.
+    """Fly a plan, and return its scenario with the noise that explains the missions.
 
     Parameters
     ----------
@@ -65,7 +69,7 @@ def calibrate(
         Of double integrators, within its risk bound; its own noise counts for nothing.
     making : callable
         Makes the simulator.
-    flights : int
+    missions : int
         How often it is flown.
     seed : int
         Of all noise.
@@ -79,15 +83,16 @@ def calibrate(
     ArgumentError
         If a number is out of its range.
     FileFormatError
-        If flights are too few to tell anything.
+        If missions are too few to tell anything.
     RiskError
         If the plan's certificate exceeds its bound.
     ScenarioError
         If the scenario is none for missions, or for the simulator.
     """
     orders = [_order(plan.scenario, i) for i in range(plan.scenario.num_vehicles)]
-    made = flown(plan, making, flights, seed, told)
-    found = identify(_tracks(plan.scenario, made, orders), dt=plan.scenario.dt)
+    made = flown(plan, making, missions, seed, told)
+    tracks = _tracks(plan.scenario, made, orders)
+    found = identify(tracks, dt=plan.scenario.dt)
     strays = [
         Strays(i, vehicle, tuple(order), states_of_vehicle(made, i) - trajectory.means)
         for i, (vehicle, order, trajectory) in enumerate(
@@ -99,7 +104,8 @@ def calibrate(
         for one in found.groups
     )
     changed = _with_covers(plan.scenario, covers, orders, found, day)
-    return Calibration(found, covers, changed, rate_of(plan.scenario, made))
+    loops = loops_of(plan, tracks, orders)
+    return Calibration(found, covers, loops, changed, rate_of(plan.scenario, made))
 
 
 def _order(scenario: Scenario, number: int) -> list[int]:
@@ -114,20 +120,20 @@ def _order(scenario: Scenario, number: int) -> list[int]:
 
 
 def _tracks(
-    scenario: Scenario, flights: Sequence[Flight], orders: Sequence[Sequence[int]]
+    scenario: Scenario, missions: Sequence[Flight], orders: Sequence[Sequence[int]]
 ) -> list[Track]:
-    """Return flights as logs: every flight has a clock of its own."""
+    """Return missions as logs: every flight has a clock of its own."""
     times = scenario.dt * np.arange(scenario.horizon + 1, dtype=np.float64)
     d = scenario.dimension
     tracks = []
     for i, vehicle in enumerate(scenario.vehicles):
-        states = states_of_vehicle(flights, i)[..., list(orders[i])]
-        controls = controls_of_vehicle(flights, i)
+        states = states_of_vehicle(missions, i)[..., list(orders[i])]
+        controls = controls_of_vehicle(missions, i)
         for number, (path, pushes) in enumerate(zip(states, controls, strict=True)):
             # Nothing follows the last sample, but a log has a command there, too.
             commands = np.vstack([pushes, np.zeros((1, d))])
             clock = f"flight {number + 1}"
-            source = f"{len(flights)} flights"
+            source = f"{len(missions)} missions"
             tracks.append(
                 Track(vehicle.name, source, clock, times, path[:, :d], path[:, d:], commands)
             )

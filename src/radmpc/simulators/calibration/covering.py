@@ -1,4 +1,4 @@
-r"""Noise that explains flights, deviations and all.
+r"""Noise that explains missions, deviations and all.
 
 What a step leaves unexplained, ``x⁺ − A x − B u``, is identified as from any log. That is not
 enough to plan with: simulators lag and gust, their residuals are colored and depend on the
@@ -7,7 +7,9 @@ maneuver, and missions take noise that is new at every step. So the covariance i
 1. White noise of :math:`W (1 + \rho) / (1 - \rho)` has at every frequency at least the power of
    noise of covariance W and autocorrelation ρ, so no linear feedback makes more of the latter.
 2. The positions' deviations from the plan, as flown, are held against those that the noise leads
-   to: W is multiplied by the largest ratio of the two, over all directions and steps.
+   to: W is multiplied by the largest ratio of the two, over all directions and steps. Of n missions
+   in d directions the upper end of a variance's one-sided 95 % interval is taken,
+   :math:`n d / \chi^2_{0.05}(n d)` times its estimate: few missions tell little.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtri
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.identification.estimate import Estimate
@@ -25,13 +28,16 @@ from radmpc.model.vehicle import Vehicle
 
 __all__ = ["Cover", "Strays", "covering", "deviation_ratio", "white_covariance"]
 
+_SURE = 0.95
+"""How sure it is that the variance of deviations is not larger than what is planned with [-]."""
+
 _LEAST = 1e-12
 """Variance [m², m²/s²] below which nothing is divided by it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cover:
-    """Noise of a group of vehicles that explains their flights.
+    """Noise of a group of vehicles that explains their missions.
 
     Attributes
     ----------
@@ -103,7 +109,8 @@ def covering(one: Estimate, strays: Sequence[Strays]) -> Cover:
     """
     white = white_covariance(one)
     drift = one.drift.value if one.has_drift else None
-    ratio = max(1.0, deviation_ratio(strays, white, drift))
+    count = white.shape[0] // 2 * sum(len(stray.deviations) for stray in strays)
+    ratio = max(1.0, deviation_ratio(strays, white, drift)) * count / float(chdtri(count, _SURE))
     return Cover(
         tuple(stray.number for stray in strays), ratio * white, drift, max(one.color, 0.0), ratio
     )
@@ -112,7 +119,7 @@ def covering(one: Estimate, strays: Sequence[Strays]) -> Cover:
 def deviation_ratio(strays: Sequence[Strays], covariance: Matrix, drift: Vector | None) -> float:
     """Return how much larger position deviations are than noise makes them, as a variance [-].
 
-    Of few flights some direction always has more than its share. The largest eigenvalue of the
+    Of few missions some direction always has more than its share. The largest eigenvalue of the
     covariance of n independent samples in d directions is about (1 + √(d/n))² where the truth is 1,
     by which the ratio is divided.
 
@@ -138,10 +145,10 @@ def deviation_ratio(strays: Sequence[Strays], covariance: Matrix, drift: Vector 
 
 def _scaled(stray: Strays, covariance: Matrix, drift: Vector | None) -> Tensor:
     """Return covariances of positions at steps 1..T where noise would make them 1, (T, d, d)."""
-    vehicle, flights, places = stray.vehicle, stray.deviations, np.argsort(stray.order)
+    vehicle, missions, places = stray.vehicle, stray.deviations, np.argsort(stray.order)
     W = covariance[np.ix_(places, places)]
     extra = _extra(vehicle, None if drift is None else drift[places])
-    horizon = flights.shape[1] - 1
+    horizon = missions.shape[1] - 1
     system, gain, none = vehicle.system, vehicle.gain, np.zeros_like(W)
     F = system.A if gain is None else system.A + system.B @ gain
     start = covariances(system, vehicle.initial_covariance, none, gain, horizon)
@@ -149,7 +156,7 @@ def _scaled(stray: Strays, covariance: Matrix, drift: Vector | None) -> Tensor:
     axes, found, mean = list(system.position), [], np.zeros(len(F))
     for k in range(1, horizon + 1):
         mean = F @ mean + extra
-        off = (flights[:, k] - mean)[:, axes]
+        off = (missions[:, k] - mean)[:, axes]
         seen = off.T @ off / len(off) - start[k][np.ix_(axes, axes)]
         values, vectors = np.linalg.eigh(noise[k][np.ix_(axes, axes)])
         root = (vectors / np.sqrt(np.maximum(values, _LEAST))) @ vectors.T

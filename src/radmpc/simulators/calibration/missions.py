@@ -29,14 +29,14 @@ class Rate:
 
     Attributes
     ----------
-    flights, collided, doubted : int
+    missions, collided, doubted : int
         How many were flown, how many of them hit anything, and in how many disturbances spoke
         against the model, by the alarms of missions.
     low, high : float
         Interval of Clopper and Pearson for the probability of a collision, at 95 % [-].
     """
 
-    flights: int
+    missions: int
     collided: int
     doubted: int
     low: float
@@ -44,14 +44,14 @@ class Rate:
 
     @property
     def rate(self) -> float:
-        """Share of flights that hit anything [-]."""
-        return self.collided / self.flights
+        """Share of missions that hit anything [-]."""
+        return self.collided / self.missions
 
 
 def flown(
     plan: Plan,
     making: Making,
-    flights: int,
+    missions: int,
     seed: int,
     told: Callable[[int], None] | None = None,
 ) -> tuple[Flight, ...]:
@@ -63,7 +63,7 @@ def flown(
         Within its risk bound.
     making : callable
         Makes the simulator.
-    flights : int
+    missions : int
         How many, at least 1.
     seed : int
         Of all noise, at least 0.
@@ -79,29 +79,29 @@ def flown(
     ScenarioError
         If a mission, or the simulator, does not take the scenario.
     """
-    check_integer(flights, "flights", 1)
+    check_integer(missions, "missions", 1)
     check_integer(seed, "seed", 0)
     backend = making(plan.scenario, np.random.default_rng(seed))
     made = []
-    for number in range(flights):
+    for number in range(missions):
         made.append(fly(Mission(plan, planner=None), backend))
         if told is not None:
             told(number + 1)
     return tuple(made)
 
 
-def rate_of(scenario: Scenario, flights: Sequence[Flight]) -> Rate:
-    """Return how often flights collide.
+def rate_of(scenario: Scenario, missions: Sequence[Flight]) -> Rate:
+    """Return how often missions collide.
 
     Parameters
     ----------
     scenario : Scenario
         That was flown.
-    flights : sequence of Flight
+    missions : sequence of Flight
         At least one.
     """
-    count, hits = len(flights), sum(flight.has_collided for flight in flights)
-    doubted = sum(_is_doubted(scenario, flight) for flight in flights)
+    count, hits = len(missions), sum(flight.has_collided for flight in missions)
+    doubted = sum(_is_doubted(scenario, flight) for flight in missions)
     low = 0.0 if hits == 0 else float(betaincinv(hits, count - hits + 1, 0.025))
     high = 1.0 if hits == count else float(betaincinv(hits + 1, count - hits, 0.975))
     return Rate(count, hits, doubted, low, high)
@@ -122,29 +122,29 @@ def _is_doubted(scenario: Scenario, flight: Flight) -> bool:
     return False
 
 
-def states_of_vehicle(flights: Sequence[Flight], number: int) -> Tensor:
+def states_of_vehicle(missions: Sequence[Flight], number: int) -> Tensor:
     """Return where a vehicle was, (M, T+1, n).
 
     Parameters
     ----------
-    flights : sequence of Flight
+    missions : sequence of Flight
         Of one plan.
     number : int
         The vehicle's place in the scenario.
     """
-    return np.array([[states[number] for states in flight.states] for flight in flights])
+    return np.array([[states[number] for states in flight.states] for flight in missions])
 
 
-def controls_of_vehicle(flights: Sequence[Flight], number: int) -> Tensor:
+def controls_of_vehicle(missions: Sequence[Flight], number: int) -> Tensor:
     """Return what a vehicle was told, (M, T, m).
 
     Parameters
     ----------
-    flights : sequence of Flight
+    missions : sequence of Flight
         Of one plan.
     number : int
         The vehicle's place in the scenario.
     """
     return np.array(
-        [[tick.controls[number] for tick in flight.ticks if tick.segments] for flight in flights]
+        [[tick.controls[number] for tick in flight.ticks if tick.segments] for flight in missions]
     )
