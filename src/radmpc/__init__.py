@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from radmpc.flying.flight import Flight, fly
     from radmpc.flying.mission import Mission
     from radmpc.flying.model import Model
+    from radmpc.flying.receding.long_mission import LongMission
     from radmpc.flying.tick import Contact, Tick
     from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
     from radmpc.io.export.exporting import ExportOptions, save_export
@@ -76,6 +77,7 @@ __all__ = [
     "ImportedScenario",
     "LedgerRow",
     "LinearSystem",
+    "LongMission",
     "Measurement",
     "Mission",
     "Model",
@@ -141,6 +143,7 @@ _HOMES = {
     "flying.flight": ("Flight", "fly"),
     "flying.mission": ("Mission",),
     "flying.model": ("Model",),
+    "flying.receding.long_mission": ("LongMission",),
     "flying.tick": ("Contact", "Tick"),
     "importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
     "io.native.mapping": ("from_dict", "to_dict"),

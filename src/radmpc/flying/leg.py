@@ -17,7 +17,7 @@ from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 
-__all__ = ["Leg", "Outlook", "left_of", "leg_of", "miss_of"]
+__all__ = ["Leg", "Outlook", "later", "left_of", "leg_of", "miss_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,12 +244,20 @@ def left_of(
         horizon=scenario.horizon - passed,
         risk_bound=risk_bound,
         vehicles=vehicles,
-        obstacles=tuple(_later(o, passed) for o in scenario.obstacles),
+        obstacles=tuple(later(o, passed) for o in scenario.obstacles),
     )
 
 
-def _later(obstacle: Obstacle, passed: int) -> Obstacle:
-    """Return an obstacle as it is some steps later."""
+def later(obstacle: Obstacle, passed: int) -> Obstacle:
+    """Return an obstacle as it is some steps later.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        At rest, or with an outline per step.
+    passed : int
+        The steps.
+    """
     if not isinstance(obstacle.shape, MovingShape):
         return obstacle
     shape = MovingShape(obstacle.shape.outlines[passed:])
