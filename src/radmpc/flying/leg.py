@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector, as_matrix
+from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, frozen
 from radmpc.model.dynamics import rollout
 from radmpc.model.obstacle import MovingShape, Obstacle
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
@@ -17,7 +19,9 @@ from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 
-__all__ = ["Leg", "Outlook", "later", "left_of", "leg_of", "miss_of"]
+__all__ = ["Leg", "Outlook", "changed", "later", "left_of", "leg_of", "miss_of"]
+
+Record = TypeVar("Record", bound=Frozen)
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,16 +240,36 @@ def left_of(
         With the same goals, and moving obstacles where they are by then.
     """
     vehicles = tuple(
-        replace(v, start=state, initial_covariance=0.0 * v.initial_covariance)
+        changed(v, start=state, initial_covariance=0.0 * v.initial_covariance)
         for v, state in zip(scenario.vehicles, states, strict=True)
     )
-    return replace(
+    return changed(
         scenario,
         horizon=scenario.horizon - passed,
         risk_bound=risk_bound,
         vehicles=vehicles,
         obstacles=tuple(later(o, passed) for o in scenario.obstacles),
     )
+
+
+def changed(value: Record, **fields: object) -> Record:
+    """Return a copy of a frozen value with other fields, unchecked.
+
+    What is measured was checked, and checking all of a scenario takes longer than a linear program.
+
+    Parameters
+    ----------
+    value : Frozen
+        A scenario or a part of one.
+    **fields
+        What differs, of the right kind; arrays are frozen.
+    """
+    made = copy.copy(value)
+    for name, entry in fields.items():
+        if isinstance(entry, np.ndarray):
+            frozen(entry)
+        object.__setattr__(made, name, entry)
+    return made
 
 
 def later(obstacle: Obstacle, passed: int) -> Obstacle:

@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import NoPlanError
-from radmpc.flying.leg import later
+from radmpc.flying.leg import changed, later
 from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import MovingShape
@@ -97,7 +97,7 @@ def window_of(
     """
     end = min(step + window, scenario.horizon)
     vehicles = tuple(
-        replace(
+        changed(
             v,
             goal=goal,
             start=v.start if states is None else states[i],
@@ -112,7 +112,7 @@ def window_of(
             shape = MovingShape(moved.shape.outlines[: end - step + 1])
             moved = replace(moved, shape=shape, steps=moved.steps[: end - step + 1])
         obstacles.append(moved)
-    return replace(scenario, horizon=end - step, vehicles=vehicles, obstacles=tuple(obstacles))
+    return changed(scenario, horizon=end - step, vehicles=vehicles, obstacles=tuple(obstacles))
 
 
 def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:

@@ -10,6 +10,7 @@ from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, NoPlanError
 from radmpc.flying.candidates import Order, Planning, answered, planning_with
+from radmpc.flying.leg import changed
 from radmpc.flying.measuring import check_memory, measured
 from radmpc.flying.mission import Mission
 from radmpc.flying.receding.guide import Guide, coarse_guide, window_of
@@ -191,7 +192,7 @@ class LongMission:
         grant = self._reserve.grant(wealth, scene.horizon, left, _MOST)
         if grant < _LEAST_GRANT or self._planning is None:
             return None
-        scene = replace(scene, risk_bound=grant)
+        scene = changed(scene, risk_bound=grant)
         order, starts = Order(scene, widened(scene), 0), [v.start for v in scene.vehicles]
         found = answered(self._planning, order, deadline, starts)
         if found.leg is None or found.leg.price > grant:
