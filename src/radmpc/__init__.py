@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from radmpc.flying.flight import Flight, fly
     from radmpc.flying.mission import Mission
     from radmpc.flying.model import Model
+    from radmpc.flying.receding.long_mission import LongMission
     from radmpc.flying.recording.campaign import begin_flight, resume_flight
     from radmpc.flying.tick import Contact, Tick
     from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
@@ -85,6 +86,7 @@ __all__ = [
     "ImportedScenario",
     "LedgerRow",
     "LinearSystem",
+    "LongMission",
     "Measurement",
     "Mission",
     "Model",
@@ -157,6 +159,7 @@ _HOMES = {
     "flying.flight": ("Flight", "fly"),
     "flying.mission": ("Mission",),
     "flying.model": ("Model",),
+    "flying.receding.long_mission": ("LongMission",),
     "flying.recording.campaign": ("begin_flight", "resume_flight"),
     "flying.tick": ("Contact", "Tick"),
     "io.flight.flight_file": ("load_flight",),

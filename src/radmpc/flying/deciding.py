@@ -22,6 +22,7 @@ __all__ = [
     "Later",
     "Rule",
     "decided",
+    "objection",
     "opened",
     "plan_ahead",
 ]
@@ -189,7 +190,7 @@ def decided(rule: Rule, moment: Moment, timer: Timer) -> Decision:
         reason = found.reason
         if found.leg is not None and found.price is not None:
             score = _score(rule, moment, found.leg, found.price)
-            reason = _objection(moment, found.price, (least, score), is_first=best is None)
+            reason = objection(moment, found.price, (least, score), is_first=best is None)
             if not reason:
                 best, least = found, score
         if reason:
@@ -225,8 +226,20 @@ def _score(rule: Rule, moment: Moment, leg: Leg, price: float) -> float:
     return look.effort + rule.miss_price * look.miss
 
 
-def _objection(moment: Moment, price: float, scores: tuple[float, float], *, is_first: bool) -> str:
-    """Return why a candidate is not adopted; empty if it is, unless a better one comes."""
+def objection(moment: Moment, price: float, scores: tuple[float, float], *, is_first: bool) -> str:
+    """Return why a candidate is not adopted; empty if it is, unless a better one comes.
+
+    Parameters
+    ----------
+    moment : Moment
+        What is known.
+    price : float
+        What it costs [-].
+    scores : tuple of float
+        What the best leg so far and the candidate are compared by, the less the better.
+    is_first : bool
+        Whether that best leg is the tail.
+    """
     if not moment.account.affords(price):
         return f"the candidate costs {price:.3g}, the wealth is {moment.account.wealth:.3g}"
     least, score = scores

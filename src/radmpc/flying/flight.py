@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.flying.mission import Mission
 from radmpc.flying.model import Backend
 from radmpc.flying.tick import Contact, Entry, Tick
+from radmpc.model.scenario import Scenario
 
-__all__ = ["Flight", "fly"]
+__all__ = ["Flight", "Flyable", "fly"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,12 +53,50 @@ class Flight:
         return f"Flight({steps} steps; {adopted} replans adopted; {hit}; effort {self.effort:.6g})"
 
 
-def fly(mission: Mission, backend: Backend, *, deadline: float | None = None) -> Flight:
+class Flyable(Protocol):
+    """What `fly` flies: a mission, or one of many windows."""
+
+    @property
+    def scenario(self) -> Scenario:
+        """What it is about."""
+        ...
+
+    @property
+    def ticks(self) -> tuple[Tick, ...]:
+        """Every decision, in order."""
+        ...
+
+    @property
+    def account(self) -> tuple[Entry, ...]:
+        """Every change of the account, in order."""
+        ...
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """What was hit."""
+        ...
+
+    def wait(self, seconds: float | None = None) -> None:
+        """Wait for what is planned in the background."""
+        ...
+
+    def step(
+        self,
+        states: Sequence[Vector] | None,
+        *,
+        deadline: float | None = None,
+        contacts: Sequence[Contact] = (),
+    ) -> Tick:
+        """Decide what to do until the next step."""
+        ...
+
+
+def fly(mission: Flyable, backend: Backend, *, deadline: float | None = None) -> Flight:
     """Fly a mission to its end, also after a collision.
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission or LongMission
         At its beginning. What it has planned in the background is waited for at every step.
     backend : Backend
         What it is flown with; measured states are taken as exact.

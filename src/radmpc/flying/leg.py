@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector, as_matrix
+from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, frozen
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
@@ -18,7 +20,9 @@ from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 
-__all__ = ["Leg", "Outlook", "left_of", "leg_of", "miss_of"]
+__all__ = ["Leg", "Outlook", "changed", "later", "left_of", "leg_of", "miss_of"]
+
+Record = TypeVar("Record", bound=Frozen)
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,20 +250,48 @@ def left_of(
             "a mission with visits (via) is not planned anew under way", ("vehicles",)
         )
     vehicles = tuple(
-        replace(v, start=state, initial_covariance=0.0 * v.initial_covariance)
+        changed(v, start=state, initial_covariance=0.0 * v.initial_covariance)
         for v, state in zip(scenario.vehicles, states, strict=True)
     )
-    return replace(
+    return changed(
         scenario,
         horizon=scenario.horizon - passed,
         risk_bound=risk_bound,
         vehicles=vehicles,
-        obstacles=tuple(_later(o, passed) for o in scenario.obstacles),
+        obstacles=tuple(later(o, passed) for o in scenario.obstacles),
     )
 
 
-def _later(obstacle: Obstacle, passed: int) -> Obstacle:
-    """Return an obstacle as it is some steps later."""
+def changed(value: Record, **fields: object) -> Record:
+    """Return a copy of a frozen value with other fields, unchecked.
+
+    What is measured was checked, and checking all of a scenario takes longer than a linear program.
+
+    Parameters
+    ----------
+    value : Frozen
+        A scenario or a part of one.
+    **fields
+        What differs, of the right kind; arrays are frozen.
+    """
+    made = copy.copy(value)
+    for name, entry in fields.items():
+        if isinstance(entry, np.ndarray):
+            frozen(entry)
+        object.__setattr__(made, name, entry)
+    return made
+
+
+def later(obstacle: Obstacle, passed: int) -> Obstacle:
+    """Return an obstacle as it is some steps later.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+        At rest, or with an outline per step.
+    passed : int
+        The steps.
+    """
     if isinstance(obstacle.shape, TrackShape) and obstacle.dt is not None:
         track = obstacle.shape.later(passed, obstacle.dt)
         # The outlines stay those of the plan that is flown, to the last digit.

@@ -26,6 +26,7 @@ from radmpc.flying.deciding import (
     opened,
     plan_ahead,
 )
+from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
 from radmpc.flying.sources import Moment, Sources, Timer
 from radmpc.flying.tick import Contact, Entry, Tick
@@ -119,6 +120,11 @@ class Mission:
         return self._account
 
     @property
+    def leg(self) -> Leg:
+        """What is in the air."""
+        return self._leg
+
+    @property
     def account(self) -> tuple[Entry, ...]:
         """Every change of it, in order."""
         return tuple(self._entries)
@@ -187,7 +193,8 @@ class Mission:
             # What was not measured at the last step may be off by the noise of two.
             is_certain = not self._ticks or self._ticks[-1].value is not None
             alarms = self._watcher.look(self._expected, given, self._step) if is_certain else []
-            decision = self._decided(given, alarms, begun, deadline)
+            end = float("inf") if deadline is None else begun + deadline
+            decision = self._decided(given, alarms, Timer(self._clock, end))
         wealth = self._account.wealth
         if decision.leg is None or decision.price is None:
             self._enter("kept", None)
@@ -273,13 +280,7 @@ class Mission:
         self._sources.renew(self._leg)
         self._enter("new grant", self._account.tail)
 
-    def _decided(
-        self,
-        states: tuple[Vector, ...],
-        alarms: list[str],
-        begun: float,
-        deadline: float | None,
-    ) -> Decision:
+    def _decided(self, states: tuple[Vector, ...], alarms: list[str], timer: Timer) -> Decision:
         """Value the tail, and decide what is flown."""
         value = self._leg.value(self._step, states)
         self._account = self._account.kept(value.least)
@@ -289,8 +290,7 @@ class Mission:
         if self.has_failed:
             return Decision(None, "something was hit", value.total, None, value.next_step)
         moment = Moment(self._step, states, self._leg, value, self._account)
-        end = float("inf") if deadline is None else begun + deadline
-        return decided(self._rule, moment, Timer(self._clock, end))
+        return decided(self._rule, moment, timer)
 
     def _enter(self, what: str, price: float | None) -> None:
         """Write a row of the account."""

@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Vector
+from radmpc.errors import RadmpcError
 from radmpc.flying.account import Account
 from radmpc.flying.background import Background
-from radmpc.flying.candidates import Candidate, Order, Planning, answered, leg_judged
+from radmpc.flying.candidates import Candidate, Order, Planning, answered, failed, leg_judged
 from radmpc.flying.leg import Leg, left_of
 from radmpc.flying.warm.goals import widened
 from radmpc.flying.warm.search import Try, WarmSearch
@@ -24,6 +25,9 @@ _PLANNING_SHARE = 0.8
 _TRIES = 2
 """Warm candidates at a tick at most [-]: a second one, at a higher price of risk, where the first
 costs more than there is."""
+
+_REHEARSALS = 3
+"""Warm candidates before the first tick [-]: the price of risk is within some 10 % by then."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,9 +137,15 @@ class Sources:
         return cls(planning, WarmSearch(scenario), always, background)
 
     def prepare(self, leg: Leg) -> None:
-        """Lay out what every tick needs, before the first one."""
-        if self.is_warm:
-            self.warm.prepare([v.start for v in leg.plan.scenario.vehicles], _controls(leg))
+        """Lay out what every tick needs, and find a price of risk, before the first one."""
+        if not self.is_warm:
+            return
+        scenario = leg.plan.scenario
+        starts = [v.start for v in scenario.vehicles]
+        left = left_of(scenario, 0, starts, scenario.risk_bound)
+        controls = tuple(path.controls for path in leg.plan.trajectories)
+        for _ in range(_REHEARSALS):
+            self.warm.search(Try(left, controls, is_safest=False, is_stopped=lambda: False))
 
     def renew(self, leg: Leg) -> None:
         """Begin anew with a leg of another scenario."""
@@ -204,11 +214,6 @@ class Sources:
             self.background.begin(Order(left, widened(left), step), seconds)
 
 
-def _controls(leg: Leg) -> tuple[Matrix, ...]:
-    """Return the controls of a leg's nominal."""
-    return tuple(path.controls for path in leg.plan.trajectories)
-
-
 def _on_the_spot(planning: Planning, moment: Moment, grant: float, timer: Timer) -> Candidate:
     """Return what a planner finds in the time that is left."""
     left = moment.left(grant)
@@ -230,7 +235,11 @@ def _warm(
     left = moment.left(grant)
     controls = leg.mean_controls(moment.step, moment.states)
     for _ in range(_TRIES):
-        found = warm.search(Try(left, controls, moment.is_unsafe, timer.is_over))
+        try:
+            found = warm.search(Try(left, controls, moment.is_unsafe, timer.is_over))
+        except RadmpcError as error:
+            yield failed(error)
+            return
         if found is None:
             yield Candidate(None, None, "turned half-spaces left no plan")
             return

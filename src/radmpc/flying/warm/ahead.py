@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from radmpc.arrays import Vector
+from radmpc.flying.leg import changed
 from radmpc.model.goal import Goal
 from radmpc.model.scenario import Scenario
 from radmpc.program.build import condensed_models, prediction_matrices
@@ -96,7 +97,7 @@ def _cut(
     velocity, axes = model.velocity, vehicle.system.velocity
     return replace(
         model,
-        vehicle=vehicle if goal is vehicle.goal else replace(vehicle, goal=goal),
+        vehicle=vehicle if goal is vehicle.goal else changed(vehicle, goal=goal),
         horizon=last,
         control_bounds=model.control_bounds[:last],
         position_covariances=model.position_covariances[: last + 1],

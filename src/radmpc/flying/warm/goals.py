@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.flying.leg import changed
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.build import condensed_models
@@ -42,7 +43,7 @@ def widened(scenario: Scenario) -> Scenario:
     if not any(slack is not None and float(slack.max()) > _ROUNDING for slack in slacks):
         return scenario
     pairs = zip(scenario.vehicles, slacks, strict=True)
-    return replace(scenario, vehicles=tuple(_wider(v, slack) for v, slack in pairs))
+    return changed(scenario, vehicles=tuple(_wider(v, slack) for v, slack in pairs))
 
 
 def least_slacks(models: Sequence[CondensedModel], dt: float) -> list[Vector | None]:
@@ -72,10 +73,8 @@ def _wider(vehicle: Vehicle, slack: Vector | None) -> Vehicle:
     goal, d = vehicle.goal, vehicle.system.dimension
     wider = np.where(slack > 0.0, slack + _ROUNDING, 0.0)
     speed = goal.speed if goal.speed is None or wider.size == d else goal.speed + wider[d:]
-    return replace(
-        vehicle,
-        goal=replace(goal, lower=goal.lower - wider[:d], upper=goal.upper + wider[:d], speed=speed),
-    )
+    wide = replace(goal, lower=goal.lower - wider[:d], upper=goal.upper + wider[:d], speed=speed)
+    return changed(vehicle, goal=wide)
 
 
 def _add(lp: ExchangeLp, model: CondensedModel, dt: float) -> slice:

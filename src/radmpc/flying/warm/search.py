@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Matrix
 from radmpc.flying.warm.ahead import Ahead
 from radmpc.flying.warm.goals import widened
 from radmpc.flying.warm.kept_lp import KeptLp
@@ -72,24 +72,6 @@ class WarmSearch:
         self._ratio = TUNING.first_ratio
         self._risk = 0.0
 
-    def prepare(self, states: Sequence[Vector], controls: Sequence[Matrix]) -> Ahead:
-        """Lay out the mission and its programs; the first search does it where nobody did before.
-
-        Parameters
-        ----------
-        states : sequence of (n,) array
-            Where vehicles are.
-        controls : sequence of (T, m) array
-            What they are to do from there to the end, which tells who comes near whom.
-        """
-        if self._ahead is None:
-            self._ahead = Ahead.of(self._scenario)
-            passed = self._horizon - len(controls[0])
-            goals = [v.goal for v in self._scenario.vehicles]
-            self._groups = _groups(self._ahead.left(passed, states, goals), controls)
-            self._programs = {g: KeptLp(self._ahead.whole, g) for g in self._groups}
-        return self._ahead
-
     def search(self, asked: Try) -> tuple[tuple[Matrix, ...], Scenario] | None:
         """Return other controls, and the scenario with the goals that they reach; None without.
 
@@ -121,8 +103,12 @@ class WarmSearch:
         """Return better controls within given goals; None if limits leave none."""
         states = [v.start for v in left.vehicles]
         goals = [v.goal for v in left.vehicles]
-        ahead = self.prepare(states, asked.controls)
-        hazards = ahead.left(self._horizon - left.horizon, states, goals)
+        if self._ahead is None:
+            self._ahead = Ahead.of(self._scenario)
+        hazards = self._ahead.left(self._horizon - left.horizon, states, goals)
+        if not self._groups:
+            self._groups = _groups(hazards, asked.controls)
+            self._programs = {g: KeptLp(self._ahead.whole, g) for g in self._groups}
         for program in self._programs.values():
             program.move(hazards)
         limits = Limits(is_stopped=asked.is_stopped)

@@ -30,6 +30,7 @@ from radmpc.referee.conditional.rows import (
 )
 from radmpc.referee.conditional.spreads import deviations_of
 from radmpc.referee.conditional.tables import Moments, all_integrals, at_steps, joined, links
+from radmpc.referee.conditional.valuing import are_sharp
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion, propagate
@@ -197,6 +198,7 @@ class _Purchase:
                 risks[worth],
             )
             exact[worth] = found < risks[worth]
+            risks[worth] = found
         self.tables.append(at_steps(sites, best, numbers).take(np.flatnonzero(~exact)))
         integrated = np.flatnonzero(exact)
         self.integrals.append(
@@ -207,6 +209,8 @@ class _Purchase:
                 sites.vertices[integrated, 0],
                 sites.radii[integrated],
                 np.repeat(block.directions, steps, axis=0)[integrated],
+                risks[integrated],
+                are_sharp(sites.covariances[integrated, 0], risks[integrated]),
             )
         )
 

@@ -35,6 +35,10 @@ class Loops:
     picks: Tensor
     bends: Tensor
 
+    def has_spread(self, noise: Since) -> bool:
+        """Whether states are known better than when a leg begins, at the noise's first step."""
+        return not np.array_equal(noise.covariances[0], self.initial)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Since:

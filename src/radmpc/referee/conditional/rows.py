@@ -119,6 +119,10 @@ class IntegralRows:
         Radius [m].
     directions : (E, G, 2) array
         Unit normals worth trying where the noise is singular: faces and axes [-].
+    charged : (E,) array
+        Probability when they were bought [-].
+    are_sharp : (E,) bool array
+        Whether that is no bound alone.
     """
 
     encounters: Indices
@@ -127,6 +131,8 @@ class IntegralRows:
     vertices: Tensor
     radii: Vector
     directions: Tensor
+    charged: Vector
+    are_sharp: Flags
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,7 +17,7 @@ from radmpc.referee.conditional.spreads import correlations, deviations_of
 from radmpc.referee.reserve import in_deviations
 from radmpc.referee.sites import Sites
 
-__all__ = ["Values", "halfspace_values", "integral_values"]
+__all__ = ["Values", "are_sharp", "halfspace_values", "integral_values"]
 
 _LOOSEST = 1.017
 """Largest ratio of what a row charged without the one before it is charged to its probability [-]:
@@ -118,6 +118,10 @@ def integral_values(
     coming = np.flatnonzero(rows.windows >= noise.step)
     if not coming.size:
         return Values(above, below)
+    if num == 1 and not noise.step and not deviations.any() and not loops.has_spread(noise):
+        # Nothing is known that was not when they were bought.
+        below = np.where(rows.are_sharp, rows.charged * (1.0 - _INTEGRAL_EXCESS), 0.0)
+        return Values(rows.charged[:, None], below[:, None])
     means, covariances = _moments(rows, parties, loops, noise, deviations)
     flat = np.repeat(np.arange(coming.size), num)
     sites = Sites(
@@ -176,6 +180,19 @@ def _integrated(sites: Sites, directions: Tensor) -> tuple[Vector, Flags]:
             best[worth],
             found[worth],
         )
-    values = np.linalg.eigvalsh(sites.covariances[:, 0])
+    return found, are_sharp(sites.covariances[:, 0], risks)
+
+
+def are_sharp(covariances: Tensor, risks: Vector) -> Flags:
+    """Return which integrals are probabilities, and no bounds alone, (E,) bool.
+
+    Parameters
+    ----------
+    covariances : (E, 2, 2) array
+        Of the positions [m²].
+    risks : (E,) array
+        What they came to [-].
+    """
+    values = np.linalg.eigvalsh(covariances)
     is_regular = values[:, 0] > _FLATTEST * values[:, 1]
-    return found, (is_regular & (risks > NEGLIGIBLE)) | (values[:, 1] <= 0.0)
+    return np.asarray((is_regular & (risks > NEGLIGIBLE)) | (values[:, 1] <= 0.0))

@@ -1,0 +1,1 @@
+"""Missions longer than a program: planned a window at a time, all from one account."""

@@ -1,0 +1,218 @@
+"""A mission longer than a window: every window a mission of its own, all from one account."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from radmpc.arguments import check_integer
+from radmpc.arrays import Vector
+from radmpc.errors import ArgumentError, NoPlanError
+from radmpc.flying.candidates import Order, Planning, answered, planning_with
+from radmpc.flying.leg import changed
+from radmpc.flying.measuring import check_memory, measured
+from radmpc.flying.mission import Mission
+from radmpc.flying.receding.guide import Guide, coarse_guide, window_of
+from radmpc.flying.receding.reserve import Reserve
+from radmpc.flying.tick import Contact, Entry, Tick
+from radmpc.flying.warm.goals import widened
+from radmpc.model.given import check_scenario
+from radmpc.model.scenario import Scenario
+
+__all__ = ["LongMission"]
+
+_LEAST_GRANT = 1e-5
+"""Risk below which no window is planned [-]."""
+
+_MOST = 0.49
+"""Largest risk bound of a window [-]: scenarios take no more."""
+
+
+class LongMission:
+    """A mission that is planned to a window's end and extended before it gets there.
+
+    The probability of any collision, in all windows together, is at most Δ of the scenario: windows
+    are given shares of one account (docs/flying.md). That a next window can be planned is *not*
+    promised: where none was by the end of the last one, the mission `is_stranded`.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        All of the mission.
+    window : int
+        Steps that are planned at once, at least 2.
+    overlap : int
+        Steps left of a window from which on the next one is planned, at least 1.
+    guide : callable or None
+        Where vehicles are to be at a step of the mission; None plans in coarse steps first.
+    planner : str or callable
+        What plans windows, and within them, as in `Mission`.
+    seed : int
+        Of every plan.
+    **options
+        As in `Mission`, of every window.
+
+    Raises
+    ------
+    ArgumentError
+        If the window is shorter than 2 steps, or the overlap is none of it.
+    NoPlanError
+        If there is no guide, or no first window.
+    ScenarioError
+        If disturbances outlast a step, or states are measured with noise.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        *,
+        window: int,
+        overlap: int,
+        guide: Guide | None = None,
+        planner: str | Planning = "certified",
+        seed: int = 0,
+        **options: Any,
+    ) -> None:
+        check_scenario(scenario)
+        check_memory(scenario)
+        check_integer(window, "window", 2)
+        check_integer(overlap, "overlap", 1)
+        if overlap >= window:
+            raise ArgumentError(f"overlap must be below the window of {window}, got {overlap}")
+        self._scenario, self._window, self._overlap = scenario, window, overlap
+        self._guide = coarse_guide(scenario, window) if guide is None else guide
+        self._planning = planning_with(planner, seed)
+        self._options = {"planner": planner, "seed": seed, **options}
+        self._ticks: list[Tick] = []
+        self._entries: list[Entry] = []
+        self._contacts: list[Contact] = []
+        self._reserve = Reserve(scenario.risk_bound)
+        found = self._opened(0, None, 0.0, None)
+        if found is None:
+            raise NoPlanError(f"no plan of the first {window} steps was found within their risk")
+        self._mission, self._began, self._seen = found, 0, 0
+
+    @property
+    def scenario(self) -> Scenario:
+        """All of the mission."""
+        return self._scenario
+
+    @property
+    def ticks(self) -> tuple[Tick, ...]:
+        """Every decision, in order."""
+        return tuple(self._ticks)
+
+    @property
+    def account(self) -> tuple[Entry, ...]:
+        """Every change of the account, in order; its bank holds the reserve."""
+        return tuple(self._entries)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """What was hit."""
+        return tuple(self._contacts)
+
+    @property
+    def is_stranded(self) -> bool:
+        """Whether the last window is over, and the mission is not."""
+        return self._mission.is_over and len(self._ticks) <= self._scenario.horizon
+
+    @property
+    def is_over(self) -> bool:
+        """Whether there is nothing left to fly."""
+        return self._mission.is_over
+
+    def wait(self, seconds: float | None = None) -> None:
+        """Wait for the background; see `Mission.wait`."""
+        self._mission.wait(seconds)
+
+    def close(self) -> None:
+        """Give up what is planned in the background."""
+        self._mission.close()
+
+    def step(
+        self,
+        states: Sequence[Vector] | None,
+        *,
+        deadline: float | None = None,
+        contacts: Sequence[Contact] = (),
+    ) -> Tick:
+        """Decide what to do until the next step; see `Mission.step`.
+
+        Parameters
+        ----------
+        states : mapping, sequence of (n,) array, or None
+            What is measured.
+        deadline : float or None
+            Seconds from now; the next window is planned within it, too.
+        contacts : sequence of Contact
+            What was hit since the last step.
+
+        Returns
+        -------
+        Tick
+            Of the long mission's step.
+        """
+        step = len(self._ticks)
+        self._contacts += contacts
+        known = measured(self._scenario, states)
+        if known is not None and self._is_due(step):
+            self._extend(step, known, deadline)
+        tick = self._mission.step(states, deadline=deadline, contacts=contacts)
+        tick = replace(tick, step=step, wealth=tick.wealth + self._reserve.amount)
+        self._take_entries()
+        self._ticks.append(tick)
+        return tick
+
+    def _is_due(self, step: int) -> bool:
+        """Whether the next window is to be planned."""
+        end = self._began + self._mission.scenario.horizon
+        return not self._contacts and end < self._scenario.horizon and end - step <= self._overlap
+
+    def _extend(self, step: int, states: tuple[Vector, ...], deadline: float | None) -> None:
+        """Plan the next window from here; fly this one on where that fails."""
+        leg, account = self._mission.leg, self._mission.balance
+        wealth = account.kept(leg.value(step - self._began, states).least).wealth
+        found = self._opened(step, states, wealth, deadline)
+        if found is not None:
+            self._mission.close()
+            self._mission, self._began, self._seen = found, step, 0
+
+    def _opened(
+        self,
+        step: int,
+        states: tuple[Vector, ...] | None,
+        wealth: float,
+        deadline: float | None,
+    ) -> Mission | None:
+        """Return the mission of a window, its bound taken from the account; None without a plan."""
+        scene = window_of(self._scenario, step, self._window, states, self._guide)
+        left = self._scenario.horizon - step
+        grant = self._reserve.grant(wealth, scene.horizon, left, _MOST)
+        if grant < _LEAST_GRANT or self._planning is None:
+            return None
+        scene = changed(scene, risk_bound=grant)
+        order, starts = Order(scene, widened(scene), 0), [v.start for v in scene.vehicles]
+        found = answered(self._planning, order, deadline, starts)
+        if found.leg is None or found.leg.price > grant:
+            return None
+        mission = Mission(found.leg.plan, **self._options)
+        self._reserve = self._reserve.given(wealth, grant)
+        return mission
+
+    def _take_entries(self) -> None:
+        """Write down what the window's account did, the reserve in its bank."""
+        kept = self._reserve.amount
+        for entry in self._mission.account[self._seen :]:
+            self._entries.append(
+                replace(
+                    entry,
+                    step=entry.step + self._began,
+                    what="window" if entry.what == "opened" and self._began else entry.what,
+                    risk_bound=self._scenario.risk_bound,
+                    bank=entry.bank + kept,
+                    wealth=entry.wealth + kept,
+                )
+            )
+        self._seen = len(self._mission.account)
