@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from radmpc.flying.mission import Mission
     from radmpc.flying.model import Model
     from radmpc.flying.tick import Contact, Tick
+    from radmpc.identification import Identification, Track, identify
     from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
     from radmpc.io.export.exporting import ExportOptions, save_export
     from radmpc.io.native.mapping import from_dict, to_dict
@@ -73,6 +74,7 @@ __all__ = [
     "FileFormatError",
     "Flight",
     "Goal",
+    "Identification",
     "ImportOptions",
     "ImportedScenario",
     "LedgerRow",
@@ -95,6 +97,7 @@ __all__ = [
     "SolverError",
     "Status",
     "Tick",
+    "Track",
     "Trajectory",
     "Vehicle",
     "Workspace",
@@ -104,6 +107,7 @@ __all__ = [
     "double_integrator",
     "fly",
     "from_dict",
+    "identify",
     "import_scenario",
     "load_plan",
     "load_scenario",
@@ -144,6 +148,7 @@ _HOMES = {
     "flying.mission": ("Mission",),
     "flying.model": ("Model",),
     "flying.tick": ("Contact", "Tick"),
+    "identification": ("Identification", "Track", "identify"),
     "importing": ("ImportOptions", "ImportedScenario", "import_scenario"),
     "io.native.mapping": ("from_dict", "to_dict"),
     "io.native.plan_file": ("load_plan", "save_plan"),

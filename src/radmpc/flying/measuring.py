@@ -61,9 +61,12 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If a vehicle's disturbances last longer than a step or are shared, or its state is measured
-        with noise.
+        If a vehicle's disturbances last longer than a step or are shared, its state is measured
+        with noise, or covariances are known up to a factor only.
     """
+    if scenario.covariance_samples is not None:
+        message = "cannot be flown under way: a mission takes covariances that are known"
+        raise ScenarioError(message, ("covariance_samples",))
     for i, vehicle in enumerate(scenario.vehicles):
         if vehicle.has_memory:
             key = "disturbance_correlation" if vehicle.measurement is None else "measurement"

@@ -29,7 +29,7 @@ from radmpc.model.numbers import check_correlation, check_positive, check_vehicl
 if TYPE_CHECKING:
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
-    from radmpc.model.noise.spread import Spread
+    from radmpc.model.noise.spread import Noise, Spread
 
 __all__ = ["Goal", "Vehicle"]
 
@@ -78,7 +78,7 @@ class Vehicle(Frozen):
         What the vehicle measures of its state: feedback is then ``u = ū + K (x̂ − x̄)`` with the
         estimate x̂ of a Kalman filter. None is that the state is known exactly.
     shared : tuple of SharedDisturbance
-        Its part in disturbances that others meet, too; names distinct.
+        Its part in disturbances that others meet, too.
     """
 
     name: str
@@ -135,11 +135,9 @@ class Vehicle(Frozen):
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
         if self.drift is not None:
             put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
-        speed_limit = self.speed_limit
+        limit = self.speed_limit
         all_checked(
-            lambda: (
-                None if speed_limit is None else check_positive(speed_limit, "speed_limit", "m/s")
-            ),
+            lambda: None if limit is None else check_positive(limit, "speed_limit", "m/s"),
             lambda: check_positive(self.control_limit, "control_limit", "per axis"),
             lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
             lambda: check_correlation(self.disturbance_correlation),
@@ -178,14 +176,21 @@ class Vehicle(Frozen):
             from radmpc.model.noise.shared import as_shared  # noqa: PLC0415 - few share
 
             put(self, "shared", as_shared(self.shared, self.system.num_states))
-        numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
-        for name in numbers:
+        for name in ("radius", "control_sigmas", "cost_weight", "disturbance_correlation"):
             put(self, name, field_number(getattr(self, name), (name,)))
 
     @property
     def start_position(self) -> Vector:
         """Mean position at k = 0 [m]."""
         return self.start[list(self.system.position)]
+
+    @property
+    def noise(self) -> Noise:
+        """All that shakes it, and what it knows of that."""
+        from radmpc.model.noise.spread import Noise  # noqa: PLC0415 - few need it
+
+        own = self.disturbance_covariance, self.disturbance_correlation
+        return Noise(self.initial_covariance, *own, self.measurement, self.shared)
 
     @property
     def has_memory(self) -> bool:
@@ -206,16 +211,9 @@ class Vehicle(Frozen):
         Spread
             At steps 0..T.
         """
-        from radmpc.model.noise.spread import Noise, spread_of  # noqa: PLC0415 - few need it
+        from radmpc.model.noise.spread import spread_of  # noqa: PLC0415 - few need it
 
-        noise = Noise(
-            self.initial_covariance,
-            self.disturbance_covariance,
-            self.disturbance_correlation,
-            self.measurement,
-            self.shared,
-        )
-        return spread_of(self.system, noise, self.gain, horizon)
+        return spread_of(self.system, self.noise, self.gain, horizon)
 
     def covariances(self, horizon: int) -> Tensor:
         """Return the state covariances that follow from start, noise and feedback.

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
 from radmpc.arrays import Indices, Matrix, Tensor
-from radmpc.gaussian import clearance, tail_probability
+from radmpc.gaussian import Tail, clearance
 from radmpc.geometry import sphere_directions
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
@@ -25,7 +25,7 @@ from radmpc.program.avoidance import Body, Part, RowBlock, Windows
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.joined import batches, faces_at_start, joined_windows
 from radmpc.program.keepout import KeepOut
-from radmpc.program.layout import ProgramLayout, owners_of_runs
+from radmpc.program.layout import ProgramLayout, layout_of, owners_of_runs
 from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.program.relative import relative_bent_covariances, relative_covariances
@@ -89,6 +89,11 @@ class ProgramBuilder:
         self.parts = tuple(parts)
 
     @property
+    def tail(self) -> Tail:
+        """Of what everything deviates by."""
+        return Tail(self.scenario.covariance_samples)
+
+    @property
     def intervals(self) -> bool:
         """Whether collisions count between steps."""
         return self.scenario.avoidance == "intervals"
@@ -107,7 +112,7 @@ class ProgramBuilder:
         """
         vehicle, body = self.models[i].vehicle, self._body(i)
         for some in batches(keepouts):
-            extras = openings(body.endpoints, some, vehicle.radius)
+            extras = openings(body.endpoints, some, vehicle.radius, self.tail)
             labels = [(cause, vehicle.name, k.name) for k in some if k.start is not None]
             if labels:
                 normals, offsets = faces_at_start(some, extras)
@@ -140,7 +145,7 @@ class ProgramBuilder:
         )
         if self.first_step == 0:
             origin = np.zeros((1, self.scenario.dimension))
-            extra = opening_directions(body.endpoints, faces, (origin, origin), distance)
+            extra = opening_directions(body.endpoints, faces, (origin, origin), distance, self.tail)
             faces = np.vstack([faces, extra])
         normals, offsets = -faces[None], np.full((1, len(faces)), -distance)
         names = (one.vehicle.name, two.vehicle.name)
@@ -178,7 +183,7 @@ class ProgramBuilder:
         self, body: Body, windows: Windows, cause: Cause, vehicle: str, others: Sequence[str | None]
     ) -> None:
         """Add the rows of things to avoid, and the risk of their presolved windows."""
-        block = avoidance_rows(body, windows, self.scenario.risk_bound)
+        block = avoidance_rows(body, windows, self.scenario.risk_bound, self.tail)
         self.add_block(block, cause, vehicle, *others)
 
     def add_block(self, block: RowBlock, cause: Cause, vehicle: str, *others: str | None) -> None:
@@ -234,7 +239,7 @@ class ProgramBuilder:
         slack = offsets - normals @ body.lower[0]
         variances = np.einsum("nfa,ab,nfb->nf", normals, body.covariances[0], normals)
         deviations = np.sqrt(np.maximum(variances, 0.0))
-        risks = tail_probability(clearance(slack, deviations)).min(axis=1)
+        risks = self.tail.probability(clearance(slack, deviations)).min(axis=1)
         for label, risk in zip(labels, risks.tolist(), strict=True):
             if not self.intervals:
                 self.initial_risk += risk
@@ -279,22 +284,16 @@ class ProgramBuilder:
             presolved_risk=self.presolved_risk,
             num_presolved=self.num_presolved,
             parents=joined_parents(self.blocks),
+            tail=self.tail,
         )
 
     def _layout(self, owners: Indices) -> ProgramLayout:
         """Return where things lie in the program."""
-        horizon, d = self.models[0].horizon, self.scenario.dimension
-        return ProgramLayout(
-            horizon=horizon,
-            dimension=d,
+        return layout_of(
+            self.parts,
+            owners,
+            horizon=self.models[0].horizon,
+            dimension=self.scenario.dimension,
             intervals=self.intervals,
             first_step=self.first_step,
-            positions=tuple(
-                slice(part.position, part.position + d * (horizon + 1)) for part in self.parts
-            ),
-            controls=tuple(
-                slice(part.controls, part.controls + 2 * part.control_bounds.size)
-                for part in self.parts
-            ),
-            owners=owners,
         )

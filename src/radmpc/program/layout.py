@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices
+from radmpc.program.avoidance import Part
 
-__all__ = ["ProgramLayout", "owners_of_runs"]
+__all__ = ["ProgramLayout", "layout_of", "owners_of_runs"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,3 +56,35 @@ class ProgramLayout:
 def owners_of_runs(starts: Indices) -> Indices:
     """Return the number of the run that each member belongs to, from where the runs start."""
     return np.repeat(np.arange(starts.size - 1), np.diff(starts))
+
+
+def layout_of(
+    parts: Sequence[Part],
+    owners: Indices,
+    *,
+    horizon: int,
+    dimension: int,
+    intervals: bool,
+    first_step: int,
+) -> ProgramLayout:
+    """Return where things lie in a program.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Each vehicle's place among the outputs.
+    owners, horizon, dimension, intervals, first_step
+        As in `ProgramLayout`.
+    """
+    span = dimension * (horizon + 1)
+    return ProgramLayout(
+        horizon=horizon,
+        dimension=dimension,
+        intervals=intervals,
+        first_step=first_step,
+        positions=tuple(slice(part.position, part.position + span) for part in parts),
+        controls=tuple(
+            slice(part.controls, part.controls + 2 * part.control_bounds.size) for part in parts
+        ),
+        owners=owners,
+    )

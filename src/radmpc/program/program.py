@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance, tail_probability
+from radmpc.gaussian import GAUSSIAN, Tail, clearance
 from radmpc.model.plan import Cause
 from radmpc.program.layout import ProgramLayout, owners_of_runs
 
@@ -140,6 +140,8 @@ class DisjunctiveProgram:
         The alternative of the same avoidance that each refines, -1 where there is none: whatever
         satisfies it satisfies that one. Only those that nothing refines are alternatives proper;
         the others stand for all that refine them. None where no alternative refines another.
+    tail : Tail
+        Of what all rows deviate by.
     """
 
     cost: Vector
@@ -167,6 +169,7 @@ class DisjunctiveProgram:
     presolved_risk: float = 0.0
     num_presolved: int = 0
     parents: Indices | None = None
+    tail: Tail = GAUSSIAN
 
     @property
     def num_columns(self) -> int:
@@ -256,7 +259,9 @@ class DisjunctiveProgram:
         """
         rows = self._members(selection)
         risks = np.zeros(self.rows.risk_items.size)
-        np.maximum.at(risks, self.rows.events[rows], tail_probability(self.clearances(z)[rows]))
+        np.maximum.at(
+            risks, self.rows.events[rows], self.tail.probability(self.clearances(z)[rows])
+        )
         return risks
 
     def selected_rows(self, selection: Indices) -> Indices:

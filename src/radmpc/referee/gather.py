@@ -92,6 +92,7 @@ def gather_pairs(
         vertices=np.zeros((len(pairs), 1, 1, d)),
         directions=np.broadcast_to(faces, (len(pairs), *faces.shape)),
         edges=np.zeros((len(pairs), 1, 0, 2, d)),
+        samples=motion.samples,
     )
     return Gathered((batch,), skipped)
 
@@ -203,6 +204,7 @@ def _obstacle_batch(motion: FleetMotion, group: Sequence[_Near]) -> Encounters:
         vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),
         directions=np.repeat(_padded_normals(shapes), sizes, axis=0),
         edges=np.repeat(_padded_edges(shapes), sizes, axis=0),
+        samples=motion.samples,
     )
 
 

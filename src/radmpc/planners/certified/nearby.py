@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 
@@ -36,12 +37,13 @@ class Surroundings:
             steps = range(scenario.horizon + 1) if obstacle.is_moving else (0,)
             corners = np.concatenate([p.vertices for k in steps for p in obstacle.at(k)])
             lower[i], upper[i] = corners.min(axis=0), corners.max(axis=0)
+        far = Tail(scenario.covariance_samples).beyond(_FAR)
         near = np.zeros((len(models), len(scenario.obstacles)), dtype=bool)
         for j, model in enumerate(models):
             spread = np.linalg.eigvalsh(model.position_covariances)[:, -1].max()
             if model.bent_covariances is not None:
                 spread = max(spread, np.linalg.eigvalsh(model.bent_covariances)[:, -1].max())
-            margin = model.vehicle.radius + _FAR * np.sqrt(max(float(spread), 0.0))
+            margin = model.vehicle.radius + far * np.sqrt(max(float(spread), 0.0))
             # A straight path between two steps stays within the reach of both.
             low = model.reach_lower.min(axis=0) - margin
             high = model.reach_upper.max(axis=0) + margin
