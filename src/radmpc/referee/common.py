@@ -52,12 +52,26 @@ class FleetCommon:
     horizon: int
 
     def at(self, arrays: Tensor, step: int) -> Tensor:
-        """Return what holds at a step of arrays per vehicle and step, (N, …)."""
+        """Return what holds at a step, (N, …).
+
+        Parameters
+        ----------
+        arrays : (N, S, …) array
+            Per vehicle and step; one for all steps where S is 1.
+        step : int
+            The step.
+        """
         chosen: Tensor = arrays[:, min(step, arrays.shape[1] - 1)]
         return chosen
 
     def crossed(self, first: Indices, other: Indices) -> Tensor:
-        """Return the covariances between two loops each at k = 0..T, (P, T+1, Q, Q)."""
+        """Return the covariances between two loops each at k = 0..T, (P, T+1, Q, Q).
+
+        Parameters
+        ----------
+        first, other : (P,) int array
+            The vehicles.
+        """
         size = self.first.shape[1]
         found = np.empty((len(first), self.horizon + 1, size, size))
         found[:, 0] = self.first[first] @ _turned(self.first[other])
@@ -75,6 +89,11 @@ class FleetCommon:
 
     def positions(self, first: Indices, other: Indices) -> tuple[Tensor, Tensor]:
         """Return covariances between positions, and between those that feedback bends.
+
+        Parameters
+        ----------
+        first, other : (P,) int array
+            The vehicles.
 
         Returns
         -------
