@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from radmpc.flying.receding.long_mission import LongMission
     from radmpc.flying.recording.campaign import begin_flight, resume_flight
     from radmpc.flying.tick import Contact, Tick
+    from radmpc.identification import Identification, Track, identify
     from radmpc.importing import ImportedScenario, ImportOptions, import_scenario
     from radmpc.io.export.exporting import ExportOptions, save_export
     from radmpc.io.flight.flight_file import load_flight
@@ -82,6 +83,7 @@ __all__ = [
     "FlightRecord",
     "FlightSettings",
     "Goal",
+    "Identification",
     "ImportOptions",
     "ImportedScenario",
     "LedgerRow",
@@ -105,6 +107,7 @@ __all__ = [
     "SolverError",
     "Status",
     "Tick",
+    "Track",
     "Trajectory",
     "Vehicle",
     "Visit",
@@ -116,6 +119,7 @@ __all__ = [
     "double_integrator",
     "fly",
     "from_dict",
+    "identify",
     "import_scenario",
     "load_flight",
     "load_plan",
@@ -162,6 +166,7 @@ _HOMES = {
     "flying.receding.long_mission": ("LongMission",),
     "flying.recording.campaign": ("begin_flight", "resume_flight"),
     "flying.tick": ("Contact", "Tick"),
+    "identification": ("Identification", "Track", "identify"),
     "io.flight.flight_file": ("load_flight",),
     "io.flight.record": ("FlightRecord", "FlightSettings"),
     "importing": ("ImportOptions", "ImportedScenario", "import_scenario"),

@@ -5,10 +5,11 @@ Tails go through ``ndtr(-q)``: :math:`\tfrac12-\tfrac12\mathrm{erf}` is exactly 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import gammaln, ndtr, ndtri, stdtr, stdtrit
 
 from radmpc.arrays import Vector
 from radmpc.errors import RiskError
@@ -16,6 +17,8 @@ from radmpc.errors import RiskError
 __all__ = [
     "CONTACT_TOL",
     "CONVEX_RISK",
+    "GAUSSIAN",
+    "Tail",
     "clearance",
     "clearance_for",
     "tail_probability",
@@ -28,6 +31,14 @@ CONVEX_RISK = 0.5
 CONTACT_TOL = 1e-9
 """Slack down to which a row without noise holds, since touching is no collision [m]. Below it a
 plan is rejected by the referee, far above it plans would hang on the last bit of a sum."""
+
+
+_NOTHING = 1e-13
+"""Risk of a pair or an obstacle that need not be looked at where tails fall slowly [-]."""
+
+_MOST_CLEARANCE = 1e8
+"""Clearance up to which one is asked for [standard deviations]: tails of few degrees of freedom
+would want 1e100 for no risk at all, and solvers refuse such numbers."""
 
 
 def clearance(slack: Vector, deviation: Vector) -> Vector:
@@ -107,3 +118,68 @@ def clearance_for(risk: float | Vector) -> Vector:
         raise RiskError(f"risk must lie in (0, 0.5], got {risk.min()} to {risk.max()}")
     # -ndtri(risk), not ndtri(1 - risk): the latter is inf below 1e-16.
     return np.maximum(-ndtri(risk), 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Tail:
+    r"""The tail of what linear sums of noise deviate by, in standard deviations as stated.
+
+    Covariances that were estimated from ν independent steps are known up to a common factor: the
+    true ones are :math:`\nu / \chi^2_\nu` times those stated, and a sum deviates as Student's t
+    with ν degrees of freedom does. Its tail is convex where the Gaussian one is.
+
+    Attributes
+    ----------
+    samples : int or None
+        ν; None is that covariances are known, and the tail Gaussian.
+    """
+
+    samples: int | None = None
+
+    @property
+    def is_gaussian(self) -> bool:
+        """Whether covariances are known."""
+        return self.samples is None
+
+    @overload
+    def probability(self, clearance: float) -> float: ...
+    @overload
+    def probability(self, clearance: Vector) -> Vector: ...
+    def probability(self, clearance: float | Vector) -> float | Vector:
+        """Return the probability that a deviation exceeds the clearance, see `tail_probability`."""
+        if self.samples is None:
+            return tail_probability(clearance)
+        tails: Vector = np.asarray(stdtr(float(self.samples), -clearance), dtype=np.float64)
+        return tails if tails.ndim else float(tails)
+
+    def slope(self, clearance: Vector) -> Vector:
+        """Return the derivative of `probability`, minus the density."""
+        if self.samples is None:
+            return tail_slope(clearance)
+        n = float(self.samples)
+        factor = np.exp(gammaln(0.5 * (n + 1.0)) - gammaln(0.5 * n)) / np.sqrt(n * np.pi)
+        return np.asarray(-factor * (1.0 + np.square(clearance) / n) ** (-0.5 * (n + 1.0)))
+
+    def beyond(self, deviations: float) -> float:
+        """Return where the tail is as small as the Gaussian's so far out, or next to nothing."""
+        if self.samples is None:
+            return deviations
+        return float(self.clearance_for(max(tail_probability(deviations), _NOTHING)))
+
+    def clearance_for(self, risk: float | Vector) -> Vector:
+        """Return the clearance that leaves exactly the given risk, see `clearance_for`.
+
+        Raises
+        ------
+        RiskError
+            If a risk lies outside (0, 0.5].
+        """
+        gaussian = clearance_for(risk)
+        if self.samples is None:
+            return gaussian
+        wanted = -stdtrit(float(self.samples), np.asarray(risk, dtype=np.float64))
+        return np.minimum(np.maximum(wanted, gaussian), _MOST_CLEARANCE)
+
+
+GAUSSIAN = Tail()
+"""The tail where covariances are known."""

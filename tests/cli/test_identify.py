@@ -68,7 +68,8 @@ def test_a_scenario_takes_the_block_as_it_is(
     log(tmp_path, truth, kind)
     assert run("identify", "wind.csv", "-o", "noise.yaml").exit_code == 0
     block = read_document("noise.yaml").value
-    assert set(block) == {"defaults"} | ({"shared_disturbances"} if truth.share else set())
+    beside = {"covariance_samples"} | ({"shared_disturbances"} if truth.share else set())
+    assert set(block) == {"defaults"} | beside
     path = tmp_path / "fleet.yaml"
     path.write_text(SCENARIO, encoding="utf-8")
     content = read_document(path).value
@@ -143,6 +144,7 @@ def test_a_scenario_gets_noise_feedback_and_where_they_come_from(
     source = new.source["noise"]
     assert source["logs"] == ["wind.csv"]
     assert source["steps"] == 600
+    assert new.covariance_samples == source["independent_steps"]
     assert source["dt"] == 0.5
     assert run("check", "new.yaml").exit_code == 0
 
@@ -250,7 +252,8 @@ def test_every_key_that_is_called_known_is_taken_by_scenarios() -> None:
     }  # fmt: skip
     assert set(values) == set(KEYS)
     fields = {key: value for key, value in values.items() if KEYS[key]}
-    top = {key: fields.pop(key) for key in {"shared_disturbances"} & set(fields)}
+    beside = {"shared_disturbances", "covariance_samples"}
+    top = {key: fields.pop(key) for key in beside & set(fields)}
     if "disturbance" in fields:
         del fields["disturbance_covariance"]
     vehicle = {"name": "a", "start": [0, 0], "goal": {"center": [1, 1]}, "radius": 0.1,

@@ -111,7 +111,8 @@ def check_memory(scenario: Scenario) -> None:
     ------
     ScenarioError
         If a vehicle's disturbances last longer than a step or are shared, its state is measured
-        with noise, or an obstacle's place is not known exactly.
+        with noise, an obstacle's place is not known exactly, or covariances are known up to a
+        factor only.
     """
     for i, obstacle in enumerate(scenario.obstacles):
         if obstacle.spread is not None:
@@ -120,6 +121,9 @@ def check_memory(scenario: Scenario) -> None:
                 "is known exactly"
             )
             raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
+    if scenario.covariance_samples is not None:
+        message = "cannot be flown under way: a mission takes covariances that are known"
+        raise ScenarioError(message, ("covariance_samples",))
     for i, vehicle in enumerate(scenario.vehicles):
         if vehicle.has_memory:
             key = "disturbance_correlation" if vehicle.measurement is None else "measurement"

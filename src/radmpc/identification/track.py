@@ -57,7 +57,13 @@ class Track(Frozen):
             object.__setattr__(self, name, frozen(np.array(array, dtype=np.float64)))
 
     def parts(self) -> tuple[str, ...]:
-        """Return the names of what was logged beside the times."""
+        """Return the names of what was logged beside the times.
+
+        Returns
+        -------
+        tuple of str
+            Of the arrays that are not None.
+        """
         names = ("positions", "velocities", "controls", "references", "second_positions")
         return tuple(name for name in names if getattr(self, name) is not None)
 
@@ -70,6 +76,11 @@ class Track(Frozen):
             By their names; those not named stay as they are.
         times : (N,) array or None
             Of all parts; None leaves them as they are.
+
+        Returns
+        -------
+        Track
+            Of the same vehicle.
         """
         names = ("velocities", "controls", "references", "second_positions")
         found = {name: parts.get(name, getattr(self, name)) for name in names}

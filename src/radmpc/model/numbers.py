@@ -10,7 +10,14 @@ from radmpc.errors import ScenarioError, all_checked, raise_together
 __all__ = ["check_correlation", "check_positive", "check_scenario_numbers", "check_vehicle_numbers"]
 
 
-def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
+_FEWEST_SAMPLES = 3
+"""Independent steps from which a covariance is estimated at least [-]: of fewer no tail has a
+variance."""
+
+
+def check_scenario_numbers(
+    dt: float, horizon: int, risk_bound: float, covariance_samples: int | None = None
+) -> None:
     """Refuse numbers that no scenario has.
 
     Parameters
@@ -21,6 +28,8 @@ def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
         Number of steps T.
     risk_bound : float
         Risk bound Δ.
+    covariance_samples : int or None
+        Steps ν that covariances were estimated from.
 
     Raises
     ------
@@ -35,6 +44,9 @@ def check_scenario_numbers(dt: float, horizon: int, risk_bound: float) -> None:
     if not 0.0 < risk_bound < 0.5:
         text = f"must lie between 0 and 0.5, both excluded, got {risk_bound}"
         found.append(ScenarioError(text, ("risk_bound",)))
+    if covariance_samples is not None and covariance_samples < _FEWEST_SAMPLES:
+        text = f"must be at least {_FEWEST_SAMPLES} independent steps, got {covariance_samples}"
+        found.append(ScenarioError(text, ("covariance_samples",)))
     raise_together(found)
 
 

@@ -56,6 +56,9 @@ class Scenario:
         None is unbounded.
     source : mapping or None
         Where an imported scenario came from and what was chosen for it; not used in planning.
+    covariance_samples : int or None
+        Independent steps ν, >= 3, that all covariances were estimated from: the true ones are
+        those stated times one common factor, ``ν / χ²_ν``. None is that they are known.
     """
 
     name: str
@@ -68,6 +71,7 @@ class Scenario:
     pair_faces: int | None = None
     workspace: Workspace | None = None
     source: Mapping[str, object] | None = None
+    covariance_samples: int | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -83,6 +87,7 @@ class Scenario:
             pair_faces: int | None = None,
             workspace: Workspace | None = None,
             source: Mapping[str, object] | None = None,
+            covariance_samples: int | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -142,8 +147,9 @@ class Scenario:
         for name in ("dt", "risk_bound"):
             put(self, name, field_number(getattr(self, name), (name,)))
         put(self, "horizon", field_integer(self.horizon, ("horizon",)))
-        if self.pair_faces is not None:
-            put(self, "pair_faces", field_integer(self.pair_faces, ("pair_faces",)))
+        for name in ("pair_faces", "covariance_samples"):
+            if getattr(self, name) is not None:
+                put(self, name, field_integer(getattr(self, name), (name,)))
         put(self, "vehicles", _all_of(Vehicle, self.vehicles, "vehicles"))
         put(self, "obstacles", _all_of(Obstacle, self.obstacles, "obstacles"))
         if not isinstance(self.workspace, Workspace | None):
@@ -169,7 +175,7 @@ class Scenario:
 
     def _check_numbers(self) -> None:
         """Check the scalars."""
-        check_scenario_numbers(self.dt, self.horizon, self.risk_bound)
+        check_scenario_numbers(self.dt, self.horizon, self.risk_bound, self.covariance_samples)
         if not (isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}):
             raise ScenarioError(
                 f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)

@@ -29,7 +29,7 @@ from radmpc.model.numbers import check_correlation, check_positive, check_vehicl
 if TYPE_CHECKING:
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
-    from radmpc.model.noise.spread import Spread
+    from radmpc.model.noise.spread import Noise, Spread
     from radmpc.model.visits import Visit
 
 __all__ = ["Goal", "Vehicle"]
@@ -140,11 +140,9 @@ class Vehicle(Frozen):
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
         if self.drift is not None:
             put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
-        speed_limit = self.speed_limit
+        limit = self.speed_limit
         all_checked(
-            lambda: (
-                None if speed_limit is None else check_positive(speed_limit, "speed_limit", "m/s")
-            ),
+            lambda: None if limit is None else check_positive(limit, "speed_limit", "m/s"),
             lambda: check_positive(self.control_limit, "control_limit", "per axis"),
             lambda: check_vehicle_numbers(self.radius, self.control_sigmas, self.cost_weight),
             lambda: check_correlation(self.disturbance_correlation),
@@ -187,14 +185,21 @@ class Vehicle(Frozen):
             from radmpc.model.visits import checked_visits  # noqa: PLC0415 - few visit anything
 
             put(self, "via", checked_visits(self.via, self.system))
-        numbers = ("radius", "control_sigmas", "cost_weight", "disturbance_correlation")
-        for name in numbers:
+        for name in ("radius", "control_sigmas", "cost_weight", "disturbance_correlation"):
             put(self, name, field_number(getattr(self, name), (name,)))
 
     @property
     def start_position(self) -> Vector:
         """Mean position at k = 0 [m]."""
         return self.start[list(self.system.position)]
+
+    @property
+    def noise(self) -> Noise:
+        """All that shakes it, and what it knows of that."""
+        from radmpc.model.noise.spread import Noise  # noqa: PLC0415 - few need it
+
+        own = self.disturbance_covariance, self.disturbance_correlation
+        return Noise(self.initial_covariance, *own, self.measurement, self.shared)
 
     @property
     def has_memory(self) -> bool:
@@ -215,16 +220,9 @@ class Vehicle(Frozen):
         Spread
             At steps 0..T.
         """
-        from radmpc.model.noise.spread import Noise, spread_of  # noqa: PLC0415 - few need it
+        from radmpc.model.noise.spread import spread_of  # noqa: PLC0415 - few need it
 
-        noise = Noise(
-            self.initial_covariance,
-            self.disturbance_covariance,
-            self.disturbance_correlation,
-            self.measurement,
-            self.shared,
-        )
-        return spread_of(self.system, noise, self.gain, horizon)
+        return spread_of(self.system, self.noise, self.gain, horizon)
 
     def covariances(self, horizon: int) -> Tensor:
         """Return the state covariances that follow from start, noise and feedback.

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.gaussian import clearance_for, tail_probability
+from radmpc.gaussian import Tail
 from radmpc.geometry import Polytope
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
@@ -179,7 +179,8 @@ def _of_vehicle(
     for name, near in shapes.near(box, radius, _far(scenario)).items():
         # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
         covariance = shapes.covariance(name, box)
-        by_piece = [_cells(_risks(points, covariance, radius, piece), cells) for piece in near]
+        found = [_risks(scenario, points, covariance, radius, piece) for piece in near]
+        by_piece = [_cells(risks, cells) for risks in found]
         field = np.maximum.reduce(by_piece)
         distance = min(float(_distances(points, piece).max()) for piece in near)
         fields.append(field)
@@ -220,7 +221,8 @@ def _of_pairs(
         most = float(np.linalg.norm(points, axis=1).max())
         if most >= radii[i] + radii[j] + far * box.spread + 1e-6:
             continue
-        risks = _risks(points, box.covariance, float(radii[i] + radii[j]), None)
+        radius = float(radii[i] + radii[j])
+        risks = _risks(scenario, points, box.covariance, radius, None)
         if risks.min() > 0.0:
             found.append(EndpointHazard("pair", (i, j), None, at_goal, float(risks.min()), most))
     return found
@@ -228,7 +230,8 @@ def _of_pairs(
 
 def _far(scenario: Scenario) -> float:
     """Return the standard deviations beyond which nothing is to be feared."""
-    return min(_FAR, float(clearance_for(_LEAST * scenario.risk_bound)))
+    tail = Tail(scenario.covariance_samples)
+    return min(tail.beyond(_FAR), float(tail.clearance_for(_LEAST * scenario.risk_bound)))
 
 
 def _cells(values: Vector, cells: int) -> Vector:
@@ -242,7 +245,9 @@ def _cells(values: Vector, cells: int) -> Vector:
     return np.asarray(grid.ravel())
 
 
-def _risks(points: Matrix, covariance: Matrix, radius: float, piece: Polytope | None) -> Vector:
+def _risks(
+    scenario: Scenario, points: Matrix, covariance: Matrix, radius: float, piece: Polytope | None
+) -> Vector:
     """Return what the referee says of a mean at every point; the origin is what pairs avoid."""
     count, d = points.shape
     axes = np.concatenate([np.eye(d), -np.eye(d)])
@@ -265,6 +270,7 @@ def _risks(points: Matrix, covariance: Matrix, radius: float, piece: Polytope | 
         vertices=vertices[None, None],
         directions=normals[None],
         edges=edges[None, None],
+        samples=scenario.covariance_samples,
     )
     risks: Vector = instant_risks(places)[0]
     return risks
@@ -280,6 +286,7 @@ def _borders(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tuple[Vec
     workspace = scenario.workspace
     if workspace is None:
         return
+    tail = Tail(scenario.covariance_samples)
     for axis in range(scenario.dimension):
         deviation = float(np.sqrt(max(box.covariance[axis, axis], 0.0)))
         below, above = (
@@ -291,4 +298,4 @@ def _borders(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tuple[Vec
                 continue
             certain = np.where(slack >= -1e-9, np.inf, -np.inf)
             clearance = slack / deviation if deviation > 0.0 else certain
-            yield np.asarray(tail_probability(clearance)), float(slack.max())
+            yield np.asarray(tail.probability(clearance)), float(slack.max())

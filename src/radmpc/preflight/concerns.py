@@ -205,7 +205,7 @@ def _narrow(scenario: Scenario, seen: VehicleOutlook, place: Narrowest) -> Itera
     deviations = place.deviations
     if deviations is None:
         return
-    risk = float(tails(np.array([deviations]))[0])
+    risk = float(tails(np.array([deviations]), scenario.covariance_samples)[0])
     if risk <= _SMALL * scenario.risk_bound:
         return
     yield _Found(

@@ -157,7 +157,8 @@ def _vehicle(
     narrowest: Narrowest | Passage = Passage.UNKNOWN
     saturation = None
     if controls is not None and np.all(bounds >= 0.0):
-        saturation = expected_saturation(vehicle, covariances, controls)
+        samples = scenario.covariance_samples
+        saturation = expected_saturation(vehicle, covariances, controls, samples)
         goal = (vehicle.goal.lower, vehicle.goal.upper)
         traveler = Traveler(scenario, vehicle.radius, vehicle.start_position, goal, places, reach)
         narrowest = narrowest_place(traveler, work)

@@ -61,7 +61,9 @@ def reserve_of(vehicle: Vehicle, bounds: Matrix) -> Reserve:
     )
 
 
-def expected_saturation(vehicle: Vehicle, covariances: Tensor, controls: Matrix) -> float:
+def expected_saturation(
+    vehicle: Vehicle, covariances: Tensor, controls: Matrix, samples: int | None = None
+) -> float:
     """Return how likely feedback asks for more than given nominal controls leave.
 
     By Boole's inequality over steps, axes and both limits, as the certificate's own bound.
@@ -74,6 +76,8 @@ def expected_saturation(vehicle: Vehicle, covariances: Tensor, controls: Matrix)
         State covariances.
     controls : (T, m) array
         Nominal controls, of either sign.
+    samples : int or None
+        Independent steps that covariances were estimated from; None is that they are known.
 
     Returns
     -------
@@ -88,17 +92,19 @@ def expected_saturation(vehicle: Vehicle, covariances: Tensor, controls: Matrix)
     total = 0.0
     for side in (controls, -controls):
         left = (vehicle.control_limit - side)[noisy]
-        total += float(tails(left / spread[noisy]).sum())
+        total += float(tails(left / spread[noisy], samples).sum())
     return min(total, 1.0)
 
 
-def tails(clearances: Vector) -> Vector:
-    """Return the Gaussian tails beyond clearances.
+def tails(clearances: Vector, samples: int | None = None) -> Vector:
+    """Return the tails beyond clearances: Gaussian, or Student's.
 
     Parameters
     ----------
     clearances : (n,) array
         In standard deviations.
+    samples : int or None
+        Independent steps that covariances were estimated from; None is that they are known.
 
     Returns
     -------
@@ -106,4 +112,8 @@ def tails(clearances: Vector) -> Vector:
         Probabilities. From Python's own error function: scipy's takes as long to load as all else
         of a check.
     """
+    if samples is not None:
+        from radmpc.gaussian import Tail  # noqa: PLC0415 - few need it, see above
+
+        return Tail(samples).probability(clearances)
     return np.array([0.5 * erfc(q / sqrt(2.0)) for q in clearances.tolist()])

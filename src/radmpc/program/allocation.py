@@ -12,7 +12,6 @@ from typing import Literal
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance_for, tail_probability
 from radmpc.program.program import DisjunctiveProgram
 
 __all__ = [
@@ -80,7 +79,7 @@ def margins_of(program: DisjunctiveProgram, allocation: Vector) -> Vector:
     # Nothing allocated means that the row may not be chosen; an infinite margin would turn sums
     # into NaN.
     floor = np.finfo(np.float64).tiny
-    return rows.deviations * clearance_for(np.clip(risks, floor, 0.5))
+    return rows.deviations * program.tail.clearance_for(np.clip(risks, floor, 0.5))
 
 
 def allocated(program: DisjunctiveProgram, allocation: Vector, selection: Indices) -> float:
@@ -258,7 +257,7 @@ def _unavoidable(program: DisjunctiveProgram) -> Vector:
     least = np.zeros(len(program.risk_items))
     if not fixed.any():
         return least
-    risk = tail_probability(program.clearances(np.zeros(program.num_columns)))
+    risk = program.tail.probability(program.clearances(np.zeros(program.num_columns)))
     risk_item = rows.risk_items[rows.events]
     best = np.full(least.size, np.inf)
     np.minimum.at(best, risk_item[fixed], risk[fixed])

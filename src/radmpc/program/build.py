@@ -13,12 +13,12 @@ from itertools import combinations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.model.noise.positions import position_response
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel, PredictionMatrices, condense
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.response import position_response
 
 __all__ = ["build_program", "condensed_models", "controls_of", "point_of", "prediction_matrices"]
 
@@ -38,7 +38,10 @@ def condensed_models(scenario: Scenario) -> tuple[CondensedModel, ...]:
     for vehicle, prediction in zip(scenario.vehicles, prediction_matrices(scenario), strict=True):
         covariances = vehicle.covariances(scenario.horizon)
         bounds = vehicle.control_bounds(covariances)
-        common = position_response(vehicle, scenario.horizon)
+        common = None
+        if vehicle.shared:
+            noise, gain = vehicle.noise, vehicle.gain
+            common = position_response(vehicle.system, noise, gain, scenario.horizon)
         models.append(
             condense(vehicle, prediction, vehicle.start, covariances, bounds, common=common)
         )

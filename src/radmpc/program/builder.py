@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
 from radmpc.arrays import Indices, Matrix, Tensor
-from radmpc.gaussian import clearance, tail_probability
+from radmpc.gaussian import Tail, clearance
 from radmpc.geometry import sphere_directions
 from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.plan import Cause
@@ -93,6 +93,11 @@ class ProgramBuilder:
         self.parts = tuple(parts)
 
     @property
+    def tail(self) -> Tail:
+        """Of what everything deviates by."""
+        return Tail(self.scenario.covariance_samples)
+
+    @property
     def intervals(self) -> bool:
         """Whether collisions count between steps."""
         return self.scenario.avoidance == "intervals"
@@ -112,7 +117,7 @@ class ProgramBuilder:
         vehicle = self.models[i].vehicle
         for some in batches(keepouts):
             body = self._body(i, some[0].spread)
-            extras = openings(body.endpoints, some, vehicle.radius)
+            extras = openings(body.endpoints, some, vehicle.radius, self.tail)
             labels = [(cause, vehicle.name, k.name) for k in some if k.start is not None]
             if labels:
                 normals, offsets = faces_at_start(some, extras)
@@ -145,7 +150,7 @@ class ProgramBuilder:
         )
         if self.first_step == 0:
             origin = np.zeros((1, self.scenario.dimension))
-            extra = opening_directions(body.endpoints, faces, (origin, origin), distance)
+            extra = opening_directions(body.endpoints, faces, (origin, origin), distance, self.tail)
             faces = np.vstack([faces, extra])
         normals, offsets = -faces[None], np.full((1, len(faces)), -distance)
         names = (one.vehicle.name, two.vehicle.name)
@@ -181,7 +186,7 @@ class ProgramBuilder:
         self, body: Body, windows: Windows, cause: Cause, vehicle: str, others: Sequence[str | None]
     ) -> None:
         """Add the rows of things to avoid, and the risk of their presolved windows."""
-        block = avoidance_rows(body, windows, self.scenario.risk_bound)
+        block = avoidance_rows(body, windows, self.scenario.risk_bound, self.tail)
         self.add_block(block, cause, vehicle, *others)
 
     def add_block(
@@ -239,7 +244,7 @@ class ProgramBuilder:
         slack = offsets - normals @ body.lower[0]
         variances = np.einsum("nfa,ab,nfb->nf", normals, body.covariances[0], normals)
         deviations = np.sqrt(np.maximum(variances, 0.0))
-        risks = tail_probability(clearance(slack, deviations)).min(axis=1)
+        risks = self.tail.probability(clearance(slack, deviations)).min(axis=1)
         for label, risk in zip(labels, risks.tolist(), strict=True):
             if not self.intervals:
                 self.initial_risk += risk
@@ -291,4 +296,5 @@ class ProgramBuilder:
             num_presolved=self.num_presolved,
             parents=joined_parents(self.blocks),
             num_visits=num_visits,
+            tail=self.tail,
         )

@@ -8,8 +8,8 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
+from radmpc.model.noise.positions import PositionResponse
 from radmpc.model.vehicle import Vehicle
-from radmpc.program.response import PositionResponse
 
 __all__ = [
     "CondensedModel",

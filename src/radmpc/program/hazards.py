@@ -9,10 +9,11 @@ from typing import Literal
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.gaussian import GAUSSIAN, Tail
+from radmpc.model.noise.positions import PositionResponse, side_by_side, without_common
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
-from radmpc.program.response import PositionResponse, side_by_side, without_common
 
 __all__ = ["Hazards", "Shapes"]
 
@@ -111,6 +112,8 @@ class Hazards:
     common, common_bent : (N, T+1, d, E) and (N, T, d, E) array, or None
         What normals behind shared disturbances make of positions, and what feedback held over a
         step makes of that [m]; None where nothing is shared.
+    tail : Tail
+        Of what everything deviates by.
     """
 
     models: tuple[CondensedModel, ...]
@@ -124,6 +127,7 @@ class Hazards:
     moves: Vector
     common: Tensor | None = None
     common_bent: Tensor | None = None
+    tail: Tail = GAUSSIAN
 
     @classmethod
     def of(cls, scenario: Scenario, models: Sequence[CondensedModel]) -> Hazards:
@@ -157,6 +161,7 @@ class Hazards:
             np.array([max(np.abs(np.diff(r, axis=0)).max() for r in both) for both in reaches]),
             _responses(shared, "positions"),
             _responses(shared, "bent"),
+            Tail(scenario.covariance_samples),
         )
 
     def joint(self, steps: Indices, first: Indices, second: Indices | None) -> Tensor:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.gaussian import clearance, tail_probability
+from radmpc.gaussian import GAUSSIAN, Tail, clearance
 from radmpc.geometry import Polytope
 from radmpc.program.joined import joined_faces
 from radmpc.program.keepout import KeepOut
@@ -88,6 +88,7 @@ def openings(
     endpoints: tuple[tuple[Vector, Vector, Matrix], ...],
     keepouts: Sequence[KeepOut],
     radius: float,
+    tail: Tail = GAUSSIAN,
 ) -> list[Matrix]:
     """Return what `opening_directions` finds for each set, asked only where it may find any.
 
@@ -99,6 +100,8 @@ def openings(
         The sets; nothing is found for those whose start is charged elsewhere.
     radius : float
         By how much they are grown [m].
+    tail : Tail
+        Of what the mean's deviations are.
 
     Returns
     -------
@@ -109,12 +112,12 @@ def openings(
     asked = [i for i, k in enumerate(keepouts) if k.start is not None and k.shapes]
     if not asked:
         return found
-    poor = _poorly_separated(endpoints, [keepouts[i].shapes for i in asked], radius)
+    poor = _poorly_separated(endpoints, [keepouts[i].shapes for i in asked], radius, tail)
     for i, is_poor in zip(asked, poor, strict=True):
         first, last = keepouts[i].shapes[0], keepouts[i].shapes[-1]
         if is_poor:
             corners = (first.vertices, last.vertices)
-            found[i] = opening_directions(endpoints, first.normals, corners, radius)
+            found[i] = opening_directions(endpoints, first.normals, corners, radius, tail)
     return found
 
 
@@ -122,6 +125,7 @@ def _poorly_separated(
     endpoints: tuple[tuple[Vector, Vector, Matrix], ...],
     shapes: Sequence[Sequence[Polytope]],
     radius: float,
+    tail: Tail,
 ) -> list[bool]:
     """Tell from which sets the faces may not separate a start or a goal, all sets at once."""
     parts = []
@@ -137,7 +141,7 @@ def _poorly_separated(
         cleared = clearance(slack, np.sqrt(np.maximum(variances, 0.0)))
         worst = np.minimum(worst, cleared.max(axis=1))
     # A little less than what `opening_directions` asks for: it rounds in another order.
-    return [risk > _NEARLY * _POOR for risk in tail_probability(worst).tolist()]
+    return [risk > _NEARLY * _POOR for risk in tail.probability(worst).tolist()]
 
 
 def opening_directions(
@@ -145,6 +149,7 @@ def opening_directions(
     normals: Matrix,
     corners: tuple[Matrix, ...],
     radius: float,
+    tail: Tail = GAUSSIAN,
 ) -> Matrix:
     """Return directions that separate where no face does.
 
@@ -158,6 +163,8 @@ def opening_directions(
         Corners of the set at each of them [m].
     radius : float
         By how much it is grown [m].
+    tail : Tail
+        Of what the mean's deviations are.
 
     Returns
     -------
@@ -172,13 +179,13 @@ def opening_directions(
             mean = np.where(normal > 0.0, upper, lower)
             one = clearances(mean, covariance, normal[None], points, radius)
             best = max(best, float(one[0]))
-        risk = float(tail_probability(best))
+        risk = tail.probability(best)
         if risk <= _POOR:
             continue
         middle = points.mean(axis=0)
         away = np.where(0.5 * (lower + upper) >= middle, upper, lower)
         around, direction = best_clearance(away, covariance, normals, points, radius)
-        if float(tail_probability(around)) < _WORTH * risk:
+        if tail.probability(around) < _WORTH * risk:
             found.append(direction)
     return np.array(found).reshape(-1, normals.shape[1])
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance, tail_probability
+from radmpc.gaussian import GAUSSIAN, Tail, clearance
 from radmpc.model.plan import Cause
 from radmpc.program.layout import ProgramLayout, owners_of_runs
 
@@ -142,6 +142,8 @@ class DisjunctiveProgram:
         the others stand for all that refine them. None where no alternative refines another.
     num_visits : int
         How many of the avoidances, the last of them, are visits: without risk.
+    tail : Tail
+        Of what all rows deviate by.
     """
 
     cost: Vector
@@ -170,6 +172,7 @@ class DisjunctiveProgram:
     num_presolved: int = 0
     parents: Indices | None = None
     num_visits: int = 0
+    tail: Tail = GAUSSIAN
 
     @property
     def num_columns(self) -> int:
@@ -259,7 +262,9 @@ class DisjunctiveProgram:
         """
         rows = self._members(selection)
         risks = np.zeros(self.rows.risk_items.size)
-        np.maximum.at(risks, self.rows.events[rows], tail_probability(self.clearances(z)[rows]))
+        np.maximum.at(
+            risks, self.rows.events[rows], self.tail.probability(self.clearances(z)[rows])
+        )
         return risks
 
     def selected_rows(self, selection: Indices) -> Indices:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Tensor
+from radmpc.model.noise.positions import side_by_side, without_common
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.response import side_by_side, without_common
 
 __all__ = ["relative_bent_covariances", "relative_covariances"]
 

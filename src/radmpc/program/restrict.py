@@ -8,7 +8,6 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance_for
 from radmpc.program.layout import owners_of_runs
 from radmpc.program.program import PRESOLVED_SHARE, ChanceRows, DisjunctiveProgram
 
@@ -125,7 +124,9 @@ def restrict_around(
         rows.normals.maximum(0.0) @ program.output_upper
         + rows.normals.minimum(0.0) @ program.output_lower
     )
-    enough = max(_PRESOLVED, float(clearance_for(PRESOLVED_SHARE * program.risk_bound)))
+    enough = max(
+        _PRESOLVED, float(program.tail.clearance_for(PRESOLVED_SHARE * program.risk_bound))
+    )
     is_kept = rows.offsets - most >= enough * rows.deviations
     # Counted, since `reduceat` lends an avoidance without alternatives those of its neighbor.
     left = _counts(program.alternative_starts, ~is_kept[program.alternative_rows])

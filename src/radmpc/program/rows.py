@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
+from radmpc.gaussian import CONVEX_RISK, GAUSSIAN, Tail, clearance
 from radmpc.program.avoidance import Body, End, RowBlock, Windows
 from radmpc.program.program import PRESOLVED_RISK, PRESOLVED_SHARE
 from radmpc.program.reserve import shares_of_reserve
@@ -22,7 +22,9 @@ _SOME = 0.25
 more offers more alternatives there, which cost nodes."""
 
 
-def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
+def avoidance_rows(
+    body: Body, windows: Windows, risk_bound: float, tail: Tail = GAUSSIAN
+) -> RowBlock:
     """Return the rows of avoidances, or the risk of their windows alone if all are presolved.
 
     A window is presolved if one of its faces holds under every admissible control with a risk of
@@ -37,6 +39,8 @@ def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         What it avoids, and when.
     risk_bound : float
         Δ, against which the risk of a presolved window is small.
+    tail : Tail
+        Of what the rows deviate by.
 
     Returns
     -------
@@ -44,7 +48,7 @@ def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
         Without rows where every window is presolved.
     """
     num_windows = len(windows.near)
-    enough = float(clearance_for(min(PRESOLVED_RISK, PRESOLVED_SHARE * risk_bound)))
+    enough = float(tail.clearance_for(min(PRESOLVED_RISK, PRESOLVED_SHARE * risk_bound)))
     before = windows.numbers
     after = before + 1
     if not windows.intervals:
@@ -58,7 +62,7 @@ def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
             ends.append(_end(*here, body.bent[before], kind=1))
         ends.append(_end(*there, body.covariances[after], is_near=False))
         sagitta = _worst_sagitta(body, windows)
-        levels = enough, float(clearance_for(min(_SOME * risk_bound, CONVEX_RISK)))
+        levels = enough, float(tail.clearance_for(min(_SOME * risk_bound, CONVEX_RISK)))
         near = [np.minimum.reduce([_spare(end, c) for end in ends[:-1]]) for c in levels]
         far = [_spare(ends[-1], c) for c in levels]
         shares = shares_of_reserve(near, far, sagitta, _first_and_last(windows))
@@ -69,7 +73,7 @@ def avoidance_rows(body: Body, windows: Windows, risk_bound: float) -> RowBlock:
     safest = worst[0].argmax(axis=1)
     every = np.arange(num_windows)
     risks = sum(
-        tail_probability(_clearance(end, sagitta, shares[0])[every, safest]) for end in ends
+        tail.probability(_clearance(end, sagitta, shares[0])[every, safest]) for end in ends
     )
     presolved_risk = float(np.sum(np.asarray(risks)[is_presolved]))
     if np.all(is_presolved):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Tensor
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import Tail
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
@@ -41,7 +41,8 @@ def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:
         noises.append(covariance[0][axes][:, axes])
     radii = np.array([v.radius for v in scenario.vehicles])
     widest = max(float(np.linalg.eigvalsh(noise)[-1]) for noise in noises)
-    near = 2.0 * radii.max() + _FAR * np.sqrt(2.0 * max(widest, 0.0)) + 1e-9
+    tail = Tail(scenario.covariance_samples)
+    near = 2.0 * radii.max() + tail.beyond(_FAR) * np.sqrt(2.0 * max(widest, 0.0)) + 1e-9
     faces = sphere_directions(scenario.num_pair_faces, scenario.dimension)
     origin = np.zeros((1, scenario.dimension))
     total = 0.0
@@ -53,5 +54,5 @@ def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:
             origin,
             float(radii[i] + radii[j]),
         )
-        total += float(tail_probability(clearance))
+        total += float(tail.probability(clearance))
     return total

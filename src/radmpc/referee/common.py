@@ -52,12 +52,26 @@ class FleetCommon:
     horizon: int
 
     def at(self, arrays: Tensor, step: int) -> Tensor:
-        """Return what holds at a step of arrays per vehicle and step, (N, …)."""
+        """Return what holds at a step, (N, …).
+
+        Parameters
+        ----------
+        arrays : (N, S, …) array
+            Per vehicle and step; one for all steps where S is 1.
+        step : int
+            The step.
+        """
         chosen: Tensor = arrays[:, min(step, arrays.shape[1] - 1)]
         return chosen
 
     def crossed(self, first: Indices, other: Indices) -> Tensor:
-        """Return the covariances between two loops each at k = 0..T, (P, T+1, Q, Q)."""
+        """Return the covariances between two loops each at k = 0..T, (P, T+1, Q, Q).
+
+        Parameters
+        ----------
+        first, other : (P,) int array
+            The vehicles.
+        """
         size = self.first.shape[1]
         found = np.empty((len(first), self.horizon + 1, size, size))
         found[:, 0] = self.first[first] @ _turned(self.first[other])
@@ -75,6 +89,11 @@ class FleetCommon:
 
     def positions(self, first: Indices, other: Indices) -> tuple[Tensor, Tensor]:
         """Return covariances between positions, and between those that feedback bends.
+
+        Parameters
+        ----------
+        first, other : (P,) int array
+            The vehicles.
 
         Returns
         -------
@@ -118,7 +137,7 @@ def relative(total: Tensor, crossed: Tensor) -> Tensor:
 
 
 def fleet_common(
-    loops: Sequence[Loop], picks: Sequence[Matrix], bends: Sequence[Matrix | None], horizon: int
+    loops: Sequence[Loop], axes: Sequence[list[int]], bends: Sequence[Matrix | None], horizon: int
 ) -> FleetCommon | None:
     """Return what vehicles have in common, None where nothing.
 
@@ -126,8 +145,8 @@ def fleet_common(
     ----------
     loops : sequence of Loop
         Of all vehicles.
-    picks : sequence of (d, q) array
-        Of each: what picks the position.
+    axes : sequence of list of int
+        Of each: where the position stands in the state.
     bends : sequence of ((d, q) array or None)
         ``B_p K`` of those whose path is bent by feedback.
     horizon : int
@@ -143,12 +162,13 @@ def fleet_common(
     places = {name: int(end) for name, end in zip(widths, ends, strict=False)}
     size = max(len(loop.initial) for loop in loops)
     steps = max(len(loop.transitions) for loop in loops)
-    count, d = len(loops), len(picks[0])
+    count, d = len(loops), len(axes[0])
     transitions = np.zeros((count, steps, size, size))
     first, pushes = np.zeros((count, size, ends[-1])), np.zeros((count, steps, size, ends[-1]))
     straight, turned = np.zeros((2, count, d, size))
-    for i, (loop, pick, bend) in enumerate(zip(loops, picks, bends, strict=True)):
+    for i, (loop, place, bend) in enumerate(zip(loops, axes, bends, strict=True)):
         q = len(loop.initial)
+        pick = np.eye(q)[place]
         transitions[i, :, :q, :q] = loop.transitions
         straight[i, :, :q] = pick
         turned[i, :, :q] = pick if bend is None else pick - bend

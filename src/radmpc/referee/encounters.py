@@ -46,6 +46,8 @@ class Encounters:
         Unit normals worth trying at every step: faces and axes [-].
     edges : (B, 1 or T+1, R, 2, d) array
         Ends of the set's edges in space; R = 0 in the plane and for pairs [m].
+    samples : int or None
+        Independent steps that covariances were estimated from; None is that they are known.
     """
 
     kind: Cause
@@ -60,6 +62,7 @@ class Encounters:
     vertices: Tensor
     directions: Tensor
     edges: Tensor
+    samples: int | None = None
 
     @property
     def is_pair(self) -> bool:
@@ -82,6 +85,7 @@ class Encounters:
             self.vertices[chosen],
             self.directions[chosen],
             self.edges[chosen],
+            self.samples,
         )
 
 
@@ -113,6 +117,7 @@ def instant_sites(encounters: Encounters) -> Sites:
         vertices,
         np.zeros((count * steps, 1)),
         edges,
+        encounters.samples,
     )
 
 
@@ -137,6 +142,7 @@ def interval_sites(encounters: Encounters) -> Sites:
         around(encounters.vertices, num_intervals),
         np.tile([0.0 if near else 1.0 for near in is_near], (count * num_intervals, 1)),
         around(encounters.edges, num_intervals),
+        encounters.samples,
     )
 
 

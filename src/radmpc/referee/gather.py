@@ -15,7 +15,8 @@ from radmpc.referee.common import relative
 from radmpc.referee.contact import solid_of
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.neighbors import CUTOFF, Balls, far_from_box, motion_balls, near_pairs
+from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
+from radmpc.referee.tails import cutoff_of
 
 __all__ = ["Gathered", "NearPiece", "gather_obstacles", "gather_pairs", "near_pieces"]
 
@@ -105,6 +106,7 @@ def gather_pairs(
         vertices=np.zeros((len(pairs), 1, 1, d)),
         directions=np.broadcast_to(faces, (len(pairs), *faces.shape)),
         edges=np.zeros((len(pairs), 1, 0, 2, d)),
+        samples=motion.samples,
     )
     return Gathered((batch,), skipped)
 
@@ -173,7 +175,8 @@ def gather_obstacles(
             place = int(tracks.places[number])
             spread = tracks.positions[place]
             # Deviations of two add up to less than their sum.
-            more = CUTOFF * _in_windows(tracks.deviations[place], intervals=intervals)[:, None]
+            cutoff, _ = cutoff_of(motion.samples)
+            more = cutoff * _in_windows(tracks.deviations[place], intervals=intervals)[:, None]
             lower, upper = lower - more, upper + more
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
         if always is not None:
@@ -262,6 +265,7 @@ def _obstacle_batch(motion: FleetMotion, group: Sequence[NearPiece]) -> Encounte
         vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),
         directions=np.repeat(_padded_normals(shapes), sizes, axis=0),
         edges=np.repeat(_padded_edges(shapes), sizes, axis=0),
+        samples=motion.samples,
     )
 
 

@@ -84,6 +84,8 @@ class FleetMotion:
         Obstacles whose place is not known exactly; None where all are.
     common : FleetCommon or None
         Noise that vehicles have in common; None is none.
+    samples : int or None
+        Independent steps that covariances were estimated from; None is that they are known.
     """
 
     names: tuple[str, ...]
@@ -101,6 +103,7 @@ class FleetMotion:
     radii: Vector
     tracks: Tracks | None = None
     common: FleetCommon | None = None
+    samples: int | None = None
 
     @property
     def is_bent(self) -> bool:
@@ -147,22 +150,12 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
     seen = [_part(p, one.seen, v) for p, one, v in zip(loops, described, vehicles, strict=True)]
     axes = [list(v.system.position) for v in vehicles]
     sagittas = np.zeros((len(vehicles), horizon, d))
-    picks: list[Matrix] = []
-    bends: list[Matrix | None] = []
-    bent = np.empty((len(vehicles), horizon, d, d))
     for i, vehicle in enumerate(vehicles):
-        bend = None
         if vehicle.system.is_double_integrator:
             # The push that shifts the position by B_p u over a step deviates from its chord by a
             # quarter of that in the middle.
             sagittas[i] = controls[i] @ vehicle.system.B[axes[i]].T / 4.0
-            bend = None if vehicle.gain is None else _bend(vehicle, described[i])
-        picked = np.eye(loops[i].shape[1])[axes[i]]
-        picks.append(picked)
-        turned = picked if bend is None else picked - bend
-        bends.append(bend)
-        with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported elsewhere
-            bent[i] = turned @ loops[i][:-1] @ turned.T
+    bends = [_bend(v, loop) for v, loop in zip(vehicles, described, strict=True)]
     return FleetMotion(
         names=tuple(v.name for v in vehicles),
         groups=groups,
@@ -177,10 +170,11 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         ),
         sagittas=sagittas,
         bends=tuple(bends),
-        bent_covariances=bent,
+        bent_covariances=_bent_covariances(loops, axes, bends),
         radii=np.array([v.radius for v in vehicles]),
         tracks=tracks_of(scenario),
-        common=fleet_common(described, picks, bends, horizon),
+        common=fleet_common(described, axes, bends, horizon),
+        samples=scenario.covariance_samples,
     )
 
 
@@ -241,13 +235,27 @@ def _group(vehicles: Sequence[Vehicle], loops: Sequence[Loop], members: list[int
     )
 
 
-def _bend(vehicle: Vehicle, loop: Loop) -> Matrix:
-    """Return ``B_p K`` for the state of a loop, (d, q)."""
+def _bend(vehicle: Vehicle, loop: Loop) -> Matrix | None:
+    """Return ``B_p K`` for the state of a loop, (d, q); None where feedback bends no path."""
+    if vehicle.gain is None or not vehicle.system.is_double_integrator:
+        return None
     bend = np.zeros((vehicle.system.dimension, len(loop.initial)))
-    if vehicle.gain is not None:
-        pushes = vehicle.system.B[list(vehicle.system.position)]
-        bend[:, loop.seen : loop.seen + vehicle.system.num_states] = pushes @ vehicle.gain
+    pushes = vehicle.system.B[list(vehicle.system.position)]
+    bend[:, loop.seen : loop.seen + vehicle.system.num_states] = pushes @ vehicle.gain
     return bend
+
+
+def _bent_covariances(
+    loops: Sequence[Tensor], axes: Sequence[list[int]], bends: Sequence[Matrix | None]
+) -> Tensor:
+    """Return what feedback held over a step makes of positions, (N, T, d, d)."""
+    found = []
+    for covariances, place, bend in zip(loops, axes, bends, strict=True):
+        picked = np.eye(covariances.shape[1])[place]
+        turned = picked if bend is None else picked - bend
+        with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported elsewhere
+            found.append(turned @ covariances[:-1] @ turned.T)
+    return np.array(found)
 
 
 def _covariances(group: Group, horizon: int) -> Tensor:

@@ -6,21 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.motion import FleetMotion
+from radmpc.referee.tails import cutoff_of
 
-__all__ = ["CUTOFF", "CUTOFF_RISK", "Balls", "far_from_box", "motion_balls", "near_pairs"]
-
-CUTOFF = 9.0
-"""Distance from which an encounter is far [standard deviations]."""
+__all__ = ["Balls", "far_from_box", "motion_balls", "near_pairs"]
 
 _FEW = 64
 """Vehicles up to which every pair is looked at [-]: a tree is no quicker, and slow to load."""
-
-CUTOFF_RISK = float(ndtr(-CUTOFF))
-"""Risk of one half-space at that distance [-]: what a far encounter is charged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +26,8 @@ class Balls:
     centers : (N, K, d) array
         Middle of the mean positions [m].
     reaches : (N, K) array
-        Half the chord, the sagitta, the radius and 9 standard deviations together [m].
+        Half the chord, the sagitta, the radius and the standard deviations from which anything is
+        far together [m].
     """
 
     centers: Tensor
@@ -43,7 +38,7 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     """Return the balls of all vehicles.
 
     Two vehicles whose balls do not meet in a window are separated there by the half-space across
-    the line of centers, with at least 9 standard deviations to spare at every end:
+    the line of centers, with that many standard deviations to spare at every end:
     ``|cᵢ − cⱼ| >= Rᵢ + Rⱼ`` and ``sqrt(a + b) <= sqrt(a) + sqrt(b)``.
 
     Parameters
@@ -55,8 +50,9 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     """
     deviations = np.sqrt(np.linalg.eigvalsh(motion.position_covariances)[..., -1].clip(min=0.0))
     radii = motion.radii[:, None]
+    cutoff, _ = cutoff_of(motion.samples)
     if not intervals:
-        return Balls(motion.positions, radii + CUTOFF * deviations)
+        return Balls(motion.positions, radii + cutoff * deviations)
     before, after = motion.positions[:, :-1], motion.positions[:, 1:]
     half_chord = 0.5 * np.linalg.norm(after - before, axis=2)
     sagitta = np.linalg.norm(motion.sagittas, axis=2)
@@ -64,7 +60,7 @@ def motion_balls(motion: FleetMotion, *, intervals: bool) -> Balls:
     if motion.is_bent:
         bent = np.linalg.eigvalsh(motion.bent_covariances)[..., -1].clip(min=0.0)
         deviations = np.maximum(deviations, np.sqrt(bent))
-    return Balls(0.5 * (before + after), radii + half_chord + sagitta + CUTOFF * deviations)
+    return Balls(0.5 * (before + after), radii + half_chord + sagitta + cutoff * deviations)
 
 
 def near_pairs(balls: Balls) -> Indices:
@@ -105,7 +101,7 @@ def _candidates(centers: Matrix, reaches: Vector) -> tuple[Indices, Indices]:
 def far_from_box(balls: Balls, lower: Vector, upper: Vector) -> npt.NDArray[np.bool_]:
     """Return which vehicles' balls stay clear of a box in all windows, (N,) bool.
 
-    An axis that separates ball and box is a half-space with 9 standard deviations to spare.
+    An axis that separates ball and box is a half-space with as many standard deviations to spare.
 
     Parameters
     ----------

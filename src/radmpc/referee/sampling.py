@@ -50,6 +50,8 @@ class Sampler:
         Vehicles of one size of state, drawn together.
     first, pushes : (width, R) and (S, width, R) array, or None
         What standard normals that all meet add at k = 0 and in every step; None is nothing.
+    samples : int or None
+        Independent steps that covariances were estimated from; None is that they are known.
     """
 
     width: int
@@ -58,6 +60,7 @@ class Sampler:
     blocks: tuple[_Block, ...]
     first: Matrix | None = None
     pushes: Tensor | None = None
+    samples: int | None = None
 
     @classmethod
     def of(cls, motion: FleetMotion, needed: Indices, obstacles: Indices) -> Sampler:
@@ -93,8 +96,9 @@ class Sampler:
             blocks.append(_track_block(tracks, tracks.places[chosen], row))
             row += n * chosen.size
         if motion.common is None:
-            return cls(row, starts, track_starts, tuple(blocks))
-        return cls(row, starts, track_starts, tuple(blocks), *_common(motion, starts, row))
+            return cls(row, starts, track_starts, tuple(blocks), samples=motion.samples)
+        common = _common(motion, starts, row)
+        return cls(row, starts, track_starts, tuple(blocks), *common, motion.samples)
 
     def draw(
         self,
@@ -127,6 +131,11 @@ class Sampler:
             _scale(block.initial, noise[block.rows], state[block.rows], block.shape)
         if self.first is not None:
             state += self.first @ rng.standard_normal((self.first.shape[1], size))
+        # One factor for the whole mission: by how much all deviations are larger than stated.
+        factors = None
+        if self.samples is not None:
+            factors = np.sqrt(self.samples / rng.chisquare(self.samples, size))
+            state *= factors
         yield state
         for k in range(horizon):
             rng.standard_normal(out=noise)
@@ -136,6 +145,8 @@ class Sampler:
             if self.pushes is not None:
                 pushes = self.pushes[min(k, len(self.pushes) - 1)]
                 spare += pushes @ rng.standard_normal((pushes.shape[1], size))
+            if factors is not None:
+                spare *= factors
             # The noise has been used: its array holds what the dynamics make of the state.
             for block in self.blocks:
                 np.matmul(

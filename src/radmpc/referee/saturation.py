@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
-from scipy.special import ndtr
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.referee.motion import FleetMotion
+from radmpc.referee.tails import exceeding
 
 if TYPE_CHECKING:
     from radmpc.referee.sampling import Sampler
@@ -60,7 +60,7 @@ def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence
         noisy = spread > 0.0
         total = 0.0
         for room in (limit - controls[i], limit + controls[i]):
-            tails = ndtr(-room / np.where(noisy, spread, 1.0))
+            tails = exceeding(room / np.where(noisy, spread, 1.0), motion.samples)
             total += float(np.where(noisy, tails, (room < 0.0).astype(np.float64)).sum())
         bounds[i] = min(total, 1.0)
     return bounds

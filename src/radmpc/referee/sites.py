@@ -34,6 +34,8 @@ class Sites:
         How far between those steps each end is, 0 to 1.
     edges : (S, 1 or 2, R, 2, d) array
         Ends of the set's edges in space; R = 0 in the plane and for pairs [m].
+    samples : int or None
+        Independent steps that covariances were estimated from; None is that they are known.
     """
 
     means: Tensor
@@ -44,6 +46,7 @@ class Sites:
     vertices: Tensor
     blends: Matrix
     edges: Tensor
+    samples: int | None = None
 
     def take(self, chosen: Indices) -> Sites:
         """Return some of the sites."""
@@ -56,6 +59,7 @@ class Sites:
             self.vertices[chosen],
             self.blends[chosen],
             self.edges[chosen],
+            self.samples,
         )
 
 

@@ -22,6 +22,8 @@ __all__ = ["noise_text", "provenance", "recorded", "with_noise"]
 
 _SHARED = "shared_disturbances"
 
+_SAMPLES = "covariance_samples"
+
 _EVIDENCE = {
     "commands": "with logged commands",
     "references": "with logged references",
@@ -145,11 +147,13 @@ def with_noise(
         keys = {key for part in parts for key in part} | set(block.pending) & {_SHARED}
         warnings.append(f"identified, and not a part of scenarios yet: {', '.join(sorted(keys))}")
     source = {**(scenario.source or {}), "noise": provenance(found, day)}
-    kept = {key: part for key, part in content.items() if key != _SHARED}
+    kept = {key: part for key, part in content.items() if key not in {_SHARED, _SAMPLES}}
     names = [vehicle.name for vehicle in scenario.vehicles]
-    shared = _shared(block.content, dict(zip(names, orders, strict=True)))
+    beside: dict[str, object] = dict(_shared(block.content, dict(zip(names, orders, strict=True))))
+    if _SAMPLES in block.content:
+        beside[_SAMPLES] = block.content[_SAMPLES]
     # By way of the format: what it takes, scenarios have.
-    changed = {**kept, "defaults": {}, "vehicles": entries, **shared, "source": source}
+    changed = {**kept, "defaults": {}, "vehicles": entries, **beside, "source": source}
     return decode_scenario(changed), tuple(warnings)
 
 
@@ -186,7 +190,7 @@ def _entries(
         fields = reordered(vehicle_fields(one, found)[0], orders[i])
         fields.pop("dynamics", None)
         replaced = {"disturbance", "disturbance_covariance"}
-        replaced |= set() if found.evidence == "states" else {"drift", "covariance_samples"}
+        replaced |= set() if found.evidence == "states" else {"drift"}
         kept = {k: part for k, part in {**defaults, **entry}.items() if k not in replaced}
         entries.append({**kept, **fields})
     return entries, warnings

@@ -22,7 +22,7 @@ KEYS: Mapping[str, bool] = {
     "disturbance": True,  # {covariance, time_constant}
     "drift": True,  # {velocity} or {state}
     "measurement": True,  # {of, covariance}
-    "covariance_samples": False,
+    "covariance_samples": True,  # beside `vehicles`, not in them
     "shared_disturbances": True,  # beside `vehicles`, not in them
 }
 """Keys that identification has values for, and whether the scenario format takes them yet. What it
@@ -31,6 +31,9 @@ does not take is written as a comment."""
 _MOST_SAMPLES = 1000.0
 """Independent steps [-] above which a covariance counts as known: at a risk of 1e-3 the margin
 grows by less than 0.3 % for it."""
+
+_FEWEST_SAMPLES = 3
+"""Least that scenarios take [-]."""
 
 _DIGITS = 6
 """Digits that are written: far more than the logs tell."""
@@ -45,7 +48,8 @@ class Block:
     Attributes
     ----------
     content : mapping
-        ``defaults``, or ``vehicles`` with names where they differ; keys that the format takes.
+        ``defaults``, or ``vehicles`` with names where they differ; keys that the format takes;
+        beside them what holds for all.
     pending : mapping
         By ``defaults``, or vehicle, or ``shared_disturbances``: what the format does not take yet.
     """
@@ -71,6 +75,10 @@ def noise_block(found: Identification) -> Block:
         if rest:
             pending[name] = rest
     content: Fields = {"vehicles": entries} if found.differ else {"defaults": entries[0]}
+    least = min(one.worth for one in found.groups)
+    if least < _MOST_SAMPLES:
+        place = content if KEYS["covariance_samples"] else pending
+        place["covariance_samples"] = max(round(least), _FEWEST_SAMPLES)
     shared = found.shared
     if shared is not None and shared.is_sure:
         common: Fields = {
@@ -178,8 +186,6 @@ def _fields(one: Estimate, found: Identification) -> Fields:
         if of.size:
             seen = one.measurement.value[np.ix_(of, of)]
             fields["measurement"] = {"of": of.tolist(), "covariance": _rows(seen)}
-    if one.worth < _MOST_SAMPLES:
-        fields["covariance_samples"] = round(one.worth)
     return fields
 
 

@@ -94,7 +94,8 @@ def _build(spec: ScenarioSpec) -> Scenario:
     # With any step the other errors of vehicles show, too.
     dt = spec.dt if len(parts.errors) == num_errors else 1.0
     vehicles = parts.made(lambda: _vehicles(spec, dt))
-    parts.made(lambda: check_scenario_numbers(spec.dt, spec.horizon, spec.risk_bound))
+    numbers = (spec.dt, spec.horizon, spec.risk_bound, spec.covariance_samples)
+    parts.made(lambda: check_scenario_numbers(*numbers))
     raise_together(parts.errors)
     if spec.shared_disturbances and vehicles:
         from radmpc.io.native.shared import with_shared  # noqa: PLC0415 - few share
@@ -111,6 +112,7 @@ def _build(spec: ScenarioSpec) -> Scenario:
         obstacles=obstacles or (),
         vehicles=vehicles or (),
         source=None if spec.source is None else plain_mapping(spec.source, ("source",)),
+        covariance_samples=spec.covariance_samples,
     )
 
 

@@ -80,6 +80,8 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         from radmpc.io.native.shared import encode_shared  # noqa: PLC0415 - few share
 
         content["shared_disturbances"] = encode_shared(scenario.vehicles, scenario.dt)
+    if scenario.covariance_samples is not None:
+        content["covariance_samples"] = int(scenario.covariance_samples)
     if scenario.source is not None:
         content["source"] = plain_mapping(scenario.source, ("source",))
     return content

@@ -35,6 +35,9 @@ _MOST_STATES = 50
 _MOST_CORNERS = 2000
 """Corners of one outline."""
 
+_MOST_SAMPLES = 1_000_000
+"""Independent steps that covariances were estimated from: beyond, they are known."""
+
 _MOST_STEPS = 1000
 """Steps of one scenario."""
 
@@ -220,4 +223,5 @@ class ScenarioSpec(FileModel):
     defaults: VehicleSpec = VehicleSpec.model_construct()
     vehicles: Annotated[list[VehicleSpec], Field(max_length=MOST_VEHICLES)]
     shared_disturbances: Annotated[list[SharedDisturbanceSpec], Field(max_length=_MOST_STATES)] = []
+    covariance_samples: Annotated[int, Field(le=_MOST_SAMPLES)] | None = None
     source: dict[str, Any] | None = None

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.noise.spread import Chain, Noise, chain_of, learning, stacked
-from radmpc.model.vehicle import Vehicle
 
 __all__ = ["Response", "response_of"]
 
@@ -64,27 +64,24 @@ class Response:
         return np.asarray(found if self.unknown is None else found + part @ self.unknown[steps])
 
 
-def response_of(vehicle: Vehicle, horizon: int) -> Response:
+def response_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: int) -> Response:
     """Return how a vehicle answers the disturbances that it shares.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        With at least one.
+    system : LinearSystem
+        The dynamics.
+    noise : Noise
+        What shakes the vehicle, and what it knows of that.
+    gain : (m, n) array or None
+        Feedback K; None is open loop.
     horizon : int
         Number of steps T.
     """
-    noise = Noise(
-        vehicle.initial_covariance,
-        vehicle.disturbance_covariance,
-        vehicle.disturbance_correlation,
-        vehicle.measurement,
-        vehicle.shared,
-    )
-    chain = chain_of(vehicle.system, noise, vehicle.gain)
-    pushes, columns = _pushes(vehicle.shared, len(chain.free), horizon)
+    chain = chain_of(system, noise, gain)
+    pushes, columns = _pushes(noise.shared, len(chain.free), horizon)
     known = np.empty((horizon + 1, *pushes.shape[1:]))
-    if vehicle.measurement is None:
+    if noise.measurement is None:
         known[0] = pushes[0]
         for k in range(horizon):
             known[k + 1] = chain.loop @ known[k] + pushes[k + 1]

@@ -70,7 +70,18 @@ class SharedDisturbance(Frozen):
         return int(self.matrix.shape[1])
 
     def is_same_source(self, other: SharedDisturbance) -> bool:
-        """Whether another part is one in the same d: equal covariance and correlation."""
+        """Return whether another part is one in the same d.
+
+        Parameters
+        ----------
+        other : SharedDisturbance
+            That part, of another vehicle.
+
+        Returns
+        -------
+        bool
+            Whether covariance and correlation are equal.
+        """
         return self.correlation == other.correlation and np.array_equal(
             self.covariance, other.covariance
         )

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import Tail
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
@@ -112,6 +112,7 @@ def pair_risks_across_sets(
     radii = np.array([v.radius for v in scenario.vehicles])
     longest = 0.0 if sagittas is None else float(np.linalg.norm(sagittas, axis=2).max(initial=0.0))
     # However two are correlated, σ_1 + σ_2 is the most by which they deviate from each other.
+    tail = Tail(scenario.covariance_samples)
     noise_factor = np.sqrt(2.0) if common is None else 2.0
     largest = noise_factor * np.sqrt(_largest_variances(covariances))
     one, two = _neighbors(scenario, means, largest, radii, longest)
@@ -130,9 +131,9 @@ def pair_risks_across_sets(
         sagitta = np.zeros((one.size, apart_by.shape[1] - 1, len(faces)))
         if sagittas is not None:
             sagitta = np.maximum((sagittas[one] - sagittas[two]) @ faces.T, 0.0)
-        by_face = _along_intervals(apart_by, deviations, sagitta)
+        by_face = _along_intervals(apart_by, deviations, sagitta, tail)
     else:
-        by_face = _tails(apart_by[:, 1:], deviations[:, 1:])
+        by_face = _tails(apart_by[:, 1:], deviations[:, 1:], tail)
     risks = by_face.min(axis=2).sum(axis=1)
     return {
         (i, j): risk
@@ -141,24 +142,24 @@ def pair_risks_across_sets(
     }
 
 
-def _along_intervals(apart_by: Tensor, deviations: Tensor, sagitta: Tensor) -> Tensor:
+def _along_intervals(apart_by: Tensor, deviations: Tensor, sagitta: Tensor, tail: Tail) -> Tensor:
     """Return the risk of every face along every interval, held at both ends, (p, T, f)."""
     near, far = slice(None, -1), slice(1, None)
 
     def held(share: float) -> Tensor:
         reserves = 4.0 * share**2 * sagitta, 4.0 * (1.0 - share) ** 2 * sagitta
-        at_start = _tails(apart_by[:, near] - reserves[0], deviations[:, near])
-        return at_start + _tails(apart_by[:, far] - reserves[1], deviations[:, far])
+        at_start = _tails(apart_by[:, near] - reserves[0], deviations[:, near], tail)
+        return at_start + _tails(apart_by[:, far] - reserves[1], deviations[:, far], tail)
 
     return np.asarray(np.minimum.reduce([held(share) for share in _SHARES]))
 
 
-def _tails(apart_by: Tensor, deviations: Tensor) -> Tensor:
+def _tails(apart_by: Tensor, deviations: Tensor, tail: Tail) -> Tensor:
     """Return tails of slacks; without noise contact alone is a collision."""
     noisy = deviations > 1e-12
     certain = np.where(apart_by >= -_CONTACT, np.inf, -np.inf)
     clearances = np.where(noisy, apart_by / np.where(noisy, deviations, 1.0), certain)
-    return np.asarray(tail_probability(clearances))
+    return np.asarray(tail.probability(clearances))
 
 
 def _along(faces: Matrix, common: Tensor, pairs: tuple[Indices, Indices]) -> Tensor:
@@ -169,7 +170,7 @@ def _along(faces: Matrix, common: Tensor, pairs: tuple[Indices, Indices]) -> Ten
 
 def _largest_variances(covariances: Tensor) -> Vector:
     """Return no less than the largest variance in any direction at every step, (T+1,) [m²]."""
-    return np.maximum(np.trace(covariances, axis1=2, axis2=3).max(axis=0), 0.0)
+    return np.asarray(np.maximum(np.trace(covariances, axis1=2, axis2=3).max(axis=0), 0.0))
 
 
 def _neighbors(
@@ -178,9 +179,10 @@ def _neighbors(
     """Return the pairs of vehicles that come near each other at any step."""
     steps = np.linalg.norm(np.diff(means, axis=1), axis=2).max(initial=0.0)
     path = float(steps) + 2.0 * sagitta if scenario.avoidance == "intervals" else 0.0
+    far = Tail(scenario.covariance_samples).beyond(_FAR)
     found = []
     for k in range(means.shape[1]):
-        near = 2.0 * radii.max() + _FAR * float(spreads[k]) + path
+        near = 2.0 * radii.max() + far * float(spreads[k]) + path
         near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
         found.append(near_pairs(means[:, k], float(near)))
     pairs, count = np.concatenate(found), len(means)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 
@@ -32,20 +33,21 @@ class Surroundings:
         d = scenario.dimension
         lower = np.empty((len(scenario.obstacles), d))
         upper = np.empty((len(scenario.obstacles), d))
+        far = Tail(scenario.covariance_samples).beyond(_FAR)
         for i, obstacle in enumerate(scenario.obstacles):
             steps = range(scenario.horizon + 1) if obstacle.is_moving else (0,)
             corners = np.concatenate([p.vertices for k in steps for p in obstacle.at(k)])
             more = 0.0
             if obstacle.spread is not None:
                 # Deviations of two add up to less than their sum.
-                more = _FAR * max(obstacle.spread.deviation(k) for k in steps)
+                more = far * max(obstacle.spread.deviation(k) for k in steps)
             lower[i], upper[i] = corners.min(axis=0) - more, corners.max(axis=0) + more
         near = np.zeros((len(models), len(scenario.obstacles)), dtype=bool)
         for j, model in enumerate(models):
             spread = np.linalg.eigvalsh(model.position_covariances)[:, -1].max()
             if model.bent_covariances is not None:
                 spread = max(spread, np.linalg.eigvalsh(model.bent_covariances)[:, -1].max())
-            margin = model.vehicle.radius + _FAR * np.sqrt(max(float(spread), 0.0))
+            margin = model.vehicle.radius + far * np.sqrt(max(float(spread), 0.0))
             # A straight path between two steps stays within the reach of both.
             low = model.reach_lower.min(axis=0) - margin
             high = model.reach_upper.max(axis=0) + margin

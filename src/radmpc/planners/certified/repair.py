@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for
+from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.problem import SetProblem
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
@@ -122,7 +122,7 @@ def repriced(
     program = problem.program
     clearances = program.clearances(incumbent.z)
     alternatives = incumbent.selection.tolist()
-    far = float(clearance_for(_NEAR * unit))
+    far = float(program.tail.clearance_for(_NEAR * unit))
     near = tuple(
         a
         for v, a in enumerate(alternatives)
@@ -156,7 +156,9 @@ class _AllocatedLp:
         program = problem.program
         chosen = program.selected_rows(incumbent.selection)
         deviations = program.rows.deviations[chosen]
-        is_held = (deviations == 0.0) | (program.clearances(incumbent.z)[chosen] < _FAR)
+        is_held = (deviations == 0.0) | (
+            program.clearances(incumbent.z)[chosen] < program.tail.beyond(_FAR)
+        )
         chosen = chosen[is_held]
         self._program, self._is_warm = program, is_warm
         self._deviations, self._events = deviations[is_held], program.rows.events[chosen]
@@ -165,7 +167,7 @@ class _AllocatedLp:
 
     def point(self, allocated: Vector) -> Vector | None:
         """Return the point of least cost, (n,), for what events are allocated, (e,) [-]."""
-        margins = self._deviations * clearance_for(allocated[self._events])
+        margins = self._deviations * self._program.tail.clearance_for(allocated[self._events])
         right = self._right - margins
         free = np.full(right.size, -np.inf)
         if self._lp is None:

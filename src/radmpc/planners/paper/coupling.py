@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import GAUSSIAN, Tail
 from radmpc.model.plan import Coupling
 from radmpc.model.scenario import Scenario
 from radmpc.planners.components import components
@@ -28,6 +28,7 @@ def face_risk(
     near: Sequence[Place],
     far: Place | None = None,
     sagitta: Vector | None = None,
+    tail: Tail = GAUSSIAN,
 ) -> float:
     """Return the collision probability of the active face: the one with the least risk.
 
@@ -48,6 +49,8 @@ def face_risk(
     sagitta : (d,) array or None
         How far its path is from the chord at the middle of the interval, chord minus path [m];
         None where it is straight.
+    tail : Tail
+        Of what positions deviate by.
 
     Returns
     -------
@@ -56,7 +59,7 @@ def face_risk(
     """
     before = [_margins(faces, radius, place) for place in near]
     if far is None:
-        return float(tail_probability(_held(before, 0.0).max()))
+        return float(tail.probability(_held(before, 0.0).max()))
     after = [_margins(faces, radius, far)]
     height = np.zeros(len(faces[1]))
     if sagitta is not None:
@@ -73,7 +76,7 @@ def face_risk(
         best = np.maximum(best, np.minimum(*ends))
         has_spare = ends[0] > ends[1]
         low, high = np.where(has_spare, share, low), np.where(has_spare, high, share)
-    return float(tail_probability(best.max()))
+    return float(tail.probability(best.max()))
 
 
 def _margins(faces: tuple[Matrix, Vector], radius: float, place: Place) -> tuple[Vector, Vector]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.planners.paper.coupling import face_risk
 from radmpc.planners.paper.temporal import TemporalObstacle
@@ -132,15 +133,17 @@ class FleetModel:
         axes = list(vehicle.system.position)
         noise = self.noise(k, i)
         ends = [(means[s][axes], noise[s][axes][:, axes]) for s in (window, window + 1)]
+        tail = Tail(self.scenario.covariance_samples)
         if self.scenario.avoidance != "intervals":
-            return face_risk(obstacle.at(k + window + 1), vehicle.radius, ends[1:])
+            place = obstacle.at(k + window + 1)
+            return face_risk(place, vehicle.radius, ends[1:], tail=tail)
         near = ends[:1]
         first_step = window if self.resets else k + window
         bent = bent_covariances(vehicle, noise[window : window + 2], first_step)
         if bent is not None:
             near.append((ends[0][0], bent[0]))
         sagitta = vehicle.system.sagitta @ controls[k + window]
-        return face_risk(obstacle.at(k + window), vehicle.radius, near, ends[1], sagitta)
+        return face_risk(obstacle.at(k + window), vehicle.radius, near, ends[1], sagitta, tail)
 
     def place(self, i: int, mean: Vector) -> tuple[Vector, Vector | None]:
         """Return position and velocity of a state.

@@ -9,7 +9,6 @@ from itertools import combinations
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
-from radmpc.gaussian import clearance_for
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
@@ -120,7 +119,7 @@ class _Relaxation:
         label: tuple[Cause, str, str],
     ) -> None:
         """Add the rows of a hazard at the instants at which it is in reach; patches in space."""
-        enough = float(clearance_for(DROPPED * self.scenario.risk_bound))
+        enough = float(self.builder.tail.clearance_for(DROPPED * self.scenario.risk_bound))
         variances = np.trace(instants.covariances, axis1=1, axis2=2)
         room = outline.radius + enough * np.sqrt(np.maximum(variances, 0.0))
         ends = outline.vertices.min(axis=1), outline.vertices.max(axis=1)
@@ -144,7 +143,7 @@ class _Relaxation:
     ) -> None:
         """Add the rows of cones."""
         bound = self.scenario.risk_bound
-        block = cone_rows(instants, cones, bound, is_shared=self.intervals)
+        block = cone_rows(instants, cones, bound, self.builder.tail, is_shared=self.intervals)
         self.builder.add_block(block, cause, vehicle, other)
 
     def _walls(self, instants: Instants) -> list[Cones]:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.model.noise.positions import side_by_side, without_common
 from radmpc.model.noise.response import response_of
 from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.avoidance import Part
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.response import side_by_side, without_common
 
 __all__ = ["Instants"]
 
@@ -165,8 +165,9 @@ def _common(
     """Return what shared disturbances make of positions between steps, (I, d, E)."""
     if not model.vehicle.shared:
         return None, None
-    response = response_of(model.vehicle, model.horizon)
-    return response.columns, response.of_sums(windows, *_between(model.vehicle, shares))
+    vehicle = model.vehicle
+    response = response_of(vehicle.system, vehicle.noise, vehicle.gain, model.horizon)
+    return response.columns, response.of_sums(windows, *_between(vehicle, shares))
 
 
 def _between(vehicle: Vehicle, shares: Vector) -> tuple[Tensor, Tensor, Tensor]:

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.gaussian import clearance, clearance_for
+from radmpc.gaussian import Tail, clearance
 from radmpc.program.avoidance import Part, RowBlock
 from radmpc.program.relaxed.cones import Cones
 from radmpc.program.relaxed.instants import Instants
@@ -28,7 +28,9 @@ _REACH = 1e-6
 rounding."""
 
 
-def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared: bool) -> RowBlock:
+def cone_rows(
+    instants: Instants, cones: Cones, risk_bound: float, tail: Tail, *, is_shared: bool
+) -> RowBlock:
     """Return the rows of one hazard: an avoidance per instant, an alternative per cone.
 
     Parameters
@@ -39,6 +41,8 @@ def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared:
         Around the hazard, for the same instants.
     risk_bound : float
         Δ [-].
+    tail : Tail
+        Of what the rows deviate by.
     is_shared : bool
         Whether all instants are one event, charged once at the largest risk: what a charge for the
         whole path is at least. Otherwise every instant is charged.
@@ -54,7 +58,7 @@ def cone_rows(instants: Instants, cones: Cones, risk_bound: float, *, is_shared:
     most = np.where(cones.normals > 0.0, cones.normals * high, cones.normals * low).sum(axis=2)
     deviations = np.where(cones.deviations >= _LEAST_DEVIATION, cones.deviations, 0.0)
     deviations = np.where(is_there, deviations, 1.0)
-    enough = float(clearance_for(DROPPED * risk_bound))
+    enough = float(tail.clearance_for(DROPPED * risk_bound))
     worst = clearance(np.where(is_there, least - cones.offsets, -np.inf), deviations)
     is_asked = (worst.max(axis=1) < enough) & ~cones.is_void
     is_within = is_asked[:, None] & is_there & (most - cones.offsets >= -_REACH)

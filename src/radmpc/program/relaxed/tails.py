@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance_for
+from radmpc.gaussian import GAUSSIAN, Tail
 
 __all__ = ["DiscTails", "HalfSpaceTails", "Tails", "disc_probability", "tails_of"]
 
@@ -75,15 +75,17 @@ class HalfSpaceTails:
     least: float
 
     @classmethod
-    def of(cls, risk_bound: float) -> HalfSpaceTails:
+    def of(cls, risk_bound: float, tail: Tail = GAUSSIAN) -> HalfSpaceTails:
         """Return the tails for a risk bound Δ.
 
         Parameters
         ----------
         risk_bound : float
             Δ [-].
+        tail : Tail
+            Of what deviations are.
         """
-        return cls(float(clearance_for(risk_bound)) - _SAFETY)
+        return cls(float(tail.clearance_for(risk_bound)) - _SAFETY)
 
     def at(self, radii: Vector) -> tuple[Vector, Vector]:
         """Return the least distances and the shifts, as `DiscTails.at`: the same for all."""
@@ -156,15 +158,17 @@ Tails = DiscTails | HalfSpaceTails
 """What a charge is at least, by the distance from a hazard."""
 
 
-def tails_of(risk_bound: float, *, are_integrated: bool) -> Tails:
+def tails_of(risk_bound: float, tail: Tail = GAUSSIAN, *, are_integrated: bool) -> Tails:
     """Return the tails for a risk bound Δ.
 
     Parameters
     ----------
     risk_bound : float
         Δ [-].
+    tail : Tail
+        Of what deviations are.
     are_integrated : bool
-        Whether the referee integrates over hazards, at steps in the plane, instead of bounding them
-        by half-spaces.
+        Whether the referee integrates over hazards, at steps in the plane and under Gaussian tails,
+        instead of bounding them by half-spaces.
     """
-    return DiscTails.of(risk_bound) if are_integrated else HalfSpaceTails.of(risk_bound)
+    return DiscTails.of(risk_bound) if are_integrated else HalfSpaceTails.of(risk_bound, tail)

@@ -129,7 +129,8 @@ def instant_risks(encounters: Encounters) -> Vector:
     # The search tells apart what fails for certain: that is no probability.
     risks = np.minimum(risks, 1.0)
     worth = np.flatnonzero(risks > NEGLIGIBLE)
-    if d == 2 and worth.size:
+    # Integrals are of Gaussians.
+    if d == 2 and worth.size and sites.samples is None:
         risks[worth] = grown_polygon_risks(
             sites.means[worth, 0],
             sites.covariances[worth, 0],

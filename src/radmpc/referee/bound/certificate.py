@@ -17,8 +17,8 @@ from radmpc.referee.bound.workspace import workspace_risks
 from radmpc.referee.claims import claim_problems, limit_problems, shape_problems
 from radmpc.referee.gather import Gathered, gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion, propagate
-from radmpc.referee.neighbors import CUTOFF_RISK
 from radmpc.referee.saturation import saturation_bound
+from radmpc.referee.tails import cutoff_of
 
 __all__ = ["Certificate", "certify"]
 
@@ -162,7 +162,7 @@ def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:
         for batch in found.batches:
             risks = step_risks(batch, motion, intervals=intervals)
             account.charge(cause, batch.first, batch.other, risks)
-        rest = found.skipped.astype(np.float64) * (half_spaces * CUTOFF_RISK)
+        rest = found.skipped.astype(np.float64) * (half_spaces * cutoff_of(motion.samples)[1])
         account.charge(cause, everyone, None, rest[:, None])
     if scenario.workspace is not None:
         risks = workspace_risks(scenario.workspace, motion, intervals=intervals)

@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.reserve import held, in_deviations, reserves
 from radmpc.referee.sites import Chords, Sites, chords, over_ends
+from radmpc.referee.tails import exceeding
 
 __all__ = [
     "clearances",
@@ -67,8 +67,7 @@ def end_risks(sites: Sites, directions: Tensor, shares: Tensor | float = 0.5) ->
     (S, C, E) array
         ``Q(q)``; without noise exactly 0 or 1.
     """
-    risks: Tensor = ndtr(-clearances(sites, directions, shares))
-    return risks
+    return exceeding(clearances(sites, directions, shares), sites.samples)
 
 
 def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
@@ -86,12 +85,12 @@ def shared_risks(sites: Sites, directions: Tensor) -> Tensor:
     """
     seen = chords(sites, directions)
     levels = in_deviations(seen.margins - seen.sagittas[:, :, None], seen.deviations)
-    risks: Tensor = ndtr(-levels)
+    risks = exceeding(levels, sites.samples)
     bowed = (seen.sagittas > 0.0) & (over_ends(risks) > _NEGLIGIBLE)
     if bowed.any():
         ends = seen.margins[bowed], seen.deviations[bowed], seen.sagittas[bowed]
         levels[bowed], _ = held(sites.is_near, *ends)
-        risks[bowed] = ndtr(-levels[bowed])
+        risks[bowed] = exceeding(levels[bowed], sites.samples)
     risks += _EXCESS * np.minimum(np.maximum(-levels, 0.0), _MOST_EXCESS)
     return risks
 

@@ -151,6 +151,7 @@ def part_sites(encounters: Encounters, motion: FleetMotion, parts: int) -> tuple
         around(encounters.vertices, num_intervals, parts),
         np.tile(blends, (count, 1)),
         around(encounters.edges, num_intervals, parts),
+        encounters.samples,
     )
     crossed = Crossed(
         moments.near_with_bent.reshape(-1, d, d), moments.bent_with_far.reshape(-1, d, d)

@@ -14,12 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.referee.bound.bivariate import exceeds_alone
 from radmpc.referee.reserve import held, in_deviations
 from radmpc.referee.sites import Chords, Sites, chords
+from radmpc.referee.tails import exceeding
 
 __all__ = ["TELLING", "Crossed", "best_shares", "least_risks", "path_charges"]
 
@@ -75,7 +75,7 @@ def least_risks(sites: Sites, directions: Matrix) -> Matrix:
         Unit normal of each site's half-space.
     """
     levels, _ = _held(sites, chords(sites, directions[:, None]))
-    return np.asarray(ndtr(-levels[:, 0]))
+    return exceeding(levels[:, 0], sites.samples)
 
 
 def _held(sites: Sites, seen: Chords) -> tuple[Tensor, Matrix]:
@@ -114,7 +114,10 @@ def path_charges(sites: Sites, directions: Tensor, crossed: Crossed, parts: int)
         each.transpose(2, 0, 1).reshape(-1, count, width, num)
         for each in (_held(sites, seen)[0], seen.deviations)
     )
-    charged: Tensor = ndtr(-levels)
+    charged = exceeding(levels, sites.samples)
+    if sites.samples is not None:
+        # What is new in an event is bounded for Gaussians alone: each is charged whole.
+        return _by_step(charged, parts)
     least = TELLING * charged.sum(axis=(0, 2))[:, None] / width
     found, limits = [], []
     for (end, since), (other, until), covariances in _links(sites, crossed, charged.shape):

@@ -6,6 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Workspace
+from radmpc.referee.bound.chain import chain_charges
 from radmpc.referee.bound.halfspace import end_risks
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
 from radmpc.referee.bound.persistence import path_charges
@@ -56,6 +57,7 @@ def faces_of(workspace: Workspace, motion: FleetMotion) -> list[tuple[Matrix, En
                 vertices=np.broadcast_to(corner, (count, 1, 1, d)),
                 directions=np.broadcast_to(normal, (count, 1, d)),
                 edges=np.zeros((count, 1, 0, 2, d)),
+                samples=motion.samples,
             )
             faces.append((normal, batch))
     return faces
@@ -94,7 +96,11 @@ def workspace_risks(workspace: Workspace, motion: FleetMotion, *, intervals: boo
         found = np.zeros((count, steps))
         found[:, :-1] = ends[:, :, :-1].sum(axis=2)
         found[:, 1:] += ends[:, :, -1]
-        if near.size:
+        if near.size and motion.samples is not None:
+            # One direction from end to end: of the events of a step one holds the other.
+            begins = np.zeros((near.size, steps - 1), dtype=bool)
+            found[near] = chain_charges(ends[near, :, :-1], ends[near, :, -1], begins)
+        elif near.size:
             parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
             held = np.broadcast_to(normal, (near.size, NUM_PARTS * (steps - 1), 1, normal.size))
             found[near] = path_charges(parts, held, crossed, NUM_PARTS)[:, 0]

@@ -21,7 +21,8 @@ from radmpc.referee.conditional.loops import Loops, Since
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.gather import Gathered, near_pieces
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.neighbors import CUTOFF_RISK, Balls, near_pairs
+from radmpc.referee.neighbors import Balls, near_pairs
+from radmpc.referee.tails import cutoff_of
 
 __all__ = ["Far", "far_of", "is_surprised"]
 
@@ -77,7 +78,7 @@ class Far:
         is_measured : bool
             Whether states were measured, and balls are the smaller ones.
         """
-        each = float(ndtr(-_CLOSER)) if is_measured else CUTOFF_RISK
+        each = float(ndtr(-_CLOSER)) if is_measured else cutoff_of(None)[1]
         return self.count * (3 * windows if intervals else windows) * each
 
 

@@ -71,10 +71,12 @@ def loops_of(motion: FleetMotion) -> Loops:
     ------
     ScenarioError
         If a loop remembers more than its vehicle's state, which alone is measured, or vehicles
-        have noise in common.
+        have noise in common, or covariances are known up to a factor only.
     """
     if motion.common is not None:
         raise ScenarioError("what is left of a plan is valued under noise that nobody shares")
+    if motion.samples is not None:
+        raise ScenarioError("what is left of a plan is valued under covariances that are known")
     count, _, d = motion.positions.shape
     n = max(len(states[0]) for states in motion.states)
     if any(

@@ -21,7 +21,7 @@ from radmpc.referee.bound.workspace import faces_of
 from radmpc.referee.encounters import Encounters, instant_sites, interval_sites
 from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion
-from radmpc.referee.neighbors import CUTOFF_RISK
+from radmpc.referee.tails import cutoff_of
 
 __all__ = ["OBSTACLE", "PAIR", "WATCH_RISK", "WORKSPACE", "Watch", "WatchList", "watch_list"]
 
@@ -122,7 +122,7 @@ def watch_list(scenario: Scenario, motion: FleetMotion, may_saturate: Flags) -> 
     overlooked = 0.0
     for kind, gather in ((PAIR, gather_pairs), (OBSTACLE, gather_obstacles)):
         found = gather(scenario, motion, intervals=intervals, always=may_saturate)
-        overlooked += float(found.skipped.sum()) * num_windows * ends * CUTOFF_RISK
+        overlooked += float(found.skipped.sum()) * num_windows * ends * cutoff_of(motion.samples)[1]
         tables += [_encounter_rows(kind, batch, intervals=intervals) for batch in found.batches]
     if scenario.workspace is not None:
         tables += _workspace_rows(scenario.workspace, motion, intervals=intervals)

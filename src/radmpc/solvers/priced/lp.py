@@ -207,7 +207,7 @@ class RiskLp:
         added = False
         for i, (row, at) in enumerate(zip(rows, clearances.tolist(), strict=True)):
             if min(abs(at - q) for q in self._rows[row].clearances) > _APART:
-                touching = Touching.at(clearances[i : i + 1], self.unit)
+                touching = Touching.at(clearances[i : i + 1], self.unit, self._tangents.tail)
                 column = self._risk_column(row)
                 self._append(row, touching, self._tangents.tangents(row, touching, column))
                 added = True

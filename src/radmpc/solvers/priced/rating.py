@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance, clearance_for, tail_probability
+from radmpc.gaussian import CONVEX_RISK, clearance
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.priced.row_tangents import RowTangents
 from radmpc.solvers.priced.tuning import TUNING
@@ -74,13 +74,13 @@ class Rater:
         self._inverse = np.where(noisy, 1.0 / np.where(noisy, deviations, 1.0), 0.0)
         self._certain = ~noisy
         self.row_cap = min(unit, CONVEX_RISK)
-        self.floor = deviations * float(clearance_for(self.row_cap))
+        self.floor = deviations * float(program.tail.clearance_for(self.row_cap))
         self.possible = possible_alternatives(program, self.floor)
         if program.parents is not None:
             # What others refine is no alternative of its own.
             self.possible[program.parents[program.parents >= 0]] = False
         self._reference = deviations * float(
-            clearance_for(min(TUNING.reference * unit, CONVEX_RISK))
+            program.tail.clearance_for(min(TUNING.reference * unit, CONVEX_RISK))
         )
         self.table = alternative_table(program, self.possible)
         self._blank = self.table < 0
@@ -112,7 +112,7 @@ class Rater:
         if self._certain.any():
             certain = slacks[self._certain]
             clearances[self._certain] = clearance(certain, np.zeros(certain.size))
-        risks: Vector = np.asarray(tail_probability(clearances))
+        risks: Vector = np.asarray(program.tail.probability(clearances))
         if program.num_avoidances == 0 or self.is_infeasible:
             risk = np.inf if self.is_infeasible else 0.0
             none = np.zeros(0)

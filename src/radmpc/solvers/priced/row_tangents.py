@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for, tail_probability, tail_slope
+from radmpc.gaussian import CONVEX_RISK, GAUSSIAN, Tail
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.solvers.lp.highs_lp import Numbers
 from radmpc.solvers.priced.tuning import TUNING
@@ -31,7 +31,7 @@ class Touching:
     heights: Vector
 
     @classmethod
-    def at(cls, clearances: Vector, unit: float) -> Touching:
+    def at(cls, clearances: Vector, unit: float, tail: Tail = GAUSSIAN) -> Touching:
         """Return the tangents at some clearances.
 
         Parameters
@@ -40,9 +40,11 @@ class Touching:
             Where they touch, >= 0 [standard deviations].
         unit : float
             The risk that a column's 1 stands for.
+        tail : Tail
+            What they touch.
         """
-        slopes = -tail_slope(clearances) / unit
-        return cls(clearances, slopes, tail_probability(clearances) / unit + slopes * clearances)
+        slopes = -tail.slope(clearances) / unit
+        return cls(clearances, slopes, tail.probability(clearances) / unit + slopes * clearances)
 
 
 class RowTangents:
@@ -65,6 +67,8 @@ class RowTangents:
         Right sides of the chance rows over the decision variables [m].
     first : Touching
         The tangents that a row begins with.
+    tail : Tail
+        Of what rows deviate by.
     is_noisy : list of bool
         Whether each row has noise; without it has no tangents.
     events : list of int
@@ -76,11 +80,12 @@ class RowTangents:
     def __init__(self, program: DisjunctiveProgram, unit: float) -> None:
         rows = program.rows
         self._program = program
+        self.tail = program.tail
         self.row_cap = min(unit, CONVEX_RISK)
-        self.floor = float(clearance_for(self.row_cap))
+        self.floor = float(self.tail.clearance_for(self.row_cap))
         self.right: Vector = rows.offsets - rows.normals @ program.constant
         at = (self.floor, *(q for q in TUNING.first_tangents if q > self.floor + 0.2))
-        self.first = Touching.at(np.array(at), unit)
+        self.first = Touching.at(np.array(at), unit, self.tail)
         self.is_noisy: list[bool] = (rows.deviations > 0.0).tolist()
         self.events: list[int] = rows.events.tolist()
         starts, members = program.alternative_starts.tolist(), program.alternative_rows.tolist()

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
-from radmpc.gaussian import clearance_for
 from radmpc.solvers.priced.lp import RiskLp
 from radmpc.solvers.priced.rating import Rating
 from radmpc.solvers.priced.row_tangents import RowTangents
@@ -31,7 +30,7 @@ class Tangents:
 
     def __init__(self, rows: RowTangents, unit: float) -> None:
         self._unit = unit
-        self._flat = float(clearance_for(_FLAT * unit))
+        self._flat = float(rows.tail.clearance_for(_FLAT * unit))
         self._is_noisy, self._rows_of = rows.is_noisy, rows.rows_of
         self._latest: tuple[Sequence[int], Indices] = ((), np.zeros(0, dtype=np.int64))
 

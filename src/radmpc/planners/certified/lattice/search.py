@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.gaussian import CONVEX_RISK, clearance_for
+from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.lattice.half_planes import AvoidanceHalfPlanes, half_planes_of
 from radmpc.planners.certified.lattice.motion import Motion
 from radmpc.planners.certified.lattice.moves import (
@@ -70,7 +70,7 @@ class PathSearch:
     def __post_init__(self) -> None:
         """Derive the motion from the dynamics; the avoidances follow when first needed."""
         self.motion = Motion.of(self.model)
-        self._near_by = float(clearance_for(TUNING.near * self.unit))
+        self._near_by = float(self.program.tail.clearance_for(TUNING.near * self.unit))
 
     @property
     def is_possible(self) -> bool:
@@ -201,7 +201,7 @@ class PathSearch:
         for avoidance in self._avoidances[k]:
             places, margins = self._near(lattice, lattice.reference[k], move, avoidance)
             if places.size:
-                risks[places] += tail_of(margins / avoidance.deviation)
+                risks[places] += tail_of(margins / avoidance.deviation, self.program.tail)
         return risks.reshape(width, width, *lattice.shape).astype(np.float32)
 
     def _near(

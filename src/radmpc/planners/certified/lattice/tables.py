@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import product
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import Tail
 
 __all__ = ["INFEASIBLE", "Float32", "changed", "shifted", "tail_of"]
 
@@ -21,16 +22,28 @@ _FINENESS = 64
 _FAR = 10
 """Clearance beyond which there is no risk (8e-24) [standard deviations]."""
 
-_TAILS = tail_probability(np.arange(-_FAR * _FINENESS, _FAR * _FINENESS + 1) / _FINENESS)
-"""The tail probability at every sixty-fourth of a standard deviation [-]."""
-
 Float32 = npt.NDArray[np.float32]
 
 
-def tail_of(clearances: Vector) -> Vector:
-    """Return tail probabilities, rounded to the clearances of a table."""
+@cache
+def _tails(tail: Tail) -> Vector:
+    """Return the tail probability at every sixty-fourth of a standard deviation."""
+    return tail.probability(np.arange(-_FAR * _FINENESS, _FAR * _FINENESS + 1) / _FINENESS)
+
+
+def tail_of(clearances: Vector, tail: Tail) -> Vector:
+    """Return tail probabilities, rounded to the clearances of a table.
+
+    Parameters
+    ----------
+    clearances : array
+        In standard deviations.
+    tail : Tail
+        Whose probabilities.
+    """
+    tails = _tails(tail)
     numbers = (clearances * _FINENESS).astype(np.int64) + _FAR * _FINENESS
-    return _TAILS[np.clip(numbers, 0, _TAILS.size - 1)]
+    return tails[np.clip(numbers, 0, tails.size - 1)]
 
 
 def changed(values: Float32, tables: tuple[Float32, Float32]) -> Float32:

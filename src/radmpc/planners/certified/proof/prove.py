@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from radmpc.arrays import Matrix
+from radmpc.gaussian import Tail
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
@@ -96,7 +97,9 @@ class _Search:
         """
         scenario = self.fleet.scenario
         are_integrated = scenario.avoidance == "steps" and scenario.dimension == 2
-        self.tails = tails_of(scenario.risk_bound, are_integrated=are_integrated)
+        tail = Tail(scenario.covariance_samples)
+        are_integrated = are_integrated and tail.is_gaussian
+        self.tails = tails_of(scenario.risk_bound, tail, are_integrated=are_integrated)
         parts: list[Members] = []
         for members in self.incumbent.sets:
             is_small = len(members) <= TUNING.most_together

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.gaussian import CONVEX_RISK, clearance_for
+from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.turned.attempts import SIDES, Begin, attempts
 from radmpc.planners.certified.turned.half_spaces import half_spaces
@@ -49,7 +49,7 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
     if not alone.begin_alone():
         return FleetIncumbent()
     share = TUNING.first_share * task.risk_bound / hazards.count
-    clearance = float(clearance_for(min(share, CONVEX_RISK)))
+    clearance = float(hazards.tail.clearance_for(min(share, CONVEX_RISK)))
     stopped = _stopped(hazards, alone.paths)
     sets = _meeting(hazards, alone.paths, clearance)
     largest = max(len(members) for members in sets)

@@ -7,16 +7,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import GAUSSIAN, Tail, tail_probability
 
-__all__ = ["Margins", "fixed_margins", "priced_margins"]
+__all__ = ["Margins", "far_of", "fixed_margins", "priced_margins"]
 
 _LADDER = (8.0, 6.5, 5.6, 5.0, 4.6, 4.2, 3.7, 3.3, 3.0, 2.7, 2.4, 2.1, 1.8, 1.4, 0.9, 0.0)
 """Clearances between which the risk of a row is interpolated [standard deviations]: its
 chords lie above it by up to 4 % between 1.8 and 4."""
 
+_LEAST = 1e-7
+"""Risk at the ladder's highest rung where tails fall slowly [-]."""
+
 _AROUND = (2.0, 1.0, 0.0, -1.0, -2.0)
 """Clearances added around that of the latest path [spacings]."""
+
+
+def far_of(tail: Tail, gaussian: float) -> float:
+    """Return the clearance beyond which nothing is compared.
+
+    Parameters
+    ----------
+    tail : Tail
+        Of what everything deviates by.
+    gaussian : float
+        Where the tail is Gaussian [standard deviations].
+    """
+    return gaussian if tail.is_gaussian else max(gaussian, float(tail.clearance_for(_LEAST)))
+
+
+def _rungs(tail: Tail) -> Vector:
+    """Return the ladder: of equal risks under any tail, as far as they are worth it."""
+    rungs = np.array(_LADDER)
+    if tail.is_gaussian:
+        return rungs
+    return tail.clearance_for(np.maximum(tail_probability(rungs), _LEAST))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +90,11 @@ def fixed_margins(deviations: Matrix, clearance: float, penalty: float) -> Margi
 
 
 def priced_margins(
-    deviations: Matrix, latest: Matrix, costs: tuple[float, float], spacing: float
+    deviations: Matrix,
+    latest: Matrix,
+    costs: tuple[float, float],
+    spacing: float,
+    tail: Tail = GAUSSIAN,
 ) -> Margins:
     """Let each end keep what the price of its risk is worth.
 
@@ -83,14 +111,17 @@ def priced_margins(
         Cost of a unit of probability, and least cost of missing a half-space itself by a meter.
     spacing : float
         Between the clearances around the latest [standard deviations].
+    tail : Tail
+        Of what half-spaces deviate by.
     """
+    rungs = _rungs(tail)
     price, penalty = costs
-    ladder = np.broadcast_to(np.array(_LADDER), (*deviations.shape, len(_LADDER)))
-    around = np.clip(latest[..., None] + spacing * np.array(_AROUND), 0.0, _LADDER[0])
+    ladder = np.broadcast_to(rungs, (*deviations.shape, len(rungs)))
+    around = np.clip(latest[..., None] + spacing * np.array(_AROUND), 0.0, rungs[0])
     levels = -np.sort(-np.concatenate([ladder, around], axis=2), axis=2)
     lengths = -np.diff(levels, axis=2) * deviations[..., None]
-    steps: Vector = np.diff(tail_probability(levels), axis=2)
+    steps: Vector = np.diff(tail.probability(levels), axis=2)
     risks = np.where(lengths > 0.0, steps / np.where(lengths > 0.0, lengths, 1.0), 0.0)
     prices = price * risks
     penalty = max(penalty, float(prices.max(initial=0.0)))
-    return Margins(_LADDER[0] * deviations, lengths, prices, risks, penalty)
+    return Margins(rungs[0] * deviations, lengths, prices, risks, penalty)

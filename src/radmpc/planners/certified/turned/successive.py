@@ -14,10 +14,10 @@ from types import MappingProxyType
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.gaussian import tail_probability
+from radmpc.gaussian import Tail
 from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
-from radmpc.planners.certified.turned.margins import fixed_margins, priced_margins
+from radmpc.planners.certified.turned.margins import far_of, fixed_margins, priced_margins
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths, SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -179,14 +179,16 @@ class SuccessiveLp:
         before, plan = self.paths.state(), None
         program = self._program(group)
         worked = program.work
+        far = far_of(self.hazards.tail, TUNING.compared)
         for _ in range(TUNING.looks):
-            near = Near(TUNING.compared, reach, is_refined=True)
+            near = Near(far, reach, is_refined=True)
             spaces = half_spaces(self.hazards, self.paths, group, near, self._ahead)
             margins = priced_margins(
                 spaces.deviations,
                 spaces.clearances,
                 (price, TUNING.last_penalty * self._meter),
                 spacing,
+                self.hazards.tail,
             )
             plan = program.solve(spaces, self.paths, margins)
             if plan is None:
@@ -201,7 +203,7 @@ class SuccessiveLp:
         self.work += program.work - worked
         if plan is None:
             self.paths.restore(before)
-            return _risk(half_spaces(self.hazards, self.paths, group, near))
+            return _risk(half_spaces(self.hazards, self.paths, group, near), self.hazards.tail)
         for i, controls in zip(group, plan.controls, strict=True):
             self.paths.fly(i, controls)
             self._ahead.means[i] = self.paths.means[i]
@@ -212,9 +214,10 @@ class SuccessiveLp:
 
     def _is_surprised(self, group: Group, spaces: HalfSpaces) -> bool:
         """Whether the latest paths come near anything that there was no half-space for."""
-        near = Near(TUNING.compared, 0.0, is_refined=False)
+        far = far_of(self.hazards.tail, TUNING.compared)
+        near = Near(far, 0.0, is_refined=False)
         latest = half_spaces(self.hazards, self.paths, group, near)
-        close = latest.keys[(latest.clearances < TUNING.compared).any(axis=1)]
+        close = latest.keys[(latest.clearances < far).any(axis=1)]
         return not bool(np.isin(close, spaces.keys).all())
 
     def _program(self, group: Group) -> GroupLp:
@@ -241,9 +244,9 @@ class SuccessiveLp:
         self._programs = {g: program for g, program in self._programs.items() if g in kept}
 
 
-def _risk(spaces: HalfSpaces) -> float:
+def _risk(spaces: HalfSpaces, tail: Tail) -> float:
     """Return what the risks of half-spaces sum to on the latest paths."""
-    return float(np.sum(tail_probability(spaces.clearances)))
+    return float(np.sum(tail.probability(spaces.clearances)))
 
 
 def _cheapest_meter(hazards: Hazards) -> float:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.gaussian import tail_probability
 from radmpc.planners.certified.turned.half_spaces import half_spaces
+from radmpc.planners.certified.turned.margins import far_of
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -49,9 +49,9 @@ def not_idle(
 
 def _risks(hazards: Hazards, paths: Paths) -> Vector:
     """Return what every vehicle's half-spaces risk, (N,) [-]: both ends, and not at their best."""
-    near = Near(TUNING.compared, 0.0, is_refined=False)
+    near = Near(far_of(hazards.tail, TUNING.compared), 0.0, is_refined=False)
     spaces = half_spaces(hazards, paths, tuple(range(hazards.count)), near)
-    each = tail_probability(spaces.clearances).sum(axis=1)
+    each = hazards.tail.probability(spaces.clearances).sum(axis=1)
     risks = np.bincount(spaces.first, each, hazards.count)
     has_second = spaces.second >= 0
     risks += np.bincount(spaces.second[has_second], each[has_second], hazards.count)

@@ -8,6 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
+from radmpc.planners.certified.turned.margins import far_of
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
@@ -36,7 +37,8 @@ def on_other_sides(
         Their numbers.
     """
     first, second = _near(hazards, one), _near(hazards, other)
-    return _apart(first, second) | _apart(second, first)
+    far = far_of(hazards.tail, TUNING.compared)
+    return _apart(first, second, far) | _apart(second, first, far)
 
 
 def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
@@ -44,13 +46,14 @@ def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
     paths = Paths(hazards)
     for i, each in enumerate(controls):
         paths.fly(i, each)
-    near = Near(TUNING.compared, float(hazards.moves.max()), is_refined=False)
+    far = far_of(hazards.tail, TUNING.compared)
+    near = Near(far, float(hazards.moves.max()), is_refined=False)
     return half_spaces(hazards, paths, tuple(range(hazards.count)), near)
 
 
-def _apart(spaces: HalfSpaces, others: HalfSpaces) -> frozenset[int]:
+def _apart(spaces: HalfSpaces, others: HalfSpaces, far: float) -> frozenset[int]:
     """Return who is near something in one plan, and far from it or beyond it in the other."""
-    close = np.flatnonzero(spaces.clearances.min(axis=1) < TUNING.compared)
+    close = np.flatnonzero(spaces.clearances.min(axis=1) < far)
     order = np.argsort(others.keys)
     place = np.searchsorted(others.keys, spaces.keys[close], sorter=order)
     found = order[np.minimum(place, order.size - 1)] if order.size else np.zeros(0, dtype=np.int64)

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Tensor
+from radmpc.arrays import Matrix, Tensor
+from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.response import response_of
-from radmpc.model.vehicle import Vehicle
+from radmpc.model.noise.spread import Noise
 
 __all__ = ["PositionResponse", "position_response", "side_by_side", "without_common"]
 
@@ -37,23 +38,30 @@ class PositionResponse:
     bent: Tensor
 
 
-def position_response(vehicle: Vehicle, horizon: int) -> PositionResponse | None:
+def position_response(
+    system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: int
+) -> PositionResponse | None:
     """Return how a vehicle's position answers the disturbances that it shares, None without any.
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
+    system : LinearSystem
+        The vehicle's dynamics.
+    noise : Noise
+        What shakes it, and what it knows of that.
+    gain : (m, n) array or None
+        Feedback K; None is open loop.
     horizon : int
         Number of steps T.
     """
-    if not vehicle.shared:
+    if not noise.shared:
         return None
-    response, system = response_of(vehicle, horizon), vehicle.system
+    response = response_of(system, noise, gain, horizon)
     picked = np.eye(system.num_states)[list(system.position)]
     none = np.zeros_like(picked)
-    is_bent = vehicle.gain is not None and system.is_double_integrator
-    bend = picked @ system.B @ vehicle.gain if is_bent else none
+    bend = none
+    if gain is not None and system.is_double_integrator:
+        bend = picked @ system.B @ gain
     return PositionResponse(
         response.columns,
         response.of_sums(slice(None), picked, none),
