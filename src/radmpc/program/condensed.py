@@ -98,15 +98,15 @@ class CondensedModel:
     position_covariances : (T+1, d, d) array
         Position covariance at each step [m²].
     bent_covariances : (T, d, d) array or None
-        Covariance of ``(P − B_p K) δ_k``, with P that picks positions and B_p their rows of B: what
-        feedback held over a step makes of the deviation at its start [m²]. None where the path
-        between steps does not depend on the feedback.
+        See `bent_covariances` [m²]; None where the path between steps needs no feedback.
     position, velocity : (T+1, d, T*m) array
         Their dependence on the controls; velocity None where the model has none.
     drift_position, drift_velocity : (T+1, d) array
         Positions and velocities without control, the vehicle's drift included.
     reach_lower, reach_upper : (T+1, d) array
         Box that holds the mean position under every admissible control [m].
+    time_cost : float
+        What the time of the whole horizon costs until arrival; 0 where that is not free.
     """
 
     vehicle: Vehicle
@@ -120,6 +120,7 @@ class CondensedModel:
     drift_velocity: Matrix | None
     reach_lower: Matrix
     reach_upper: Matrix
+    time_cost: float = 0.0
 
 
 def condense(

@@ -19,6 +19,7 @@ __all__ = [
     "GoalSpec",
     "LqrSpec",
     "MeasurementSpec",
+    "ObjectiveSpec",
     "ObstacleSpec",
     "ScenarioSpec",
     "VehicleSpec",
@@ -70,13 +71,14 @@ class ObstacleSpec(FileModel):
 
 
 class GoalSpec(FileModel):
-    """``{center, half_width}`` or ``{min, max}``, and the speed."""
+    """``{center, half_width}`` or ``{min, max}``, the speed, and the window of arrival."""
 
     center: Vector | None = None
     half_width: ScalarOrVector = 0.0
     min: Vector | None = None
     max: Vector | None = None
     speed: ScalarOrVector | None = None
+    within: Annotated[list[int], Field(min_length=2, max_length=2)] | None = None
 
 
 class VisitSpec(FileModel):
@@ -137,6 +139,13 @@ class MeasurementSpec(FileModel):
     covariance: Square
 
 
+class ObjectiveSpec(FileModel):
+    """What effort and time are worth."""
+
+    effort: Number = 1.0
+    time: Number = 0.0
+
+
 class VehicleSpec(FileModel):
     """A vehicle's fields, or the defaults of all: any of them may be missing."""
 
@@ -172,4 +181,5 @@ class ScenarioSpec(FileModel):
     obstacles: Annotated[list[ObstacleSpec], Field(max_length=MOST_OBSTACLES)] = []
     defaults: VehicleSpec = VehicleSpec.model_construct()
     vehicles: Annotated[list[VehicleSpec], Field(max_length=MOST_VEHICLES)]
+    objective: ObjectiveSpec = ObjectiveSpec.model_construct()
     source: dict[str, Any] | None = None

@@ -137,7 +137,7 @@ def _goal(spec: GoalSpec, lower: Vector, upper: Vector, system: LinearSystem) ->
     elif spec.speed is not None:
         speed = as_axes(spec.speed, lower.size, ("goal", "speed"))
     try:
-        return Goal(lower, upper, speed)
+        return Goal(lower, upper, speed, spec.within)
     except ScenarioError as error:
         raise error.under("goal") from error
 
