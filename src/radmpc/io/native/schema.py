@@ -10,6 +10,7 @@ from radmpc.io.native.numbers import Matrix, Number, ScalarOrVector, Square, Tex
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
 
 __all__ = [
+    "MOST_VISITS",
     "SCENARIO_FORMAT",
     "DisturbanceSpec",
     "DriftSpec",
@@ -22,6 +23,7 @@ __all__ = [
     "ObjectiveSpec",
     "ObstacleSpec",
     "ScenarioSpec",
+    "SurveySpec",
     "VehicleSpec",
     "VisitSpec",
     "WorkspaceSpec",
@@ -38,7 +40,7 @@ _MOST_STEPS = 1000
 """Steps of one scenario."""
 
 
-_MOST_VISITS = 200
+MOST_VISITS = 200
 """Boxes that one vehicle visits."""
 
 
@@ -89,6 +91,17 @@ class VisitSpec(FileModel):
     min: Vector | None = None
     max: Vector | None = None
     between: Annotated[list[int], Field(min_length=2, max_length=2)] | None = None
+    speed: ScalarOrVector | None = None
+
+
+class SurveySpec(FileModel):
+    """Lines over an area, to and fro: visits at their ends."""
+
+    area: Annotated[Matrix, Field(max_length=_MOST_CORNERS)]
+    spacing: Number
+    direction: Vector = [1.0, 0.0]
+    half_width: ScalarOrVector | None = None
+    altitude: Number | None = None
     speed: ScalarOrVector | None = None
 
 
@@ -164,7 +177,8 @@ class VehicleSpec(FileModel):
     cost_weight: Number = 1.0
     drift: DriftSpec | None = None
     measurement: MeasurementSpec | None = None
-    via: Annotated[list[VisitSpec], Field(max_length=_MOST_VISITS)] = []
+    via: Annotated[list[VisitSpec], Field(max_length=MOST_VISITS)] = []
+    survey: SurveySpec | None = None
 
 
 class ScenarioSpec(FileModel):
