@@ -20,6 +20,7 @@ from radmpc.model.dynamics import rollout
 from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
@@ -250,12 +251,25 @@ def _plan(
 
 
 def _cost(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:
-    """Return ``Σ weight · ‖u‖₁``."""
+    """Return ``Σ weight · ‖u‖₁``, and what the times until arrival cost where these are free."""
+    pairs = list(zip(scenario.vehicles, trajectories, strict=True))
     efforts = [
         vehicle.cost_weight * float(np.abs(trajectory.controls).sum())
-        for vehicle, trajectory in zip(scenario.vehicles, trajectories, strict=True)
+        for vehicle, trajectory in pairs
     ]
-    return float(np.sum(efforts))
+    cost = float(np.sum(efforts))
+    if scenario.time_weight > 0.0:
+        steps = [_arrival(v, t.means) for v, t in pairs if v.goal.within is not None]
+        cost += scenario.time_weight * scenario.dt * sum(steps)
+    return cost
+
+
+def _arrival(vehicle: Vehicle, means: Matrix) -> int:
+    """Return the step at which a vehicle arrives, the last of its window where it is late."""
+    velocity = vehicle.system.velocity
+    speeds = None if velocity is None else means[:, list(velocity)]
+    step = vehicle.goal.arrival(means[:, list(vehicle.system.position)], speeds)
+    return vehicle.goal.window(len(means) - 1)[1] if step is None else step
 
 
 @cache

@@ -87,6 +87,15 @@ def goals(draw: st.DrawFn, d: int, has_speed: bool) -> Goal:
     return Goal(center - half, center + half, draw(speed) if wants_speed else None)
 
 
+def arriving(vehicle: Vehicle, horizon: int) -> st.SearchStrategy[Vehicle]:
+    """The same, in some window of arrival."""
+    return st.integers(1, horizon).flatmap(
+        lambda first: st.integers(first, horizon).map(
+            lambda last: replace(vehicle, goal=replace(vehicle.goal, within=(first, last)))
+        )
+    )
+
+
 @st.composite
 def visits(draw: st.DrawFn, vehicle: Vehicle, horizon: int) -> tuple[Visit, ...]:
     """At most one for each step, in windows that leave them their order."""
@@ -174,7 +183,14 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         dt=dt,
         horizon=horizon,
         risk_bound=draw(st.floats(1e-12, 0.4999)),
-        vehicles=tuple(replace(v, via=draw(visits(v, horizon))) for v in fleet),
+        vehicles=tuple(
+            replace(
+                draw(st.just(v) | arriving(v, horizon)),
+                via=draw(visits(v, horizon)),
+            )
+            for v in fleet
+        ),
+        time_weight=draw(st.just(0.0) | st.floats(0.0, 1e6)),
         obstacles=tuple(draw(obstacles(name, d, horizon)) for name in stones),
         avoidance=draw(st.sampled_from(["steps", "intervals"])),
         pair_faces=draw(st.none() | faces),

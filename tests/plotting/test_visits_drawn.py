@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from radmpc import Visit, plot_scenario
-from radmpc.console.reports.visiting import visits_text
+from radmpc import Goal, Visit, plot_scenario
+from radmpc.console.reports.visiting import arrivals_text, visits_text
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 
@@ -28,17 +28,23 @@ def test_the_report_tells_when_visits_are_made_and_which_are_not() -> None:
     states = np.zeros((horizon + 1, 4))
     states[:, 0] = np.arange(horizon + 1.0)
 
-    def told(*via: Visit) -> str:
-        scenario = replace(given, vehicles=(replace(vehicle, via=via),), workspace=None)
+    def told(*via: Visit, within: tuple[int, int] | None = None) -> tuple[str, str]:
+        goal = Goal.at([horizon, 0.0], 1.5, 0.0, within)
+        visiting = replace(vehicle, via=via, goal=goal)
+        scenario = replace(given, vehicles=(visiting,), workspace=None)
         covariances = vehicle.covariances(horizon)
         path = Trajectory(vehicle.name, np.zeros((horizon, 2)), states, covariances, vehicle.gain)
         made = Plan(
             scenario, "by hand", None, Status.FEASIBLE, 0.0, None, Risk(0.05), ((vehicle.name,),),
             trajectories=(path,),
         )  # fmt: skip
-        return visits_text(made)
+        return visits_text(made), arrivals_text(made)
 
-    assert told() == ""
+    assert told() == ("", "")
     here, there = Visit.at([2.0, 0.0], 0.1), Visit.at([4.0, 9.0], 0.1)
-    assert told(here) == f"{vehicle.name} at step 2 ({2 * given.dt:g} s)"
-    assert told(here, there) == f"{vehicle.name} at step 2 ({2 * given.dt:g} s), 1 not made"
+    assert told(here)[0] == f"{vehicle.name} at step 2 ({2 * given.dt:g} s)"
+    assert told(here, there)[0] == f"{vehicle.name} at step 2 ({2 * given.dt:g} s), 1 not made"
+    last = horizon - 1
+    when = f"{vehicle.name} at step {last} ({last * given.dt:g} s)"
+    assert told(within=(1, horizon))[1] == when
+    assert told(within=(1, 2))[1] == f"{vehicle.name} late"

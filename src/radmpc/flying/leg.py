@@ -243,11 +243,12 @@ def left_of(
     Raises
     ------
     ScenarioError
-        If vehicles visit anything on the way: which visits a flight has made, states do not tell.
+        If vehicles have visits or windows of arrival: what a flight has done, states do not tell.
     """
-    if any(v.via for v in scenario.vehicles):
+    if scenario.has_windows:
         raise ScenarioError(
-            "a mission with visits (via) is not planned anew under way", ("vehicles",)
+            "a mission with visits or windows of arrival is not planned anew under way",
+            ("vehicles",),
         )
     vehicles = tuple(
         changed(v, start=state, initial_covariance=0.0 * v.initial_covariance)

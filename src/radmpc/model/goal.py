@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from radmpc.arguments import field_number
 from radmpc.arrays import Frozen, Vector, as_axes, as_vector
 from radmpc.errors import ScenarioError
+from radmpc.model.numbers import step_window
 
 __all__ = ["Goal"]
 
@@ -25,16 +27,24 @@ class Goal(Frozen):
         Corners of the box [m], ``lower <= upper``.
     speed : (d,) array or None
         Largest mean speed per axis at the horizon [m/s]; None leaves it free.
+    within : tuple of (int, int) or None
+        First and last step at which it may arrive, to stay within box and speed at all steps from
+        then on; None is at the horizon.
     """
 
     lower: Vector
     upper: Vector
     speed: Vector | None
+    within: tuple[int, int] | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
         def __init__(
-            self, lower: npt.ArrayLike, upper: npt.ArrayLike, speed: npt.ArrayLike | None
+            self,
+            lower: npt.ArrayLike,
+            upper: npt.ArrayLike,
+            speed: npt.ArrayLike | None,
+            within: Sequence[int] | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -51,6 +61,8 @@ class Goal(Frozen):
             object.__setattr__(self, "speed", speed)
             if np.any(speed < 0.0):
                 raise ScenarioError(f"must be >= 0 m/s, got {speed.tolist()}", ("speed",))
+        if self.within is not None:
+            object.__setattr__(self, "within", step_window(self.within, "within"))
 
     @classmethod
     def at(
@@ -58,6 +70,7 @@ class Goal(Frozen):
         center: npt.ArrayLike,
         half_width: npt.ArrayLike = 0.0,
         speed: npt.ArrayLike | None = 0.0,
+        within: Sequence[int] | None = None,
     ) -> Goal:
         """Return a goal around a point.
 
@@ -69,6 +82,8 @@ class Goal(Frozen):
             From the middle to the sides [m], ≥ 0.
         speed : number, (d,) array_like or None
             Largest mean speed per axis [m/s]: 0 is a stop, None leaves it free.
+        within : sequence of two int or None
+            First and last step at which it may arrive, to stay from then on; None is the horizon.
 
         Returns
         -------
@@ -83,7 +98,7 @@ class Goal(Frozen):
         middle = as_vector(center, path=("center",))
         half = as_axes(half_width, middle.size, ("half_width",))
         limit = None if speed is None else as_axes(speed, middle.size, ("speed",))
-        return cls(middle - half, middle + half, limit)
+        return cls(middle - half, middle + half, limit, within)
 
     @property
     def center(self) -> Vector:
@@ -121,3 +136,47 @@ class Goal(Frozen):
             return bool(inside)
         speed = np.abs(as_vector(velocity, self.lower.size, ("velocity",)))
         return bool(inside and np.all(speed <= self.speed + tol))
+
+    def window(self, horizon: int) -> tuple[int, int]:
+        """Return the first and the last step of arrival.
+
+        Parameters
+        ----------
+        horizon : int
+            Number of steps T.
+
+        Returns
+        -------
+        tuple of (int, int)
+            Steps.
+        """
+        return (horizon, horizon) if self.within is None else self.within
+
+    def arrival(
+        self, positions: npt.ArrayLike, velocities: npt.ArrayLike | None, tol: float = 1e-6
+    ) -> int | None:
+        """Return the step at which a path arrives: the first of its window from which it stays.
+
+        Parameters
+        ----------
+        positions : (T+1, d) array
+            Mean positions [m].
+        velocities : (T+1, d) array or None
+            Mean velocities [m/s]; None where the dynamics have none.
+        tol : float
+            What box and speed may be missed by [m, m/s].
+
+        Returns
+        -------
+        int or None
+            None where it does not arrive within the window.
+        """
+        places = np.asarray(positions, dtype=np.float64)
+        outside = np.any((places < self.lower - tol) | (places > self.upper + tol), axis=1)
+        if self.speed is not None and velocities is not None:
+            speeds = np.abs(np.asarray(velocities, dtype=np.float64))
+            outside |= np.any(speeds > self.speed + tol, axis=1)
+        first, last = self.window(len(places) - 1)
+        late = np.flatnonzero(outside)
+        step = max(first, int(late[-1]) + 1 if late.size else 0)
+        return step if step <= last else None

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from radmpc.arguments import field_integer, field_parts, told
 from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError, all_checked, raise_together
 
-__all__ = ["check_correlation", "check_positive", "check_scenario_numbers", "check_vehicle_numbers"]
+__all__ = [
+    "check_correlation",
+    "check_not_negative",
+    "check_positive",
+    "check_scenario_numbers",
+    "check_vehicle_numbers",
+    "step_window",
+]
 
 
 _FEWEST_SAMPLES = 3
@@ -69,8 +77,8 @@ def check_vehicle_numbers(radius: float, control_sigmas: float, cost_weight: flo
     """
     all_checked(
         lambda: check_positive(np.array([radius]), "radius", "m"),
-        lambda: _check_not_negative(control_sigmas, "control_sigmas"),
-        lambda: _check_not_negative(cost_weight, "cost_weight"),
+        lambda: check_not_negative(control_sigmas, "control_sigmas"),
+        lambda: check_not_negative(cost_weight, "cost_weight"),
     )
 
 
@@ -96,8 +104,21 @@ def check_correlation(
         raise ScenarioError(text, path)
 
 
-def _check_not_negative(value: float, name: str) -> None:
-    """Refuse a value below zero."""
+def check_not_negative(value: float, name: str) -> None:
+    """Refuse a value below zero.
+
+    Parameters
+    ----------
+    value : float
+        The value.
+    name : str
+        Its field.
+
+    Raises
+    ------
+    ScenarioError
+        With the value.
+    """
     if not (np.isfinite(value) and value >= 0.0):
         raise ScenarioError(f"must be >= 0, got {value}", (name,))
 
@@ -122,3 +143,29 @@ def check_positive(values: Vector, name: str, unit: str) -> None:
     if not np.all(np.isfinite(values) & (values > 0.0)):
         shown = values.tolist() if values.size > 1 else values.item()
         raise ScenarioError(f"must be > 0 {unit}, got {shown}", (name,))
+
+
+def step_window(given: object, name: str) -> tuple[int, int]:
+    """Return a window of two steps.
+
+    Parameters
+    ----------
+    given : sequence of two int
+        The first and the last.
+    name : str
+        Its field.
+
+    Raises
+    ------
+    ScenarioError
+        If it is none, or if it begins before step 1 or after its end.
+    """
+    parts = field_parts(given, "two steps, the first and the last", (name,))
+    if len(parts) != 2:
+        raise ScenarioError(
+            f"must be two steps, the first and the last, got {told(given)}", (name,)
+        )
+    first, last = (field_integer(part, (name, i)) for i, part in enumerate(parts))
+    if not 1 <= first <= last:
+        raise ScenarioError(f"must be two steps, 1 <= first <= last, got {[first, last]}", (name,))
+    return first, last

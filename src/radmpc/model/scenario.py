@@ -17,7 +17,7 @@ from radmpc.model.consistency import (
     check_step,
     check_workspace,
 )
-from radmpc.model.numbers import check_scenario_numbers
+from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.workspace import Workspace
@@ -59,6 +59,9 @@ class Scenario:
     covariance_samples : int or None
         Independent steps ν, >= 3, that all covariances were estimated from: the true ones are
         those stated times one common factor, ``ν / χ²_ν``. None is that they are known.
+    time_weight : float
+        What a second costs until a vehicle whose goal has a window (``within``) arrives, >= 0
+        [cost/s].
     """
 
     name: str
@@ -72,6 +75,7 @@ class Scenario:
     workspace: Workspace | None = None
     source: Mapping[str, object] | None = None
     covariance_samples: int | None = None
+    time_weight: float = 0.0
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -88,6 +92,7 @@ class Scenario:
             workspace: Workspace | None = None,
             source: Mapping[str, object] | None = None,
             covariance_samples: int | None = None,
+            time_weight: float = 0.0,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -111,6 +116,12 @@ class Scenario:
 
             check_sources(vehicle.shared for vehicle in self.vehicles)
         for i, vehicle in enumerate(self.vehicles):
+            last = 0 if vehicle.goal.within is None else vehicle.goal.within[1]
+            if last > self.horizon:
+                raise ScenarioError(
+                    f"must end at the horizon of {self.horizon} steps at the latest, got {last}",
+                    ("vehicles", i, "goal", "within"),
+                )
             if vehicle.via:
                 self._check_visits(i, vehicle)
 
@@ -144,7 +155,7 @@ class Scenario:
         """Refuse parts of another kind; make numbers Python's and sequences tuples."""
         put = object.__setattr__
         field_text(self.name, ("name",))
-        for name in ("dt", "risk_bound"):
+        for name in ("dt", "risk_bound", "time_weight"):
             put(self, name, field_number(getattr(self, name), (name,)))
         put(self, "horizon", field_integer(self.horizon, ("horizon",)))
         for name in ("pair_faces", "covariance_samples"):
@@ -176,6 +187,7 @@ class Scenario:
     def _check_numbers(self) -> None:
         """Check the scalars."""
         check_scenario_numbers(self.dt, self.horizon, self.risk_bound, self.covariance_samples)
+        check_not_negative(self.time_weight, "time_weight")
         if not (isinstance(self.avoidance, str) and self.avoidance in {"steps", "intervals"}):
             raise ScenarioError(
                 f"must be 'steps' or 'intervals', got {told(self.avoidance)}", ("avoidance",)
@@ -195,6 +207,11 @@ class Scenario:
     def num_vehicles(self) -> int:
         """Fleet size N."""
         return len(self.vehicles)
+
+    @property
+    def has_windows(self) -> bool:
+        """Whether any vehicle visits boxes on its way, or arrives within a window."""
+        return any(v.via or v.goal.within is not None for v in self.vehicles)
 
     @property
     def num_pair_faces(self) -> int:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arguments import field_integer, field_parts, told
+from radmpc.arguments import field_parts, told
 from radmpc.arrays import Frozen, Vector, as_axes, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem
+from radmpc.model.numbers import step_window
 from radmpc.model.workspace import Workspace
 
 __all__ = ["Visit", "check_visits", "checked_visits", "steps_of_visits", "steps_visited"]
@@ -60,7 +61,7 @@ class Visit(Frozen):
                 f"min must not exceed max, got {lower.tolist()} and {upper.tolist()}"
             )
         if self.between is not None:
-            put(self, "between", _window(self.between))
+            put(self, "between", step_window(self.between, "between"))
         if self.speed is not None:
             speed = as_axes(self.speed, lower.size, ("speed",))
             put(self, "speed", speed)
@@ -123,21 +124,6 @@ class Visit(Frozen):
             Steps.
         """
         return (1, horizon - 1) if self.between is None else self.between
-
-
-def _window(given: object) -> tuple[int, int]:
-    """Return a window of two steps, the first not after the last."""
-    parts = field_parts(given, "two steps, the first and the last", ("between",))
-    if len(parts) != 2:
-        raise ScenarioError(
-            f"must be two steps, the first and the last, got {told(given)}", ("between",)
-        )
-    first, last = (field_integer(part, ("between", i)) for i, part in enumerate(parts))
-    if not 1 <= first <= last:
-        raise ScenarioError(
-            f"must be two steps, 1 <= first <= last, got {[first, last]}", ("between",)
-        )
-    return first, last
 
 
 def steps_of_visits(visits: Sequence[Visit], horizon: int) -> tuple[tuple[int, int], ...]:

@@ -76,7 +76,7 @@ class Decomposition(ABC):
     """Time limit where none is given [s]; None is no limit."""
 
     plans_visits: ClassVar[bool] = True
-    """Whether its plans make the visits of vehicles (`via`)."""
+    """Whether its plans make visits (`via`) and arrive within windows (`Goal.within`)."""
 
     @abstractmethod
     def plan(self, scenario: Scenario, planner: Planner, run: Run) -> Draft:
@@ -159,7 +159,7 @@ class Planner:
                 )
 
     def check_visits(self, scenario: Scenario) -> None:
-        """Refuse a scenario whose visits these choices cannot plan.
+        """Refuse a scenario whose visits or windows of arrival these choices cannot plan.
 
         Parameters
         ----------
@@ -169,16 +169,16 @@ class Planner:
         Raises
         ------
         ScenarioError
-            With the first vehicle that visits anything.
+            With the first vehicle that has any.
         """
         if self.decomposition.plans_visits and self.solver.plans_visits:
             return
         for i, vehicle in enumerate(scenario.vehicles):
-            if vehicle.via:
+            if vehicle.via or vehicle.goal.within is not None:
                 raise ScenarioError(
-                    f"the planner '{self}' goes straight for goals and makes no visits; "
+                    f"the planner '{self}' goes straight for goals at the horizon, without visits; "
                     "use certified, distance, or one that is centralized without random trees",
-                    ("vehicles", i, "via"),
+                    ("vehicles", i, *(("via",) if vehicle.via else ("goal", "within"))),
                 )
 
     @property

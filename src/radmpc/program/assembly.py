@@ -68,14 +68,14 @@ def decision_columns(models: Sequence[CondensedModel]) -> DecisionColumns:
     hard, hard_lower, hard_upper = _stacked_hard_rows(models)
     lower = np.zeros(cost.size)
     blocks = np.repeat(np.arange(len(models)), [2 * s.control_bounds.size for s in models])
-    if not any(model.vehicle.via for model in models):
+    if not any(model.vehicle.via or model.time_cost for model in models):
         return DecisionColumns(cost, lower, upper, blocks, hard, hard_lower, hard_upper, None)
     from radmpc.program.visits.columns import time_columns  # noqa: PLC0415 - few visit anything
 
     times = time_columns(models)
     num_orders = times.order.shape[0]
     return DecisionColumns(
-        np.concatenate([cost, np.zeros(times.count)]),
+        np.concatenate([cost, times.cost]),
         np.concatenate([lower, times.lower]),
         np.concatenate([upper, times.upper]),
         np.concatenate([blocks, times.blocks]),

@@ -8,6 +8,7 @@ they are needed (`radmpc.program.visits`).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -20,7 +21,14 @@ from radmpc.program.condensed import CondensedModel, PredictionMatrices, condens
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
 from radmpc.program.program import DisjunctiveProgram
 
-__all__ = ["build_program", "condensed_models", "controls_of", "point_of", "prediction_matrices"]
+__all__ = [
+    "build_program",
+    "condensed_models",
+    "controls_of",
+    "cost_of_time",
+    "point_of",
+    "prediction_matrices",
+]
 
 
 def prediction_matrices(scenario: Scenario) -> tuple[PredictionMatrices, ...]:
@@ -42,9 +50,10 @@ def condensed_models(scenario: Scenario) -> tuple[CondensedModel, ...]:
         if vehicle.shared:
             noise, gain = vehicle.noise, vehicle.gain
             common = position_response(vehicle.system, noise, gain, scenario.horizon)
-        models.append(
-            condense(vehicle, prediction, vehicle.start, covariances, bounds, common=common)
-        )
+        model = condense(vehicle, prediction, vehicle.start, covariances, bounds, common=common)
+        if scenario.time_weight > 0.0 and vehicle.goal.within is not None:
+            model = replace(model, time_cost=scenario.time_weight * scenario.dt * scenario.horizon)
+        models.append(model)
     return tuple(models)
 
 
@@ -133,8 +142,30 @@ def point_of(models: Sequence[CondensedModel], controls: Sequence[Matrix]) -> Ve
     """
     halves = [(np.maximum(u, 0.0).ravel(), np.maximum(-u, 0.0).ravel()) for u in controls]
     parts = [half for pair in halves for half in pair]
-    if any(model.vehicle.via for model in models):
+    if any(model.vehicle.via or model.time_cost for model in models):
         from radmpc.program.visits.steps import times_of  # noqa: PLC0415 - few visit anything
 
         parts.append(times_of(models, controls))
     return np.concatenate(parts)
+
+
+def cost_of_time(model: CondensedModel, controls: Matrix) -> float:
+    """Return what the time until a vehicle's arrival costs.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    controls : (T, m) array
+        Its nominal controls.
+
+    Returns
+    -------
+    float
+        0 where its arrival is not free.
+    """
+    if model.time_cost == 0.0:
+        return 0.0
+    from radmpc.program.visits.steps import arrival_step  # noqa: PLC0415 - few pay for time
+
+    return model.time_cost * arrival_step(model, controls) / model.horizon

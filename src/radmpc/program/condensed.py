@@ -97,9 +97,7 @@ class CondensedModel:
     position_covariances : (T+1, d, d) array
         Position covariance at each step [m²].
     bent_covariances : (T, d, d) array or None
-        Covariance of ``(P − B_p K) δ_k``, with P that picks positions and B_p their rows of B: what
-        feedback held over a step makes of the deviation at its start [m²]. None where the path
-        between steps does not depend on the feedback.
+        See `bent_covariances` [m²]; None where the path between steps needs no feedback.
     position, velocity : (T+1, d, T*m) array
         Their dependence on the controls; velocity None where the model has none.
     drift_position, drift_velocity : (T+1, d) array
@@ -108,6 +106,8 @@ class CondensedModel:
         Box that holds the mean position under every admissible control [m].
     common : PositionResponse or None
         How its position answers disturbances that others meet, too; None is not at all.
+    time_cost : float
+        What the time of the whole horizon costs until arrival; 0 where that is not free.
     """
 
     vehicle: Vehicle
@@ -122,6 +122,7 @@ class CondensedModel:
     reach_lower: Matrix
     reach_upper: Matrix
     common: PositionResponse | None = None
+    time_cost: float = 0.0
 
 
 def condense(

@@ -24,16 +24,17 @@ def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
         Rows, lower and upper bounds; speed limits that cannot bind are left out.
     """
     vehicle, last = model.vehicle, model.horizon
-    rows = [model.position[last]]
-    lowers = [vehicle.goal.lower - model.drift_position[last]]
-    uppers = [vehicle.goal.upper - model.drift_position[last]]
+    arrived = range(vehicle.goal.window(last)[1], last + 1)
+    rows = [model.position[k] for k in arrived]
+    lowers = [vehicle.goal.lower - model.drift_position[k] for k in arrived]
+    uppers = [vehicle.goal.upper - model.drift_position[k] for k in arrived]
     if model.velocity is not None and model.drift_velocity is not None:
         d = vehicle.system.dimension
         limits = np.full((last + 1, d), np.inf)
         if vehicle.speed_limit is not None:
             limits[:] = vehicle.speed_limit
         if vehicle.goal.speed is not None:
-            limits[last] = np.minimum(limits[last], vehicle.goal.speed)
+            limits[arrived[0] :] = np.minimum(limits[arrived[0] :], vehicle.goal.speed)
         largest = np.abs(model.velocity) @ np.maximum(model.control_bounds, 0.0).ravel()
         binding = np.abs(model.drift_velocity) + largest > limits
         binding[0] = False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -187,6 +187,26 @@ class Hazards:
         if self.bent is None:
             return None
         return _joint(self.bent, self.common_bent, steps, (first, second))
+
+    def visiting(self, controls: Sequence[Matrix]) -> Hazards:
+        """Return the fleet with visits and arrivals at the steps of given controls.
+
+        Parameters
+        ----------
+        controls : sequence of (T, m) array
+            Nominal controls of every vehicle.
+
+        Returns
+        -------
+        Hazards
+            The fleet itself where there is nothing to choose.
+        """
+        if not any(model.vehicle.via or model.time_cost for model in self.models):
+            return self
+        from radmpc.program.visits.steps import at_steps_of  # noqa: PLC0415 - few visit anything
+
+        pairs = zip(self.models, controls, strict=True)
+        return replace(self, models=tuple(at_steps_of(model, each) for model, each in pairs))
 
     @property
     def count(self) -> int:

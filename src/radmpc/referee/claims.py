@@ -141,13 +141,16 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
 
 
 def cost_of(plan: Plan) -> float:
-    """Return ``Σ weight · ‖u‖₁`` over vehicles and steps."""
-    return float(
-        sum(
-            vehicle.cost_weight * np.abs(trajectory.controls).sum()
-            for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=True)
-        )
-    )
+    """Return ``Σ weight · ‖u‖₁`` over vehicles and steps, and what times until arrival cost."""
+    pairs = list(zip(plan.scenario.vehicles, plan.trajectories, strict=True))
+    effort = float(sum(v.cost_weight * np.abs(t.controls).sum() for v, t in pairs))
+    per_step = plan.scenario.time_weight * plan.scenario.dt
+    if per_step == 0.0:
+        return effort
+    from radmpc.referee.visits import arrival_step  # noqa: PLC0415 - few pay for time
+
+    free = [(v, t.means) for v, t in pairs if v.goal.within is not None]
+    return effort + per_step * sum(arrival_step(v, means) for v, means in free)
 
 
 def _difference(
@@ -201,10 +204,11 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         bounds = _control_bounds(vehicle, motion.seen[i][:-1])
         problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
-        if vehicle.via:
-            from radmpc.referee.visits import visit_problems  # noqa: PLC0415 - few visit anything
+        if vehicle.via or vehicle.goal.within is not None:
+            from radmpc.referee.visits import arrival_problems, visit_problems  # noqa: PLC0415 - few have any
 
             problems += visit_problems(vehicle, motion.states[i])
+            problems += arrival_problems(vehicle, motion.states[i])
     return problems
 
 

@@ -1,4 +1,4 @@
-"""Whether the mean makes its visits: each in its box, in its window, one after the other."""
+"""Whether the mean makes its visits, one after the other, and arrives within its window."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import Visit
 
-__all__ = ["visit_problems"]
+__all__ = ["arrival_problems", "arrival_step", "visit_problems"]
 
 _TOL = 1e-6
 """By how much a box, or a speed, may be missed [m, m/s]."""
@@ -61,3 +61,57 @@ def _beside(vehicle: Vehicle, visit: Visit, states: Matrix) -> Vector:
     if visit.speed is not None and vehicle.system.velocity is not None:
         excess.append(np.abs(states[:, list(vehicle.system.velocity)]) - visit.speed)
     return np.asarray(np.concatenate(excess, axis=1).max(axis=1))
+
+
+def arrival_step(vehicle: Vehicle, states: Matrix) -> int:
+    """Return the first step of a goal's window from which on the mean stays in the goal.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With the goal.
+    states : (T+1, n) array
+        Its mean states.
+
+    Returns
+    -------
+    int
+        The last step of the window where the mean is late.
+    """
+    goal, horizon = vehicle.goal, len(states) - 1
+    first, last = (horizon, horizon) if goal.within is None else goal.within
+    beside = _beside(vehicle, Visit(goal.lower, goal.upper, speed=goal.speed), states)
+    step = last
+    while step > first and beside[step - 1] <= _TOL:
+        step -= 1
+    return step
+
+
+def arrival_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
+    """Name the last step at which a mean that should have arrived is not in its goal.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With the goal.
+    states : (T+1, n) array
+        Its mean states.
+
+    Returns
+    -------
+    list of str
+        Empty where it arrives in time and stays.
+    """
+    goal = vehicle.goal
+    if goal.within is None:
+        return []
+    due = goal.within[1]
+    beside = _beside(vehicle, Visit(goal.lower, goal.upper, speed=goal.speed), states)
+    late = np.flatnonzero(beside[due:] > _TOL)
+    if not late.size:
+        return []
+    step = due + int(late[-1])
+    return [
+        f"vehicle {vehicle.name!r}: is not in its goal from step {due} on: at step {step} its mean "
+        f"is beyond box or speed by {beside[step]:.3g}"
+    ]

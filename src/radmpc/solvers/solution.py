@@ -166,7 +166,7 @@ class Solver(ABC):
     """Whether "none found" means that there is none, and costs come with a lower bound."""
 
     plans_visits: ClassVar[bool] = True
-    """Whether it takes disjunctions over steps, as visits are."""
+    """Whether it takes disjunctions over steps, as visits and arrivals are."""
 
     @abstractmethod
     def solve(

@@ -18,7 +18,7 @@ from radmpc.console.reports.reasons import (
     reasons_text,
 )
 from radmpc.console.reports.saturating import saturation_line
-from radmpc.console.reports.visiting import visits_text
+from radmpc.console.reports.visiting import arrivals_text, visits_text
 from radmpc.console.words import count_text, scenario_line
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
@@ -87,9 +87,9 @@ def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text 
         rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
     if bounds_risk:
         rows["shadow price"] = price_text(plan)
-    visits = visits_text(plan)
-    if visits:
-        rows["visits"] = visits
+    for name, text in (("visits", visits_text(plan)), ("arrivals", arrivals_text(plan))):
+        if text:
+            rows[name] = text
     limits = limits_text(plan)
     if limits:
         rows["limited by"] = limits

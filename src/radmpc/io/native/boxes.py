@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Vector, as_axes, as_vector
 from radmpc.errors import ScenarioError
-from radmpc.io.native.schema import GoalSpec, VisitSpec
+from radmpc.io.native.schema import MOST_VISITS, GoalSpec, SurveySpec, VisitSpec
 
 if TYPE_CHECKING:
     from radmpc.model.visits import Visit
@@ -56,20 +56,22 @@ def box_of(spec: GoalSpec | VisitSpec, *path: str | int) -> tuple[Vector, Vector
     return lower, upper
 
 
-def build_visits(specs: Sequence[VisitSpec]) -> tuple[Visit, ...]:
-    """Return what a vehicle visits.
+def build_visits(specs: Sequence[VisitSpec], survey: SurveySpec | None) -> tuple[Visit, ...]:
+    """Return what a vehicle visits: single boxes, then the lines of a survey.
 
     Parameters
     ----------
     specs : sequence of VisitSpec
         What the file gives.
+    survey : SurveySpec or None
+        An area to survey after that.
 
     Raises
     ------
     ScenarioError
         With a path within the vehicle.
     """
-    if not specs:
+    if not specs and survey is None:
         return ()
     from radmpc.model.visits import Visit  # noqa: PLC0415 - few visit anything
 
@@ -80,4 +82,28 @@ def build_visits(specs: Sequence[VisitSpec]) -> tuple[Visit, ...]:
             visits.append(Visit(lower, upper, spec.between, spec.speed))
         except ScenarioError as error:
             raise error.under("via", j) from error
+    if survey is not None:
+        visits += _surveyed(survey)
+    if len(visits) > MOST_VISITS:
+        raise ScenarioError(
+            f"must have at most {MOST_VISITS} visits with those of via, got {len(visits)}",
+            ("survey",),
+        )
     return tuple(visits)
+
+
+def _surveyed(survey: SurveySpec) -> tuple[Visit, ...]:
+    """Return the visits at the ends of a survey's lines."""
+    from radmpc.model.survey import survey_visits  # noqa: PLC0415 - few survey anything
+
+    try:
+        return survey_visits(
+            survey.area,
+            survey.spacing,
+            survey.direction,
+            half_width=survey.half_width,
+            altitude=survey.altitude,
+            speed=survey.speed,
+        )
+    except ScenarioError as error:
+        raise error.under("survey") from error

@@ -21,7 +21,7 @@ from radmpc.io.native.schema import (
 from radmpc.io.native.vehicle_decoding import Shared, build_vehicle
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_range
 from radmpc.io.text.files import shown
-from radmpc.model.numbers import check_scenario_numbers
+from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Vehicle
@@ -94,6 +94,7 @@ def _build(spec: ScenarioSpec) -> Scenario:
     # With any step the other errors of vehicles show, too.
     dt = spec.dt if len(parts.errors) == num_errors else 1.0
     vehicles = parts.made(lambda: _vehicles(spec, dt))
+    parts.made(lambda: _check_objective(spec))
     numbers = (spec.dt, spec.horizon, spec.risk_bound, spec.covariance_samples)
     parts.made(lambda: check_scenario_numbers(*numbers))
     raise_together(parts.errors)
@@ -113,7 +114,20 @@ def _build(spec: ScenarioSpec) -> Scenario:
         vehicles=vehicles or (),
         source=None if spec.source is None else plain_mapping(spec.source, ("source",)),
         covariance_samples=spec.covariance_samples,
+        time_weight=spec.objective.time,
     )
+
+
+def _check_objective(spec: ScenarioSpec) -> None:
+    """Refuse another price of effort than 1, and a negative one of time."""
+    try:
+        if spec.objective.effort != 1.0:
+            raise ScenarioError(
+                f"must be 1, time is priced against it; got {spec.objective.effort:g}", ("effort",)
+            )
+        check_not_negative(spec.objective.time, "time")
+    except ScenarioError as error:
+        raise error.under("objective") from error
 
 
 class _Attempts:

@@ -82,6 +82,8 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         content["shared_disturbances"] = encode_shared(scenario.vehicles, scenario.dt)
     if scenario.covariance_samples is not None:
         content["covariance_samples"] = int(scenario.covariance_samples)
+    if scenario.time_weight != 0.0:
+        content["objective"] = {"effort": 1, "time": float(scenario.time_weight)}
     if scenario.source is not None:
         content["source"] = plain_mapping(scenario.source, ("source",))
     return content
@@ -195,6 +197,8 @@ def _goal(goal: Goal, has_speed: bool) -> dict[str, object]:
     content = _box(goal.lower, goal.upper)
     if has_speed:
         content["speed"] = None if goal.speed is None else _short(goal.speed)
+    if goal.within is not None:
+        content["within"] = list(goal.within)
     return content
 
 

@@ -10,6 +10,7 @@ from radmpc.io.native.numbers import MARK, Matrix, Number, ScalarOrVector, Squar
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, SCENARIO_FORMAT
 
 __all__ = [
+    "MOST_VISITS",
     "SCENARIO_FORMAT",
     "DisturbanceSpec",
     "DriftSpec",
@@ -19,9 +20,11 @@ __all__ = [
     "GoalSpec",
     "LqrSpec",
     "MeasurementSpec",
+    "ObjectiveSpec",
     "ObstacleSpec",
     "ScenarioSpec",
     "SharedDisturbanceSpec",
+    "SurveySpec",
     "TrackSpec",
     "VehicleSpec",
     "VisitSpec",
@@ -42,7 +45,7 @@ _MOST_STEPS = 1000
 """Steps of one scenario."""
 
 
-_MOST_VISITS = 200
+MOST_VISITS = 200
 """Boxes that one vehicle visits."""
 
 
@@ -110,13 +113,14 @@ class ObstacleSpec(FileModel):
 
 
 class GoalSpec(FileModel):
-    """``{center, half_width}`` or ``{min, max}``, and the speed."""
+    """``{center, half_width}`` or ``{min, max}``, the speed, and the window of arrival."""
 
     center: Vector | None = None
     half_width: ScalarOrVector = 0.0
     min: Vector | None = None
     max: Vector | None = None
     speed: ScalarOrVector | None = None
+    within: Annotated[list[int], Field(min_length=2, max_length=2)] | None = None
 
 
 class VisitSpec(FileModel):
@@ -127,6 +131,17 @@ class VisitSpec(FileModel):
     min: Vector | None = None
     max: Vector | None = None
     between: Annotated[list[int], Field(min_length=2, max_length=2)] | None = None
+    speed: ScalarOrVector | None = None
+
+
+class SurveySpec(FileModel):
+    """Lines over an area, to and fro: visits at their ends."""
+
+    area: Annotated[Matrix, Field(max_length=_MOST_CORNERS)]
+    spacing: Number
+    direction: Vector = [1.0, 0.0]
+    half_width: ScalarOrVector | None = None
+    altitude: Number | None = None
     speed: ScalarOrVector | None = None
 
 
@@ -177,6 +192,13 @@ class MeasurementSpec(FileModel):
     covariance: Square
 
 
+class ObjectiveSpec(FileModel):
+    """What effort and time are worth."""
+
+    effort: Number = 1.0
+    time: Number = 0.0
+
+
 class VehicleSpec(FileModel):
     """A vehicle's fields, or the defaults of all: any of them may be missing."""
 
@@ -195,7 +217,8 @@ class VehicleSpec(FileModel):
     cost_weight: Number = 1.0
     drift: DriftSpec | None = None
     measurement: MeasurementSpec | None = None
-    via: Annotated[list[VisitSpec], Field(max_length=_MOST_VISITS)] = []
+    via: Annotated[list[VisitSpec], Field(max_length=MOST_VISITS)] = []
+    survey: SurveySpec | None = None
 
 
 class SharedDisturbanceSpec(FileModel):
@@ -224,4 +247,5 @@ class ScenarioSpec(FileModel):
     vehicles: Annotated[list[VehicleSpec], Field(max_length=MOST_VEHICLES)]
     shared_disturbances: Annotated[list[SharedDisturbanceSpec], Field(max_length=_MOST_STATES)] = []
     covariance_samples: Annotated[int, Field(le=_MOST_SAMPLES)] | None = None
+    objective: ObjectiveSpec = ObjectiveSpec.model_construct()
     source: dict[str, Any] | None = None

@@ -117,7 +117,7 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         drift=build_drift(spec.drift, system, shared.dt),
         disturbance_correlation=correlation,
         measurement=build_measurement(spec.measurement, n),
-        via=build_visits(spec.via),
+        via=build_visits(spec.via, spec.survey),
     )
 
 
@@ -137,7 +137,7 @@ def _goal(spec: GoalSpec, lower: Vector, upper: Vector, system: LinearSystem) ->
     elif spec.speed is not None:
         speed = as_axes(spec.speed, lower.size, ("goal", "speed"))
     try:
-        return Goal(lower, upper, speed)
+        return Goal(lower, upper, speed, spec.within)
     except ScenarioError as error:
         raise error.under("goal") from error
 

@@ -25,7 +25,6 @@ from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, turn_half_spaces, turn_to
-from radmpc.planners.certified.turned.visiting import at_good_visits
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
@@ -197,8 +196,12 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     begin = limits if seconds == float("inf") else limits.within(seconds - kept)
     hazards = Hazards.of(scenario, condensed_models(scenario))
     bound = scenario.risk_bound
-    # The first plan makes its visits at good steps; the search chooses among all.
-    begun = at_good_visits(hazards)
+    begun = hazards
+    if scenario.has_windows:
+        # The first plan makes its visits at good steps; the search chooses among all.
+        from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
+
+        begun = at_good_visits(hazards)
     task = Task(begun, run.judge, begin, planner.gap, bound, lambda cost: run.found(cost, None))
     first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng)
     fleet = Fleet.of(

@@ -82,8 +82,7 @@ class SetProblem:
         program = build_program(scenario, chosen, risk_bound=scenario.risk_bound)
         rater = Rater(program, unit)
         passage = None
-        is_alone = len(chosen) == 1 and not chosen[0].vehicle.via
-        if is_alone and program.num_avoidances and not rater.is_infeasible:
+        if len(chosen) == 1 and program.num_avoidances and not rater.is_infeasible:
             path_search = PathSearch(program, chosen[0], unit)
             passage = Passage(path_search, rater) if path_search.is_possible else None
         return cls(members, chosen, program, rater, passage)

@@ -13,12 +13,29 @@ from radmpc.arrays import Indices, Vector
 from radmpc.model.visits import steps_of_visits
 from radmpc.program.condensed import CondensedModel
 
-__all__ = ["TimeColumns", "is_disjunctive", "time_columns", "timed_visits", "windows_of"]
+__all__ = [
+    "ARRIVAL",
+    "TimeColumns",
+    "has_choice_of_arrival",
+    "is_disjunctive",
+    "time_columns",
+    "timed_visits",
+    "windows_of",
+]
+
+ARRIVAL = -1
+"""Stands for the arrival among the numbers of visits."""
 
 
 def is_disjunctive(model: CondensedModel) -> bool:
-    """Whether a step has to be chosen for any visit of a vehicle."""
-    return any(first < last for first, last in windows_of(model))
+    """Whether a step has to be chosen for any visit of a vehicle, or for its arrival."""
+    return has_choice_of_arrival(model) or any(first < last for first, last in windows_of(model))
+
+
+def has_choice_of_arrival(model: CondensedModel) -> bool:
+    """Whether arriving at another step of the window would cost less or more."""
+    first, last = model.vehicle.goal.window(model.horizon)
+    return model.time_cost > 0.0 and first < last
 
 
 def windows_of(model: CondensedModel) -> tuple[tuple[int, int], ...]:
@@ -38,14 +55,16 @@ def timed_visits(model: CondensedModel) -> tuple[tuple[int, ...], tuple[bool, ..
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TimeColumns:
-    """The columns of visits' times; t of them, vehicle by vehicle.
+    """The columns of times of visits and arrivals; t of them, vehicle by vehicle.
 
     Attributes
     ----------
     blocks : (t,) int array
         The vehicle of each.
     visits : (t,) int array
-        Which of its visits.
+        Which of its visits; `ARRIVAL` for its arrival.
+    cost : (t,) array
+        Of the time of the whole horizon.
     lower, upper : (t,) array
         Bounds [shares of the horizon].
     order : (o, t) sparse array
@@ -54,6 +73,7 @@ class TimeColumns:
 
     blocks: Indices
     visits: Indices
+    cost: Vector
     lower: Vector
     upper: Vector
     order: csr_array
@@ -65,7 +85,9 @@ class TimeColumns:
 
 
 def time_columns(models: Sequence[CondensedModel]) -> TimeColumns:
-    """Return the columns of the times of vehicles' visits.
+    """Return the columns of the times of vehicles' visits and arrivals.
+
+    An arrival has one where time costs anything; its alternatives raise it, its cost lowers it.
 
     Parameters
     ----------
@@ -74,6 +96,7 @@ def time_columns(models: Sequence[CondensedModel]) -> TimeColumns:
     """
     blocks: list[int] = []
     visits: list[int] = []
+    costs: list[float] = []
     bounds, orders = [], []
     for i, model in enumerate(models):
         timed, follows = timed_visits(model)
@@ -81,14 +104,21 @@ def time_columns(models: Sequence[CondensedModel]) -> TimeColumns:
         visits += timed
         bounds += [windows_of(model)[j] for j in timed]
         later = np.flatnonzero(follows)
-        rows = np.zeros((later.size, len(timed)))
+        rows = np.zeros((later.size, len(timed) + (model.time_cost > 0.0)))
         rows[np.arange(later.size), later] = 1.0
         rows[np.arange(later.size), later - 1] = -1.0
         orders.append(rows)
+        costs += [0.0] * len(timed)
+        if model.time_cost > 0.0:
+            blocks.append(i)
+            visits.append(ARRIVAL)
+            costs.append(model.time_cost)
+            bounds.append(model.vehicle.goal.window(model.horizon))
     shares = np.array(bounds, dtype=np.float64).reshape(-1, 2) / models[0].horizon
     return TimeColumns(
         np.array(blocks, dtype=np.int64),
         np.array(visits, dtype=np.int64),
+        np.array(costs),
         shares[:, 0],
         shares[:, 1],
         csr_array(block_diag(orders)),

@@ -11,7 +11,13 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.model.visits import Visit
 from radmpc.program.avoidance import Part, RowBlock
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.visits.columns import TimeColumns, is_disjunctive, windows_of
+from radmpc.program.visits.columns import (
+    ARRIVAL,
+    TimeColumns,
+    has_choice_of_arrival,
+    is_disjunctive,
+    windows_of,
+)
 
 __all__ = ["fixed_visit_rows", "visit_blocks"]
 
@@ -50,9 +56,10 @@ def fixed_visit_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
 def visit_blocks(
     models: Sequence[CondensedModel], parts: Sequence[Part], times: TimeColumns, *, intervals: bool
 ) -> Iterator[tuple[str, RowBlock, tuple[str, ...]]]:
-    """Yield the rows of the visits whose step is to be chosen.
+    """Yield the rows of the visits, and of the arrival, whose step is to be chosen.
 
-    All rows of a visit are one event: without noise they run no risk, or all of it.
+    All rows of a visit are one event: without noise they run no risk, or all of it. An arrival is a
+    disjunction for each step but the last of its window: in the goal by then, or later.
 
     Parameters
     ----------
@@ -89,6 +96,13 @@ def _visit_block(
             pieces.append(_visit_rows(model, part, model.vehicle.via[j], steps, times.get(j)))
             names.append(f"via[{j}]")
             firsts.append(first)
+    if has_choice_of_arrival(model):
+        goal = model.vehicle.goal
+        box = Visit(goal.lower, goal.upper, speed=goal.speed)
+        for step in range(*goal.window(model.horizon)):
+            pieces.append(_arrival_rows(model, part, box, step, times[ARRIVAL]))
+            names.append("goal")
+            firsts.append(step)
     bases = np.cumsum([0, *(piece.offsets.size for piece in pieces)])
     every = np.arange(len(pieces))
     offsets = np.concatenate([piece.offsets for piece in pieces])
@@ -119,6 +133,19 @@ class _Rows:
     values: Vector
     offsets: Vector
     sizes: Indices
+
+
+def _arrival_rows(model: CondensedModel, part: Part, box: Visit, step: int, time: int) -> _Rows:
+    """Return the rows of being in the goal at a step, or arriving later."""
+    there = _visit_rows(model, part, box, np.array([step]), None)
+    count = there.offsets.size
+    return _Rows(
+        np.append(there.rows, count),
+        np.append(there.outputs, time),
+        np.append(there.values, -1.0),
+        np.append(there.offsets, -(step + 1) / model.horizon),
+        np.array([count, 1]),
+    )
 
 
 def _visit_rows(

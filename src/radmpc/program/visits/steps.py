@@ -11,7 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.visits.columns import timed_visits, windows_of
 
-__all__ = ["at_steps", "times_of", "visiting_steps"]
+__all__ = ["arrival_step", "at_steps", "at_steps_of", "times_of", "visiting_steps"]
 
 _MISSED = 1e6
 """What a meter beside a box counts, in meters from its middle [-]: of the steps in the box the one
@@ -60,8 +60,29 @@ def visiting_steps(model: CondensedModel, controls: Matrix) -> tuple[int, ...]:
     return tuple(reversed(steps))
 
 
-def at_steps(model: CondensedModel, steps: Sequence[int]) -> CondensedModel:
-    """Return a vehicle whose visits take place at given steps.
+def arrival_step(model: CondensedModel, controls: Matrix) -> int:
+    """Return the step at which a vehicle arrives; the last of its window where it is late.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    controls : (T, m) array
+        Its nominal controls.
+    """
+    means = model.drift_position + model.position @ controls.ravel()
+    velocity, drift = model.velocity, model.drift_velocity
+    speeds = None
+    if velocity is not None and drift is not None:
+        speeds = drift + velocity @ controls.ravel()
+    step = model.vehicle.goal.arrival(means, speeds, _ROUNDING)
+    return model.vehicle.goal.window(model.horizon)[1] if step is None else step
+
+
+def at_steps(
+    model: CondensedModel, steps: Sequence[int], arrival: int | None = None
+) -> CondensedModel:
+    """Return a vehicle whose visits, and arrival, take place at given steps.
 
     Parameters
     ----------
@@ -69,14 +90,33 @@ def at_steps(model: CondensedModel, steps: Sequence[int]) -> CondensedModel:
         The vehicle.
     steps : sequence of int
         One per visit, rising.
+    arrival : int or None
+        Of its arrival; None leaves that as it is.
     """
     pairs = zip(model.vehicle.via, steps, strict=True)
     via = tuple(replace(visit, between=(k, k)) for visit, k in pairs)
-    return replace(model, vehicle=replace(model.vehicle, via=via))
+    goal = model.vehicle.goal
+    if arrival is not None:
+        goal = replace(goal, within=(arrival, arrival))
+    return replace(model, vehicle=replace(model.vehicle, via=via, goal=goal))
+
+
+def at_steps_of(model: CondensedModel, controls: Matrix) -> CondensedModel:
+    """Return a vehicle whose visits, and arrival where time costs, are at the steps of controls.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    controls : (T, m) array
+        Its nominal controls.
+    """
+    arrival = arrival_step(model, controls) if model.time_cost > 0.0 else None
+    return at_steps(model, visiting_steps(model, controls), arrival)
 
 
 def times_of(models: Sequence[CondensedModel], controls: Sequence[Matrix]) -> Vector:
-    """Return the columns of visits' times for given controls.
+    """Return the columns of times for given controls, of visits and arrivals.
 
     Parameters
     ----------
@@ -94,4 +134,6 @@ def times_of(models: Sequence[CondensedModel], controls: Sequence[Matrix]) -> Ve
     for model, each in zip(models, controls, strict=True):
         visiting = visiting_steps(model, each)
         steps += [visiting[j] for j in timed_visits(model)[0]]
+        if model.time_cost > 0.0:
+            steps.append(arrival_step(model, each))
     return np.array(steps, dtype=np.float64) / models[0].horizon

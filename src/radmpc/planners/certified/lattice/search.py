@@ -74,8 +74,9 @@ class PathSearch:
 
     @property
     def is_possible(self) -> bool:
-        """Whether the search applies: in the plane, to vehicles that move."""
-        return self.motion.is_planar
+        """Whether the search applies: in the plane, to vehicles that move, straight to goals."""
+        is_direct = not self.model.vehicle.via and self.model.vehicle.goal.within is None
+        return self.motion.is_planar and is_direct and not self.program.num_visits
 
     @property
     def places(self) -> slice:

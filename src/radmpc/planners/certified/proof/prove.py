@@ -16,7 +16,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.program.build import controls_of, point_of
+from radmpc.program.build import controls_of, cost_of_time, point_of
 from radmpc.program.relaxed.tails import Tails, tails_of
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import relative_gap
@@ -159,6 +159,7 @@ class _Search:
         vehicles = self.fleet.scenario.vehicles
         return sum(
             vehicles[i].cost_weight * float(np.abs(self.incumbent.controls[i]).sum())
+            + cost_of_time(self.fleet.programs.models[i], self.incumbent.controls[i])
             - self.fleet.base[i]
             for i in members
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -54,14 +55,16 @@ def detours(
         model = hazards.models[i]
         spread = float(np.sqrt(hazards.variances[i].max() / hazards.dimension))
         goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
+        stops = [model.drift_position[0], *(visit.center for visit in model.vehicle.via), goal]
         # Where the noise fits, too, if there is such a way; else wherever the hull does.
         for room in clearance * spread * np.array(_ROOMS):
             key = (round(float(hazards.radii[i] + room), 9), round(spread, 9))
             if key not in graphs:
                 graphs[key] = _graph(grid, *key)
-            way = _way(grid, graphs[key], model.drift_position[0], goal)
-            if way is not None:
-                found[i] = way
+            legs = [_way(grid, graphs[key], here, there) for here, there in pairwise(stops)]
+            ways = [leg for leg in legs if leg is not None]
+            if len(ways) == len(legs):
+                found[i] = np.vstack(ways)
                 break
     return found
 

@@ -38,6 +38,10 @@ class Paths:
     def __init__(self, hazards: Hazards) -> None:
         self._hazards, self._models = hazards, hazards.models
         self.controls: list[Matrix] = [np.zeros(m.control_bounds.shape) for m in hazards.models]
+        self._time = sum(
+            model.time_cost * model.vehicle.goal.window(model.horizon)[1] / model.horizon
+            for model in hazards.models
+        )
         self.means: Tensor = np.array([model.drift_position for model in hazards.models])
         self.sagittas: Tensor = np.zeros((hazards.count, hazards.horizon, hazards.dimension))
 
@@ -90,9 +94,11 @@ class Paths:
         return one, two
 
     def cost(self) -> float:
-        """Return the effort of all controls."""
+        """Return the effort of all controls, and what the time until arrival costs."""
         pairs = zip(self._models, self.controls, strict=True)
-        return sum(model.vehicle.cost_weight * float(np.abs(u).sum()) for model, u in pairs)
+        return sum(
+            (model.vehicle.cost_weight * float(np.abs(u).sum()) for model, u in pairs), self._time
+        )
 
     def state(self) -> SavedPaths:
         """Return what `restore` takes to come back to these paths."""

@@ -20,7 +20,6 @@ from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.visiting import at_visits_of
 from radmpc.planners.verdict import Judge
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
@@ -143,7 +142,7 @@ def plan_by_turning(
 
 def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
     """Return what turning is asked of a fleet, visits at the steps of given controls."""
-    hazards = at_visits_of(fleet.programs.hazards, controls)
+    hazards = fleet.programs.hazards.visiting(controls)
     return Task(hazards, judge, fleet.limits, fleet.gap, fleet.scenario.risk_bound)
 
 

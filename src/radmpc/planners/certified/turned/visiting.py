@@ -1,4 +1,4 @@
-"""Visits at given steps: those of a plan, or good ones before there is any.
+"""Good steps for visits and arrivals, before there is any plan.
 
 Half-spaces are turned to plans whose visits keep the steps at which they are made. The first plan
 has them at the steps that cost least in empty space, as far as moving one at a time tells.
@@ -12,16 +12,17 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Matrix, Vector
-from radmpc.model.visits import steps_of_visits
+from radmpc.arrays import Vector
+from radmpc.model.visits import Visit, steps_of_visits
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.hazards import Hazards
+from radmpc.program.visits.columns import has_choice_of_arrival
 from radmpc.program.visits.rows import fixed_visit_rows
-from radmpc.program.visits.steps import at_steps, visiting_steps
+from radmpc.program.visits.steps import at_steps
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 
-__all__ = ["at_good_visits", "at_visits_of", "good_steps"]
+__all__ = ["at_good_visits", "good_steps"]
 
 _MOVES = (4, 2, 1)
 """Steps that a visit is moved by while it pays, long moves first [-]."""
@@ -37,26 +38,9 @@ _FAR = 1e7
 """How far a box may be missed [m]: linear programs with finite bounds can be proven."""
 
 
-def at_visits_of(hazards: Hazards, controls: Sequence[Matrix]) -> Hazards:
-    """Return a fleet whose visits take place at the steps of given controls.
-
-    Parameters
-    ----------
-    hazards : Hazards
-        The fleet.
-    controls : sequence of (T, m) array
-        Nominal controls of every vehicle.
-
-    Returns
-    -------
-    Hazards
-        The fleet itself where nothing is visited.
-    """
-    if not any(model.vehicle.via for model in hazards.models):
-        return hazards
-    pairs = zip(hazards.models, controls, strict=True)
-    models = tuple(at_steps(model, visiting_steps(model, each)) for model, each in pairs)
-    return replace(hazards, models=models)
+def _arrival(model: CondensedModel, step: int) -> int | None:
+    """Return the step of arrival where time costs anything."""
+    return step if model.time_cost > 0.0 else None
 
 
 def at_good_visits(hazards: Hazards) -> Hazards:
@@ -70,19 +54,17 @@ def at_good_visits(hazards: Hazards) -> Hazards:
     Returns
     -------
     Hazards
-        The fleet itself where nothing is visited.
+        With boxes and goals due at single steps.
     """
-    if not any(model.vehicle.via for model in hazards.models):
-        return hazards
-    models = tuple(
-        at_steps(model, good_steps(model)) if model.vehicle.via else model
-        for model in hazards.models
-    )
-    return replace(hazards, models=models)
+    models = []
+    for model in hazards.models:
+        *steps, arrival = good_steps(model)
+        models.append(at_steps(model, steps, _arrival(model, arrival)))
+    return replace(hazards, models=tuple(models))
 
 
 def good_steps(model: CondensedModel) -> tuple[int, ...]:
-    """Return steps for a vehicle's visits that cost little in empty space.
+    """Return steps for a vehicle's visits, and for its arrival, that cost little in empty space.
 
     At even speed from box to box to begin with; then one visit after the other is moved while that
     pays. A heuristic: by moving one at a time not every better choice is found.
@@ -95,10 +77,12 @@ def good_steps(model: CondensedModel) -> tuple[int, ...]:
     Returns
     -------
     tuple of int
-        One per visit, rising, each within its window.
+        One per visit, rising, each within its window; then that of the arrival.
     """
+    window = model.vehicle.goal.window(model.horizon)
+    arrivals = window if has_choice_of_arrival(model) else (window[1], window[1])
     windows = steps_of_visits(model.vehicle.via, model.horizon)
-    steps = _at_even_speed(model, windows)
+    steps = [*_at_even_speed(model, windows), arrivals[1]]
     program = _VisitLp(model)
     least = program.cost(steps)
     for move in _MOVES:
@@ -108,7 +92,7 @@ def good_steps(model: CondensedModel) -> tuple[int, ...]:
             for j in range(len(steps)):
                 for by in (-move, move):
                     moved = [*steps[:j], steps[j] + by, *steps[j + 1 :]]
-                    if not _is_allowed(moved, j, windows):
+                    if not _is_allowed(moved, j, windows, arrivals):
                         continue
                     cost = program.cost(moved)
                     if cost < least - _PAYS * abs(least):
@@ -116,10 +100,14 @@ def good_steps(model: CondensedModel) -> tuple[int, ...]:
     return tuple(steps)
 
 
-def _is_allowed(steps: Sequence[int], j: int, windows: Sequence[tuple[int, int]]) -> bool:
-    """Whether a visit's step is in its window and between those of its neighbors."""
+def _is_allowed(
+    steps: Sequence[int], j: int, windows: Sequence[tuple[int, int]], arrivals: tuple[int, int]
+) -> bool:
+    """Whether a step is in its window, and that of a visit between those of its neighbors."""
+    if j == len(windows):
+        return arrivals[0] <= steps[j] <= arrivals[1]
     before = steps[j - 1] if j else -1
-    after = steps[j + 1] if j + 1 < len(steps) else windows[j][1] + 1
+    after = steps[j + 1] if j + 1 < len(windows) else windows[j][1] + 1
     return before < steps[j] < after and windows[j][0] <= steps[j] <= windows[j][1]
 
 
@@ -138,7 +126,7 @@ def _at_even_speed(model: CondensedModel, windows: Sequence[tuple[int, int]]) ->
 
 
 class _VisitLp:
-    """The least effort of a vehicle in empty space with its visits at given steps.
+    """The least cost of a vehicle in empty space with visits and arrival at given steps.
 
     Boxes may be missed, at a high price: every choice of steps has a cost.
 
@@ -152,7 +140,7 @@ class _VisitLp:
         self._model = model
         alone = replace(model, vehicle=replace(model.vehicle, via=()))
         rows, lower, upper = hard_rows(alone)
-        span, self._count = rows.shape[1], len(model.vehicle.via)
+        span, self._count = rows.shape[1], len(model.vehicle.via) + 1
         weight = model.vehicle.cost_weight or 1.0
         nearest = float(np.abs(model.position[1:]).max(axis=(1, 2)).min())
         beside = _MISSED * weight / max(nearest, 1e-9)
@@ -168,8 +156,10 @@ class _VisitLp:
         self._active: set[tuple[int, int]] = set()
 
     def cost(self, steps: Sequence[int]) -> float:
-        """Return the least cost with visits at some steps, what is missed included."""
-        target = set(enumerate(steps))
+        """Return the least cost with visits and arrival at some steps, what is missed included."""
+        target = set(enumerate(steps[:-1]))
+        last = self._model.vehicle.goal.window(self._model.horizon)[1]
+        target |= {(self._count - 1, k) for k in range(steps[-1], last)}
         for key in self._active - target:
             numbers, lower = self._rows[key]
             self._lp.bound_rows(numbers, np.full(lower.size, -np.inf), np.full(lower.size, np.inf))
@@ -181,11 +171,14 @@ class _VisitLp:
             self._lp.bound_rows(numbers, lower, np.full(lower.size, np.inf))
         self._active = target
         outcome, bound = self._lp.solve()
-        return bound if outcome is LpOutcome.OPTIMAL else np.inf
+        time = self._model.time_cost * steps[-1] / self._model.horizon
+        return bound + time if outcome is LpOutcome.OPTIMAL else np.inf
 
     def _added(self, visit: int, step: int) -> tuple[list[int], Vector]:
-        """Add the rows of a visit at a step; return their numbers and lower bounds."""
-        given = replace(self._model.vehicle, via=(self._model.vehicle.via[visit],))
+        """Add the rows of a visit, or of the goal, at a step; return numbers and lower bounds."""
+        goal, via = self._model.vehicle.goal, self._model.vehicle.via
+        boxes = (*via, Visit(goal.lower, goal.upper, speed=goal.speed))
+        given = replace(self._model.vehicle, via=(boxes[visit],))
         rows, lower, upper = fixed_visit_rows(
             at_steps(replace(self._model, vehicle=given), (step,))
         )
