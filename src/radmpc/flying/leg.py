@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, frozen
+from radmpc.arrays import Matrix, Vector, as_matrix, frozen
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
@@ -22,7 +22,7 @@ from radmpc.referee.conditional.rows import Witnesses
 
 __all__ = ["Leg", "Outlook", "changed", "later", "left_of", "leg_of", "miss_of"]
 
-Record = TypeVar("Record", bound=Frozen)
+Record = TypeVar("Record")
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,7 +270,7 @@ def changed(value: Record, **fields: object) -> Record:
 
     Parameters
     ----------
-    value : Frozen
+    value : frozen record
         A scenario or a part of one.
     **fields
         What differs, of the right kind; arrays are frozen.

@@ -82,6 +82,8 @@ class Ahead:
                 shapes.faces[:, passed:],
                 shapes.lower[:, passed:],
                 shapes.upper[:, passed:],
+                None if shapes.covariances is None else shapes.covariances[:, passed:],
+                shapes.variances[:, passed:],
             ),
         )
 
