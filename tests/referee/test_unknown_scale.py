@@ -147,7 +147,7 @@ def test_the_factor_of_a_mission_is_that_of_all_its_vehicles_at_all_steps():
     fleet = [craft(f"v{i}", DI, [9.0 * i, 0.0]) for i in range(60)]
     plan = unsure(still(*fleet, horizon=3), 6)
     motion = propagate(plan.scenario, [t.controls for t in plan.trajectories])
-    sampler = Sampler.of(motion, np.arange(60))
+    sampler = Sampler.of(motion, np.arange(60), np.arange(0))
     spreads = np.array([np.trace(c, axis1=1, axis2=2) for c in motion.covariances]).sum(axis=0)
     rng, factors = np.random.default_rng(0), []
     for k, state in enumerate(sampler.draw(3, 800, rng, lambda *_: None)):
