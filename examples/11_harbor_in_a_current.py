@@ -12,7 +12,7 @@ import numpy as np
 
 import radmpc
 
-EXPECTED, TOLERANCE = 1.169, 0.01  # plans are made to a gap
+EXPECTED, TOLERANCE = 1.018, 0.004  # plans are made to a gap of 0.1 %
 
 DT, HORIZON = 10.0, 14
 WALLS = {
@@ -21,7 +21,7 @@ WALLS = {
     "pier": [[115, 120], [127, 120], [127, 160], [115, 160]],
 }
 STARTS = {"tug": [18, 55], "ferry": [22, 100], "survey": [210, 18]}
-GOALS = {"tug": [218, 90], "ferry": [88, 140], "survey": [35, 18]}
+GOALS = {"tug": [218, 100], "ferry": [88, 140], "survey": [35, 18]}
 
 
 def boat(name: str, start: list[int], goal: list[int]) -> radmpc.Vehicle:
@@ -40,7 +40,7 @@ def main(out: Path) -> float:
     """Plan, draw, and return the effort relative to that beside a track known exactly."""
     hull = [[-18, -5], [18, -5], [18, 5], [-18, 5]]
     track, covariance = radmpc.track_from_course(
-        [225, 98], 1.2, 268.0, position_deviation=2.0, speed_deviation=0.04, course_deviation=1.5
+        [225, 98], 1.2, 268.0, position_deviation=2.0, speed_deviation=0.04, course_deviation=1.0
     )
     walls = [radmpc.Obstacle.polygon(name, corners) for name, corners in WALLS.items()]
     boats = [boat(name, start, GOALS[name]) for name, start in STARTS.items()]
@@ -48,7 +48,7 @@ def main(out: Path) -> float:
     for known in (covariance, 0.0):
         freighter = radmpc.Obstacle.tracked("freighter", hull, track, known)
         scenario = radmpc.Scenario("harbor", DT, HORIZON, 0.05, boats, [*walls, freighter])
-        plans.append(radmpc.plan(scenario, rng=0).require())
+        plans.append(radmpc.plan(scenario, "certified(0)", rng=0).require())
     radmpc.save_figure(plans[0], out / "11_harbor_in_a_current.png")
     certificate, flown = radmpc.certify(plans[0]), radmpc.simulate(plans[0], 20_000, rng=0)
     assert flown.rate_low <= certificate.certified <= 0.05
