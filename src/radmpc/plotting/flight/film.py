@@ -15,19 +15,19 @@ from matplotlib.patches import Circle
 from radmpc.arguments import check_path
 from radmpc.arrays import Matrix
 from radmpc.io.flight.following import Followed, followed
-from radmpc.io.flight.record import FlightRecord
+from radmpc.io.flight.record import FlightRecord, FlownMission
 from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
 from radmpc.plotting.canvas.space_labels import board_of
 from radmpc.plotting.canvas.style import ALERT, LABEL_SIZE, MUTED
 from radmpc.plotting.curves import ABOVE, confidence_ellipses, mean_path, positions
-from radmpc.plotting.film.actors import draw_actors
+from radmpc.plotting.film.actors import Actor, draw_actors
 from radmpc.plotting.film.animation import FRAMES_PER_STEP, Film
 from radmpc.plotting.film.films import check_film_path, write_film
 from radmpc.plotting.flight.account import draw_account
 from radmpc.plotting.flight.paths import ahead, chosen, flown
-from radmpc.plotting.flight.stage import new_stage
+from radmpc.plotting.flight.stage import Stage, new_stage
 from radmpc.plotting.scenario import draw_surroundings, name_vehicles
 
 __all__ = ["make_flight_film", "save_flight_film"]
@@ -73,27 +73,14 @@ def make_flight_film(record: FlightRecord) -> Film:
     mission = chosen(record)
     if mission is None:  # of which the stage has spoken
         raise RuntimeError("a flight that never began has no film")
-    plan, scenario = record.plan, record.plan.scenario
+    dt, trajectories = record.plan.scenario.dt, flown(record, mission)
     draw_account(stage.account, replace(record, rows=mission.rows), mission)
     # Laid out once, the account's legend in it: a layout per frame would take longer than frames.
     stage.figure.draw_without_rendering()
     stage.figure.set_layout_engine("none")
     cursor = stage.account.axvline(0.0, color="#222222", linewidth=0.8, gid="cursor")
-    board = board_of(stage.above)
-    pairs = list(zip(scenario.vehicles, flown(record, mission), strict=True))
-    board.avoid(*(mean_path(vehicle, path)[::2, :2] for vehicle, path in pairs))
-    is_flat = scenario.dimension == 2
-    draw_surroundings(stage.above, scenario, board, stage.colors, moving=not is_flat)
-    name_vehicles(scenario, board, stage.colors)
-    # What moves beside vehicles; in space it is drawn where it is seen from above.
-    bare = replace(plan, trajectories=())
-    moving = draw_actors(stage.above, bare, stage.colors, 1) if is_flat else []
-    known = followed(record, mission)
-    actors = [
-        _Actor(stage.above, i, vehicle, path, known, stage.colors[vehicle.name])
-        for i, (vehicle, path) in enumerate(pairs)
-    ]
-    hits = {(t.vehicle, row.step) for row in mission.rows for t in row.contacts}
+    moving = _draw_surroundings(stage, record, trajectories)
+    actors = _actors(stage, record, mission, trajectories)
     clock = stage.above.text(
         1.0, 1.01, "", transform=stage.above.transAxes, fontsize=LABEL_SIZE, color=MUTED,
         ha="right", va="bottom", gid="clock",
@@ -101,17 +88,47 @@ def make_flight_film(record: FlightRecord) -> Film:
 
     def show(frame: int) -> list[Artist]:
         time = frame / FRAMES_PER_STEP
-        for one in moving:
+        for one in (*moving, *actors):
             one.show(frame, time)
-        for actor in actors:
-            actor.show(frame, {step for name, step in hits if name == actor.name})
-        cursor.set_xdata([time * scenario.dt, time * scenario.dt])
-        clock.set_text(f"t = {time * scenario.dt:.1f} s")
+        cursor.set_xdata([time * dt, time * dt])
+        clock.set_text(f"t = {time * dt:.1f} s")
         return []
 
     show(0)
-    steps = len(pairs[0][1].means) - 1
+    steps = len(trajectories[0].means) - 1
     return Film(stage.figure, show, steps * FRAMES_PER_STEP + 1)
+
+
+def _draw_surroundings(
+    stage: Stage, record: FlightRecord, trajectories: tuple[Trajectory, ...]
+) -> list[Actor]:
+    """Draw what is there beside vehicles; return what of it moves."""
+    plan, scenario = record.plan, record.plan.scenario
+    board = board_of(stage.above)
+    pairs = zip(scenario.vehicles, trajectories, strict=True)
+    board.avoid(*(mean_path(vehicle, path)[::2, :2] for vehicle, path in pairs))
+    # In space a moving obstacle is drawn at all steps, as seen from above.
+    is_flat = scenario.dimension == 2
+    draw_surroundings(stage.above, scenario, board, stage.colors, moving=not is_flat)
+    name_vehicles(scenario, board, stage.colors)
+    bare = replace(plan, trajectories=())
+    return draw_actors(stage.above, bare, stage.colors, 1) if is_flat else []
+
+
+def _actors(
+    stage: Stage,
+    record: FlightRecord,
+    mission: FlownMission,
+    trajectories: tuple[Trajectory, ...],
+) -> list[_Actor]:
+    """Draw the vehicles."""
+    known = followed(record, mission)
+    made = []
+    for i, vehicle in enumerate(record.plan.scenario.vehicles):
+        hits = [row.step for row in mission.rows for t in row.contacts if t.vehicle == vehicle.name]
+        color = stage.colors[vehicle.name]
+        made.append(_Actor(stage.above, i, vehicle, trajectories[i], known, color, hits))
+    return made
 
 
 class _Actor:
@@ -125,8 +142,9 @@ class _Actor:
         path: Trajectory,
         known: tuple[Followed, ...],
         color: Color,
+        hits: list[int],
     ) -> None:
-        self.name, self._color = vehicle.name, color
+        self._color, self._first_hit = color, min(hits, default=None)
         self._places = _places(vehicle, path)
         coming = [ahead(vehicle, number, one) for one in known]
         self._discs = [
@@ -150,11 +168,11 @@ class _Actor:
         )  # fmt: skip
         ax.add_patch(self._hull)
 
-    def show(self, frame: int, hits: set[int]) -> None:
+    def show(self, frame: int, time: float) -> None:
         """Show it at a frame; red from the step on at which it hit something."""
         place, step = self._places[frame], frame // FRAMES_PER_STEP
         self._hull.center = (float(place[0]), float(place[1]))
-        if any(hit <= step for hit in hits):
+        if self._first_hit is not None and self._first_hit <= time:
             self._hull.set_edgecolor(ALERT)
             self._hull.set_linewidth(1.4)
         else:
