@@ -7,6 +7,7 @@ import pytest
 from boats import asked, sea
 
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.flying.backends import backend_named
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.simulators import boat
@@ -175,3 +176,11 @@ def test_options_out_of_range_are_refused(
     with pytest.raises(kind) as caught:
         Boat(sea(), **options)  # type: ignore[arg-type] # of any kind
     assert line in str(caught.value)
+
+
+def test_a_boat_is_found_by_its_name_with_options_as_typed() -> None:
+    made = backend_named("boat").make(sea(), rng=1, force="5", current="0.2,0")
+    with pytest.raises(ArgumentError, match=r"takes no option 'sail'"):
+        backend_named("boat").make(sea(), rng=1, sail="up")
+    states, _ = made.reset()
+    assert np.array_equal(states, Boat(sea(), rng=1, force=5.0, current=(0.2, 0.0)).reset()[0])

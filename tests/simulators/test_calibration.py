@@ -10,6 +10,7 @@ from boats import sea
 
 from radmpc.errors import ArgumentError
 from radmpc.flying.model import Backend, Model
+from radmpc.identification.intervals import Interval
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -110,8 +111,9 @@ def test_white_noise_for_colored_leads_to_deviations_at_least_as_large() -> None
     rows = rng.normal(size=(4000, 4)) * [0.2, 0.2, 0.1, 0.1]
     system = double_integrator(2.0, 2)
     for color in (0.0, 0.4, 0.8):
-        one: Any = SimpleNamespace(noise=[("east", 0, rows)], color=color, has_drift=False)
-        white = white_covariance(one)
+        none = Interval(*np.zeros((3, 4)))
+        one: Any = SimpleNamespace(noise=[("east", 0, rows)], color=color, drift=none)
+        white = white_covariance(one, None)
         vehicle = sea().vehicles[0]
         colored, plain = (
             Vehicle(

@@ -99,8 +99,12 @@ def calibrate(
             zip(plan.scenario.vehicles, orders, plan.trajectories, strict=True)
         )
     ]
+    # A mean that only some have belongs to their maneuvers, and another plan has others.
+    drift = found.pooled.drift.value if found.pooled.has_drift else None
     covers = tuple(
-        covering(one, [s for s in strays if not found.differ or s.vehicle.name in one.vehicles])
+        covering(
+            one, [s for s in strays if not found.differ or s.vehicle.name in one.vehicles], drift
+        )
         for one in found.groups
     )
     changed = _with_covers(plan.scenario, covers, orders, found, day)

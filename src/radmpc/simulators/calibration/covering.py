@@ -82,22 +82,24 @@ class Strays:
     deviations: Tensor
 
 
-def white_covariance(one: Estimate) -> Matrix:
+def white_covariance(one: Estimate, drift: Vector | None) -> Matrix:
     """Return the covariance of white noise that leads to deviations at least as large, (n, n).
 
     Parameters
     ----------
     one : Estimate
         From commands; what looks like noise of measurement is a lag, for states are exact.
+    drift : (n,) array or None
+        What is planned with; the rest of its mean counts as noise.
     """
-    rows = np.concatenate([piece for _, _, piece in one.noise])
-    residual = rows - rows.mean(axis=0) if one.has_drift else rows
-    second = residual.T @ residual / max(len(rows) - 1, 1)
+    rest = one.drift.value if drift is None else one.drift.value - drift
+    rows = np.concatenate([piece for _, _, piece in one.noise]) + rest
+    second = rows.T @ rows / max(len(rows) - 1, 1)
     color = max(one.color, 0.0)
     return nearest_covariance(second) * (1.0 + color) / (1.0 - color)
 
 
-def covering(one: Estimate, strays: Sequence[Strays]) -> Cover:
+def covering(one: Estimate, strays: Sequence[Strays], drift: Vector | None) -> Cover:
     """Return noise that explains what was flown.
 
     Parameters
@@ -106,9 +108,10 @@ def covering(one: Estimate, strays: Sequence[Strays]) -> Cover:
         Of a group of vehicles.
     strays : sequence of Strays
         Of all of the group.
+    drift : (n,) array or None
+        What is planned with, positions before velocities; None is nothing.
     """
-    white = white_covariance(one)
-    drift = one.drift.value if one.has_drift else None
+    white = white_covariance(one, drift)
     count = white.shape[0] // 2 * sum(len(stray.deviations) for stray in strays)
     ratio = max(1.0, deviation_ratio(strays, white, drift)) * count / float(chdtri(count, _SURE))
     return Cover(
