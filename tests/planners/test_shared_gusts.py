@@ -9,10 +9,15 @@ import pytest
 
 import radmpc
 from radmpc.errors import ScenarioError
+from radmpc.gaussian import tail_probability
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.planners.certified.inter_set_risk import pair_risks_across_sets
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
+from radmpc.program.relative import relative_covariances
 
 GUST = np.vstack([0.5 * np.eye(2), np.eye(2)])
 
@@ -98,3 +103,36 @@ def test_a_fleet_in_one_gust_is_planned_in_sets():
     result = radmpc.plan(fleet, "certified", rng=0)
     assert result.is_certified
     assert len(result.require().sets) == 2
+
+
+def test_what_is_laid_out_for_the_fleet_is_what_programs_say_of_pairs():
+    scenario = passing(("wind", GUST), ("wind", -GUST))
+    calm = replace(scenario.vehicles[0], name="calm", shared=())
+    scenario = replace(scenario, vehicles=(*scenario.vehicles, calm))
+    models = condensed_models(scenario)
+    hazards = Hazards.of(scenario, models)
+    steps = np.arange(7)
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        first, second = np.full(7, i), np.full(7, j)
+        expected = relative_covariances(models[i], models[j])
+        assert hazards.joint(steps, first, second) == pytest.approx(expected, rel=1e-12)
+        # What counts as near is near whatever the correlation.
+        widest = np.linalg.eigvalsh(expected[1:])[:, -1]
+        assert np.all(hazards.variances[i] + hazards.variances[j] >= widest)
+
+
+def test_the_risk_between_sets_is_that_of_relative_positions():
+    scenario = passing(("wind", GUST), ("wind", -GUST), avoidance="steps")
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    means = np.zeros((2, 7, 2))
+    means[1, :, 0] = 1.3
+    owners = np.array([0, 1])
+    arguments = (scenario, means, hazards.covariances, owners, None)
+    independent = pair_risks_across_sets(*arguments)
+    opposite = pair_risks_across_sets(*arguments, hazards.common)
+    assert hazards.common is not None
+    alike = pair_risks_across_sets(*arguments, np.abs(hazards.common))
+    covariances = relative_covariances(*hazards.models)[1:]
+    expected = tail_probability(0.5 / np.sqrt(covariances[:, 0, 0])).sum()
+    assert opposite[0, 1] == pytest.approx(expected, rel=1e-9)
+    assert alike[0, 1] < independent[0, 1] < opposite[0, 1]

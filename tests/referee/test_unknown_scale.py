@@ -156,15 +156,23 @@ def test_the_factor_of_a_mission_is_that_of_all_its_vehicles_at_all_steps():
     assert np.corrcoef(np.log(factors))[0, -1] > 0.9
 
 
-def test_plans_pay_for_what_is_not_known_of_the_noise():
+@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+@pytest.mark.parametrize("planner", ["ira", "certified"])
+def test_plans_pay_for_what_is_not_known_of_the_noise_and_keep_to_the_bound(avoidance, planner):
     vehicle = craft("a", DI, [0, 0])
     goal = Goal([-1.0, 3.0], [1.0, 4.0], None)
     vehicle = replace(vehicle, goal=goal, control_limit=[1.0, 1.0])
-    scenario = still(vehicle, obstacles=(wall(0.5),), horizon=4).scenario
-    costs = [
-        radmpc.plan(replace(scenario, covariance_samples=samples), "ira", rng=0).require().cost
-        for samples in (None, 50, 10)
-    ]
+    room = Workspace([-9.0, -0.7], [9.0, 9.0])
+    more = {"obstacles": (wall(0.6),), "workspace": room, "avoidance": avoidance}
+    scenario = still(vehicle, horizon=4, **more).scenario
+    costs = []
+    for samples in (None, 50, 10):
+        unsure_of = replace(scenario, covariance_samples=samples)
+        result = radmpc.plan(unsure_of, planner, rng=0, time_limit=20.0)
+        assert result.is_certified
+        costs.append(result.require().cost)
+        bound = result.require().certified_lower_bound
+        assert bound is None or bound <= costs[-1]
     assert costs[0] < costs[1] < costs[2]
 
 

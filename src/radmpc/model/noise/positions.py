@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -74,6 +75,8 @@ def side_by_side(
 ) -> list[Tensor | None]:
     """Return responses with equal columns for equal sources, zeros for those of others.
 
+    What one alone answers correlates nobody, and is left out.
+
     Parameters
     ----------
     columns : sequence of (mapping of str to slice, or None)
@@ -81,9 +84,12 @@ def side_by_side(
     responses : sequence of ((..., E) array or None)
         As many; None answers nothing.
     """
+    holders = Counter(name for one in columns if one is not None for name in one)
     widths: dict[str, int] = {}
     for one in columns:
-        widths |= {} if one is None else {name: c.stop - c.start for name, c in one.items()}
+        for name, place in ({} if one is None else one).items():
+            if holders[name] > 1:
+                widths[name] = place.stop - place.start
     found: list[Tensor | None] = []
     for one, response in zip(columns, responses, strict=True):
         if one is None or response is None:
@@ -91,7 +97,7 @@ def side_by_side(
             continue
         none = {name: np.zeros((*response.shape[:-1], width)) for name, width in widths.items()}
         parts = [response[..., one[name]] if name in one else none[name] for name in widths]
-        found.append(np.concatenate(parts, axis=-1))
+        found.append(np.concatenate([response[..., :0], *parts], axis=-1))
     return found
 
 

@@ -121,11 +121,13 @@ def simulate(
 
     Every sample is a whole trajectory, :math:`x^+ = A x + B u + c + w` under the control
     :math:`u = \bar u + K(x - \bar x)`, cut off at the control limit as an autopilot does, with its
-    correlation in time; a vehicle with a measurement acts on its estimate of x. It is tested with
-    exact geometry: discs or balls of the vehicles' radii against each other and against the
-    obstacles as they are. Under ``steps`` at k = 0..T; under ``intervals`` along the path: a double
-    integrator flies the parabola of the control it holds over the step, feedback included,
-    everything else the straight segment, and the disturbance enters in proportion to time.
+    correlation in time; a vehicle with a measurement acts on its estimate of x. What vehicles share
+    is drawn once for all of them, and so is, per sample, the factor up to which covariances are
+    known, if they are no better known than that. Samples are tested with exact geometry: discs or
+    balls of the vehicles' radii against each other and against the obstacles as they are. Under
+    ``steps`` at k = 0..T; under ``intervals`` along the path: a double integrator flies the
+    parabola of the control it holds over the step, feedback included, everything else the straight
+    segment, and the disturbance enters in proportion to time.
 
     Parameters
     ----------
