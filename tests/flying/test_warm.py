@@ -10,9 +10,10 @@ from adversary import beside_a_wall, staking, waiting
 
 import radmpc
 from radmpc.experiments.families import circle, paper
-from radmpc.flying.leg import left_of, leg_of
+from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.remainder import left_of
 from radmpc.flying.warm.ahead import Ahead
 from radmpc.flying.warm.goals import least_slacks, widened
 from radmpc.flying.warm.kept_lp import KeptLp
