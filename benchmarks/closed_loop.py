@@ -197,6 +197,7 @@ def main() -> None:
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--rules", nargs="+", choices=RULES, default=list(RULES))
     parser.add_argument("--planner", choices=("certified", "warm"), default="certified")
+    parser.add_argument("--seconds", type=float, default=600.0, help="per scene, at most")
     options = parser.parse_args()
     console = Console()
     for name in options.scenes:
@@ -206,10 +207,17 @@ def main() -> None:
             continue
         bound, certified = result.record.scenario.risk_bound, result.certificate.certified
         outcomes: dict[str, list[Outcome]] = {rule: [] for rule in options.rules}
+        end = time.monotonic() + options.seconds
         for seed in range(options.missions):
+            if time.monotonic() > end:
+                break
             for rule in options.rules:
                 outcomes[rule].append(flown(result, rule, seed, options.planner))
-        title = f"{name}: Δ = {bound:g}, certificate {certified:.4f}, effort {result.cost:.2f}"
+        flights = len(outcomes[options.rules[0]])
+        title = (
+            f"{name}: {flights} missions, Δ = {bound:g}, certificate {certified:.4f}, "
+            f"effort {result.cost:.2f}"
+        )
         table = Table(title=title)
         for heading in ("rule", "collide", "effort", "miss [m]", "adopted", "starved", "ms / tick"):
             table.add_column(heading)

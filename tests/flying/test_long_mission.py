@@ -182,6 +182,21 @@ def test_a_guide_leads_around_what_is_in_the_way() -> None:
     assert guide(20)[0] is vehicle.goal
 
 
+@pytest.mark.slow
+def test_a_long_mission_passes_what_is_in_its_way() -> None:
+    scenario = far(12)
+    (vehicle,) = scenario.vehicles
+    middle = 0.5 * (vehicle.start[:2] + vehicle.goal.center)
+    block = Obstacle.box("block", middle - 1.0, middle + 1.0)
+    scenario = replace(scenario, obstacles=(block,))
+    mission = LongMission(scenario, window=6, overlap=3)
+    flight = fly(mission, Model(scenario, 4))
+    assert not mission.is_stranded
+    assert not flight.contacts
+    assert sum(e.what in {"opened", "window"} for e in flight.account) >= 3
+    assert all(e.wealth >= 0.0 for e in flight.account)
+
+
 def test_windows_must_be_windows() -> None:
     scenario = far()
     with pytest.raises(ArgumentError, match="overlap must be below the window of 8, got 8"):

@@ -10,13 +10,15 @@ from adversary import beside_a_wall, staking, waiting
 
 import radmpc
 from radmpc.experiments.families import circle, paper
-from radmpc.flying.leg import left_of, leg_of
+from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.remainder import left_of
 from radmpc.flying.warm.ahead import Ahead
 from radmpc.flying.warm.goals import least_slacks, widened
 from radmpc.flying.warm.kept_lp import KeptLp
 from radmpc.flying.warm.search import Try, WarmSearch
+from radmpc.model.dynamics import lqr_gain
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.turned.group_lp import GroupLp
@@ -51,8 +53,17 @@ def built_anew(left: Scenario) -> Hazards:
 
 
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
-def test_a_program_that_is_kept_is_the_one_that_is_built_anew(avoidance: str, plan: Plan) -> None:
+@pytest.mark.parametrize("has_feedback", [False, True])
+def test_a_program_that_is_kept_is_the_one_that_is_built_anew(
+    avoidance: str, has_feedback: bool, plan: Plan
+) -> None:
     scenario = replace(plan.scenario, avoidance=avoidance)
+    if has_feedback:
+        system = scenario.vehicles[0].system
+        gain = lqr_gain(system, np.eye(4), 2.0 * np.eye(2))
+        drift = np.array([0.02, 0.0, 0.0, 0.0])
+        changed = (replace(v, gain=gain, drift=drift) for v in scenario.vehicles)
+        scenario = replace(scenario, vehicles=tuple(changed))
     everyone = tuple(range(4))
     ahead = Ahead.of(scenario)
     kept = KeptLp(ahead.whole, everyone)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from radmpc.arrays import Vector
 from radmpc.flying.candidates import Candidate, Order, Planning, failed, judged
+from radmpc.flying.warm.goals import widened
+from radmpc.model.scenario import Scenario
 
 if TYPE_CHECKING:
     from radmpc.model.plan import Plan
-    from radmpc.model.scenario import Scenario
     from radmpc.result import Result
 
 __all__ = ["Background"]
@@ -34,25 +35,27 @@ class Background:
     def __init__(self, planning: Planning, executor: Executor) -> None:
         self._planning = planning
         self._executor = executor
-        self._order: Order | None = None
-        self._future: Future[Result | Plan | None] | None = None
+        self._asked: tuple[Scenario, int] | None = None
+        self._future: Future[tuple[Result | Plan | None, Scenario]] | None = None
         self._refusal: Exception | None = None
 
-    def begin(self, order: Order, seconds: float | None) -> None:
+    def begin(self, left: Scenario, step: int, seconds: float | None) -> None:
         """Give out an order, unless the last one is still being worked on.
 
         Parameters
         ----------
-        order : Order
-            From expected states, at a step to come.
+        left : Scenario
+            The steps that are left by then, from expected states.
+        step : int
+            Of the mission, to come.
         seconds : float or None
             What planning may take [s].
         """
         if self._future is not None:
             return
-        self._order, self._refusal = order, None
+        self._asked, self._refusal = (left, step), None
         try:
-            self._future = self._executor.submit(_planned, self._planning, order.asked, seconds)
+            self._future = self._executor.submit(_planned, self._planning, left, seconds)
         except Exception as error:
             self._refusal = error
 
@@ -77,28 +80,31 @@ class Background:
         states : sequence of (n,) array
             Measured there.
         """
-        order, refusal = self._order, self._refusal
-        if order is None:
+        asked, refusal = self._asked, self._refusal
+        if asked is None:
             return None
         if refusal is not None:
-            self._order = self._refusal = None
+            self._asked = self._refusal = None
             return failed(refusal)
         if self._future is None or not self._future.done():
             return Candidate(None, None, "the plan made in the background is late")
-        future, self._future, self._order = self._future, None, None
+        future, self._future, self._asked = self._future, None, None
         try:
-            answer = future.result()
+            answer, wide = future.result()
         except (Exception, CancelledError) as error:
             return failed(error)
-        return judged(answer, order, step, states)
+        return judged(answer, Order(asked[0], wide, asked[1]), step, states)
 
     def close(self) -> None:
         """Give up the order; one that has begun runs to its end, unheard."""
         if self._future is not None:
             self._future.cancel()
-        self._order = self._future = self._refusal = None
+        self._asked = self._future = self._refusal = None
 
 
-def _planned(planning: Planning, scenario: Scenario, seconds: float | None) -> Result | Plan | None:
-    """Plan, in whatever process."""
-    return planning(scenario, seconds)
+def _planned(
+    planning: Planning, left: Scenario, seconds: float | None
+) -> tuple[Result | Plan | None, Scenario]:
+    """Plan, in whatever process; return the scenario with the goals that were asked for, too."""
+    wide = widened(left)
+    return planning(wide, seconds), wide

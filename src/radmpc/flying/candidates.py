@@ -62,7 +62,7 @@ class Order:
     Attributes
     ----------
     left : Scenario
-        The steps that are left, under the bound that is granted.
+        The steps that are left, under the bound that is allowed.
     asked : Scenario
         The same, with goals as wide as limits make them.
     began : int

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from radmpc.arrays import Vector
@@ -12,6 +12,7 @@ from radmpc.flying.candidates import Candidate
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.measuring import check_number
 from radmpc.flying.sources import Moment, Sources, Timer
+from radmpc.flying.tick import Segment, Tick
 from radmpc.model.plan import Plan
 
 __all__ = [
@@ -96,6 +97,40 @@ class Decision:
     price: float | None
     next_step: float | None
 
+    def tick(
+        self,
+        step: int,
+        flown: tuple[Segment, ...],
+        wealth: float,
+        told: tuple[Sequence[str], float],
+    ) -> Tick:
+        """Return it as it is told.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        flown : tuple of Segment
+            What vehicles do by it.
+        wealth : float
+            What there was [-].
+        told : tuple of sequence of str and float
+            Alarms, and the seconds it took.
+        """
+        alarms, seconds = told
+        return Tick(
+            step,
+            flown,
+            "tail" if self.leg is None else "candidate",
+            self.reason,
+            self.value,
+            wealth,
+            self.price,
+            self.next_step,
+            tuple(alarms),
+            seconds,
+        )
+
 
 UNKNOWN = Decision(None, "nothing was measured", None, None, None)
 """The decision where nothing was measured."""
@@ -160,13 +195,13 @@ def plan_ahead(rule: Rule, later: Later, next_step: float, *, is_timed: bool) ->
     left = scenario.horizon - (later.step - later.leg.began)
     if left < 1:
         return
-    grant = _granted(rule, later.account.after(next_step), left)
+    grant = _grant(rule, later.account.after(next_step), left)
     if grant >= _LEAST_GRANT:
         seconds = _WORKER_SHARE * scenario.dt if is_timed else None
         rule.sources.begin(later.leg, later.step, later.expected, grant, seconds)
 
 
-def _granted(rule: Rule, account: Account, left: int) -> float:
+def _grant(rule: Rule, account: Account, left: int) -> float:
     """Return what a candidate may risk with so many steps left [-]."""
     return account.grant(1.0 if left <= _LAST_TICKS else rule.share)
 
@@ -209,7 +244,7 @@ def _offered(rule: Rule, moment: Moment, timer: Timer) -> Iterator[Candidate]:
     if left == 0 or sources.is_idle:
         yield Candidate(None, None, "the plan is kept" if left else "the mission is at its end")
         return
-    grant = _granted(rule, moment.account, left)
+    grant = _grant(rule, moment.account, left)
     if grant < _LEAST_GRANT:
         reason = f"a candidate might risk {grant:.3g}, too little to plan with"
         yield Candidate(None, None, reason)

@@ -87,7 +87,17 @@ class Flyable(Protocol):
         deadline: float | None = None,
         contacts: Sequence[Contact] = (),
     ) -> Tick:
-        """Decide what to do until the next step."""
+        """Decide what to do until the next step; see `Mission.step`.
+
+        Parameters
+        ----------
+        states : sequence of (n,) array or None
+            What is measured.
+        deadline : float or None
+            Seconds from now.
+        contacts : sequence of Contact
+            What was hit since the last step.
+        """
         ...
 
 

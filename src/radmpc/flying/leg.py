@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector, as_matrix, frozen
-from radmpc.errors import ScenarioError
+from radmpc.arrays import Matrix, Vector, as_matrix
 from radmpc.model.dynamics import rollout
-from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
@@ -20,9 +16,7 @@ from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 
-__all__ = ["Leg", "Outlook", "changed", "later", "left_of", "leg_of", "miss_of"]
-
-Record = TypeVar("Record")
+__all__ = ["Leg", "Outlook", "leg_of", "miss_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,92 +211,6 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
         trajectories=tuple(trajectories),
     )
     return Leg(began, witnesses_of(replace(plan, cost=cost_of(plan))))
-
-
-def left_of(
-    scenario: Scenario, passed: int, states: Sequence[Vector], risk_bound: float
-) -> Scenario:
-    """Return the scenario of the steps that are left, from measured states.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Of all steps.
-    passed : int
-        Steps that have been flown, below its horizon.
-    states : sequence of (n,) array
-        Measured states, known without error.
-    risk_bound : float
-        What the rest may risk [-].
-
-    Returns
-    -------
-    Scenario
-        With the same goals, and moving obstacles where they are by then.
-
-    Raises
-    ------
-    ScenarioError
-        If vehicles have visits or windows of arrival: what a flight has done, states do not tell.
-    """
-    if scenario.has_windows:
-        raise ScenarioError(
-            "a mission with visits or windows of arrival is not planned anew under way",
-            ("vehicles",),
-        )
-    vehicles = tuple(
-        changed(v, start=state, initial_covariance=0.0 * v.initial_covariance)
-        for v, state in zip(scenario.vehicles, states, strict=True)
-    )
-    return changed(
-        scenario,
-        horizon=scenario.horizon - passed,
-        risk_bound=risk_bound,
-        vehicles=vehicles,
-        obstacles=tuple(later(o, passed) for o in scenario.obstacles),
-    )
-
-
-def changed(value: Record, **fields: object) -> Record:
-    """Return a copy of a frozen value with other fields, unchecked.
-
-    What is measured was checked, and checking all of a scenario takes longer than a linear program.
-
-    Parameters
-    ----------
-    value : frozen record
-        A scenario or a part of one.
-    **fields
-        What differs, of the right kind; arrays are frozen.
-    """
-    made = copy.copy(value)
-    for name, entry in fields.items():
-        if isinstance(entry, np.ndarray):
-            frozen(entry)
-        object.__setattr__(made, name, entry)
-    return made
-
-
-def later(obstacle: Obstacle, passed: int) -> Obstacle:
-    """Return an obstacle as it is some steps later.
-
-    Parameters
-    ----------
-    obstacle : Obstacle
-        At rest, or with an outline per step.
-    passed : int
-        The steps.
-    """
-    if isinstance(obstacle.shape, TrackShape) and obstacle.dt is not None:
-        track = obstacle.shape.later(passed, obstacle.dt)
-        # The outlines stay those of the plan that is flown, to the last digit.
-        left = len(obstacle.steps) - 1 - passed
-        spread = None if obstacle.spread is None else obstacle.spread.since(passed, left)
-        return replace(obstacle, shape=track, steps=obstacle.steps[passed:], spread=spread)
-    if not isinstance(obstacle.shape, MovingShape):
-        return obstacle
-    shape = MovingShape(obstacle.shape.outlines[passed:])
-    return replace(obstacle, shape=shape, steps=obstacle.steps[passed:])
 
 
 def miss_of(vehicle: Vehicle, state: Vector, dt: float) -> float:

@@ -195,28 +195,7 @@ class Mission:
             alarms = self._watcher.look(self._expected, given, self._step) if is_certain else []
             end = float("inf") if deadline is None else begun + deadline
             decision = self._decided(given, alarms, Timer(self._clock, end))
-        wealth = self._account.wealth
-        if decision.leg is None or decision.price is None:
-            self._enter("kept", None)
-        else:
-            self._account, self._leg = self._account.adopted(decision.price), decision.leg
-            self._enter("adopted", decision.price)
-        found = commanded(self._leg, self._step, known, alarms)
-        tick = Tick(
-            self._step,
-            found.segments,
-            "tail" if decision.leg is None else "candidate",
-            decision.reason,
-            decision.value,
-            wealth,
-            decision.price,
-            decision.next_step,
-            tuple(alarms),
-            self._clock() - begun,
-        )
-        self._ticks.append(tick)
-        self._expected = found.expected
-        self._step += 1
+        tick = self._flown(known, decision, alarms, begun)
         if decision.next_step is not None and not self.has_failed:
             later = Later(self._step, self._leg, self._expected, self._account)
             plan_ahead(self._rule, later, decision.next_step, is_timed=deadline is not None)
@@ -291,6 +270,24 @@ class Mission:
             return Decision(None, "something was hit", value.total, None, value.next_step)
         moment = Moment(self._step, states, self._leg, value, self._account)
         return decided(self._rule, moment, timer)
+
+    def _flown(
+        self, states: tuple[Vector, ...], decision: Decision, alarms: list[str], begun: float
+    ) -> Tick:
+        """Book a decision, and return what vehicles do by it."""
+        wealth = self._account.wealth
+        if decision.leg is None or decision.price is None:
+            self._enter("kept", None)
+        else:
+            self._account, self._leg = self._account.adopted(decision.price), decision.leg
+            self._enter("adopted", decision.price)
+        found = commanded(self._leg, self._step, states, alarms)
+        seconds = self._clock() - begun
+        tick = decision.tick(self._step, found.segments, wealth, (alarms, seconds))
+        self._ticks.append(tick)
+        self._expected = found.expected
+        self._step += 1
+        return tick
 
     def _enter(self, what: str, price: float | None) -> None:
         """Write a row of the account."""

@@ -11,7 +11,8 @@ from radmpc.errors import RadmpcError
 from radmpc.flying.account import Account
 from radmpc.flying.background import Background
 from radmpc.flying.candidates import Candidate, Order, Planning, answered, failed, leg_judged
-from radmpc.flying.leg import Leg, left_of
+from radmpc.flying.leg import Leg
+from radmpc.flying.remainder import left_of
 from radmpc.flying.warm.goals import widened
 from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.scenario import Scenario
@@ -211,7 +212,7 @@ class Sources:
         """
         if self.background is not None:
             left = left_of(leg.plan.scenario, step - leg.began, expected, grant)
-            self.background.begin(Order(left, widened(left), step), seconds)
+            self.background.begin(left, step, seconds)
 
 
 def _on_the_spot(planning: Planning, moment: Moment, grant: float, timer: Timer) -> Candidate:

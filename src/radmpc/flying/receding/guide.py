@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import NoPlanError
-from radmpc.flying.leg import changed, later
+from radmpc.flying.remainder import changed, later
 from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import MovingShape
@@ -28,6 +28,9 @@ second."""
 
 _CLEARANCE = 2.0
 """Standard deviations by which vehicles are grown in the coarse plan [-], which has no noise."""
+
+_SECONDS = 20.0
+"""What one coarse plan may take [s]."""
 
 _EASE = 1.05
 """What a window may be faster than the guide at its end [-]: paths deviate from it."""
@@ -53,20 +56,7 @@ def coarse_guide(scenario: Scenario, window: int) -> Guide:
     NoPlanError
         If there is no coarse plan.
     """
-    stride = -(-scenario.horizon // _COARSE)
-    while scenario.horizon % stride:
-        stride += 1
-    coarse = _coarsened(scenario, stride, min(window, scenario.horizon))
-    found = plan(coarse, rng=0).plan
-    if found is None:
-        raise NoPlanError(
-            f"no guide for the mission of {scenario.horizon} steps was found in steps of "
-            f"{stride * scenario.dt:g} s; give one"
-        )
-    paths = [
-        rollout(v.system, v.start, np.repeat(path.controls, stride, axis=0), v.drift)
-        for v, path in zip(scenario.vehicles, found.trajectories, strict=True)
-    ]
+    paths = _coarse_paths(scenario, min(window, scenario.horizon))
 
     def goals(step: int) -> list[Goal]:
         if step >= scenario.horizon:
@@ -75,6 +65,23 @@ def coarse_guide(scenario: Scenario, window: int) -> Guide:
         return [_goal_at(vehicle, path[step]) for vehicle, path in pairs]
 
     return goals
+
+
+def _coarse_paths(scenario: Scenario, window: int) -> list[Matrix]:
+    """Return the states at all steps of a plan in as coarse steps as there is one."""
+    most = -(-scenario.horizon // _COARSE)
+    strides = [s for s in range(1, 2 * most) if scenario.horizon % s == 0]
+    for stride in reversed(strides):
+        found = plan(_coarsened(scenario, stride, window), rng=0, time_limit=_SECONDS).plan
+        if found is not None:
+            return [
+                rollout(v.system, v.start, np.repeat(path.controls, stride, axis=0), v.drift)
+                for v, path in zip(scenario.vehicles, found.trajectories, strict=True)
+            ]
+    raise NoPlanError(
+        f"no guide for the mission of {scenario.horizon} steps was found in steps of "
+        f"{most * scenario.dt:g} s or less; give one"
+    )
 
 
 def window_of(
@@ -145,7 +152,7 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
         horizon=scenario.horizon // stride,
         vehicles=tuple(vehicles),
         obstacles=tuple(obstacles),
-        avoidance="intervals",
+        avoidance="intervals" if stride > 1 else scenario.avoidance,
     )
 
 

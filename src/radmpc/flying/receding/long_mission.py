@@ -10,11 +10,11 @@ from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, NoPlanError
 from radmpc.flying.candidates import Order, Planning, answered, planning_with
-from radmpc.flying.leg import changed
 from radmpc.flying.measuring import check_memory, measured
 from radmpc.flying.mission import Mission
 from radmpc.flying.receding.guide import Guide, coarse_guide, window_of
 from radmpc.flying.receding.reserve import Reserve
+from radmpc.flying.remainder import changed
 from radmpc.flying.tick import Contact, Entry, Tick
 from radmpc.flying.warm.goals import widened
 from radmpc.model.given import check_scenario
@@ -124,7 +124,13 @@ class LongMission:
         return self._mission.is_over
 
     def wait(self, seconds: float | None = None) -> None:
-        """Wait for the background; see `Mission.wait`."""
+        """Wait for the background; see `Mission.wait`.
+
+        Parameters
+        ----------
+        seconds : float or None
+            At most; None is as long as it takes.
+        """
         self._mission.wait(seconds)
 
     def close(self) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from radmpc.arrays import Vector
-from radmpc.flying.leg import changed
+from radmpc.flying.remainder import changed
 from radmpc.model.goal import Goal
 from radmpc.model.scenario import Scenario
 from radmpc.program.build import condensed_models, prediction_matrices

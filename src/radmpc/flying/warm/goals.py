@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.flying.leg import changed
+from radmpc.flying.remainder import changed
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.build import condensed_models

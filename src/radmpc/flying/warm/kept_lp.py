@@ -93,7 +93,17 @@ class KeptLp(GroupLp):
             self._lp.change_rows(self._row_starts[slot], *_bounds(model, passed))
 
     def solve(self, spaces: HalfSpaces, paths: Paths, margins: Margins) -> GroupPlan | None:
-        """As in `GroupLp`; takes note of whether there was anything."""
+        """Solve as `GroupLp` does; take note of whether there was anything.
+
+        Parameters
+        ----------
+        spaces : HalfSpaces
+            Turned to the latest paths of this group.
+        paths : Paths
+            Those paths, and everyone else's.
+        margins : Margins
+            What the half-spaces ask for.
+        """
         plan = super().solve(spaces, paths, margins)
         self.has_failed = plan is None
         return plan

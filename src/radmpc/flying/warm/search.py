@@ -32,7 +32,7 @@ class Try:
     Attributes
     ----------
     left : Scenario
-        The steps that are left, from measured states, under the bound that is granted.
+        The steps that are left, from measured states, under the bound that is allowed.
     controls : tuple of (T, m) array
         What flies already, of which each hazard keeps its side.
     is_safest : bool
@@ -89,13 +89,27 @@ class WarmSearch:
         return None if found is None else (found, left)
 
     def learn(self, certified: float) -> None:
-        """Take note of what the referee found of the last controls returned [-]."""
+        """Take note of what became of the last controls returned.
+
+        Parameters
+        ----------
+        certified : float
+            What the referee found of them [-].
+        """
         if self._risk > 0.0 and certified > 0.0:
             low, high = TUNING.ratios
             self._ratio = float(np.clip(certified / self._risk, low, high))
 
     def dearer(self, certified: float, grant: float) -> None:
-        """Raise the price after controls that cost more than was granted [-]."""
+        """Raise the price after controls that risk too much.
+
+        Parameters
+        ----------
+        certified : float
+            What the referee found of them [-].
+        grant : float
+            What they might have risked [-].
+        """
         if self.price is not None and certified > grant:
             self.price *= (certified / grant) ** TUNING.damping
 
@@ -126,7 +140,7 @@ class WarmSearch:
         return all(self._turn(successive, asked, price) for _ in range(TUNING.safest_rounds))
 
     def _cheaper(self, successive: SuccessiveLp, asked: Try) -> bool:
-        """Turn half-spaces at a price that follows the risk, until that is what was granted."""
+        """Turn half-spaces at a price that follows the risk, until that is what is allowed."""
         grant = asked.left.risk_bound
         cost = max(successive.paths.cost(), TUNING.least_cost)
         price = self.price or TUNING.first_dear * cost / self._scenario.risk_bound

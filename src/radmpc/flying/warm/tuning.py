@@ -36,7 +36,7 @@ class Tuning:
     first_ratio, ratios : float, tuple of float
         Certificate per risk of the half-spaces: before any is known, least and most believed [-].
     least_cost : float
-        Effort that flying costs at least where prices are made of it.
+        Effort that flying costs at least where prices are made of it [-].
     """
 
     rounds: int = 3
