@@ -10,9 +10,8 @@ from radmpc.io.native.mapping import from_dict, to_dict
 from radmpc.model.survey import survey_visits
 
 FIELD = [[0.0, 0.0], [12.0, 0.0], [14.0, 6.0], [3.0, 9.0]]
-BAY = [
-    [0.0, 0.0], [10.0, 0.0], [10.0, 8.0], [7.0, 8.0], [7.0, 3.0], [3.0, 3.0], [3.0, 8.0], [0.0, 8.0],
-]  # fmt: skip
+BAY = [[0.0, 0.0], [10.0, 0.0], [10.0, 8.0], [7.0, 8.0], [7.0, 3.0], [3.0, 3.0], [3.0, 8.0]]
+BAY.append([0.0, 8.0])
 
 
 def lines(area, spacing: float, direction=(1.0, 0.0)) -> list[LineString]:
