@@ -16,7 +16,8 @@ from radmpc.errors import RadmpcError, RiskError
 from radmpc.flying.account import Account
 from radmpc.flying.alarms import Watcher
 from radmpc.flying.deciding import opened
-from radmpc.flying.leg import Leg, left_of, leg_of
+from radmpc.flying.leg import Leg, leg_of
+from radmpc.flying.remainder import left_of
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
 from radmpc.io.flight.record import TickRow
 from radmpc.model.plan import Plan
