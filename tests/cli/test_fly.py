@@ -14,12 +14,15 @@ from typer.testing import CliRunner
 
 from radmpc.cli import app
 from radmpc.console.commands import flying
+from radmpc.console.reports.progress import ProgressLine
 from radmpc.errors import RadmpcError
 from radmpc.flying import backends
 from radmpc.flying.backends import BackendKind
 from radmpc.flying.model import Model
 from radmpc.flying.tick import Contact
 from radmpc.io.flight.flight_file import load_flight
+from radmpc.io.flight.record import FlightRecord, FlightSettings
+from radmpc.io.native.plan_file import load_plan
 from radmpc.plotting.flight import film
 
 from .conftest import CROSSING, Run, assert_one_line
@@ -173,13 +176,22 @@ def test_ctrl_c_keeps_what_was_flown_and_the_flight_goes_on(
 
 
 def test_ctrl_c_before_any_mission_is_over_is_a_no(
-    run: Run, plan: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, plan: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     interrupted_at(monkeypatch, (0, 1))
     result = run("fly", plan, "--replan", "none", "--json")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-1] == "radmpc: interrupted: 0 of 1 missions are over"
     assert json.loads(result.stdout)["rate"] is None
+    answer = "radmpc: finishing this tick, what was flown is kept; Ctrl-C again stops at once\n"
+    assert capfd.readouterr().err == answer
+
+
+def test_progress_tells_mission_and_step(plan: Path) -> None:
+    line = ProgressLine(keeps="what was flown")
+    record = FlightRecord(load_plan(plan), FlightSettings(missions=3))
+    flying._Progress(line, record)(1, 2)
+    assert line.text() == "mission 2/3, step 2/6; 0 s; Ctrl-C keeps what was flown"
 
 
 class Wreck(Model):

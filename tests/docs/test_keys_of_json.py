@@ -92,3 +92,11 @@ def test_plan_prints_its_plan_file_without_vehicles(workbench: Path) -> None:
     shown = printed("plan", "fleet.yaml", "-o", "again.plan.json")
     written = json.loads(Path("again.plan.json").read_text(encoding="utf-8"))
     assert shown.keys() == written.keys() - {"vehicles"}
+
+
+def test_the_keys_of_a_flight_file_are_those_of_its_tables(workbench: Path) -> None:
+    printed("fly", "fleet.plan.json", "--replan", "none", "-o", "fleet.flight.jsonl")
+    lines = Path("fleet.flight.jsonl").read_text(encoding="utf-8").splitlines()
+    first, second = (set(json.loads(line)) - {"digest"} for line in lines[:2])
+    told = first_column(section(FORMATS, "## A flight: `radmpc/flight/1`"))
+    assert sorted(first) + sorted(second) == sorted(told[: len(first)]) + sorted(told[len(first) :])

@@ -144,6 +144,11 @@ def test_two_processes_do_not_write_one_file(tmp_path: Path, plan: Plan) -> None
     assert record.rows == ()
 
 
+def test_a_device_is_no_place_for_a_flight(plan: Plan) -> None:
+    with pytest.raises(FileFormatError, match="/dev/null: a flight needs a file of its own"):
+        begin_flight(plan, KEPT, "/dev/null")
+
+
 def test_what_cannot_be_flown_leaves_no_file(tmp_path: Path, plan: Plan) -> None:
     path = tmp_path / "flight.jsonl"
     with pytest.raises(radmpc.ArgumentError, match="takes no option 'wind'"):

@@ -134,7 +134,7 @@ class FlightWriter:
         Raises
         ------
         FileFormatError
-            If another process is writing it.
+            If another process is writing it, or it is no file.
         OSError
             If it cannot be written.
         """
@@ -216,6 +216,9 @@ class FlightWriter:
 
 def _locked(path: str | os.PathLike[str], flags: int) -> BinaryIO:
     """Return a file that no other process writes, open to be read and written."""
+    if Path(path).exists() and not Path(path).is_file():
+        # A pipe cannot be gone on with, and opening one may wait for ever.
+        raise FileFormatError(one_line(f"{os.fspath(path)}: a flight needs a file of its own"))
     file = os.fdopen(os.open(path, os.O_RDWR | flags, 0o666), "r+b")
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
