@@ -211,3 +211,14 @@ def test_nothing_is_planned_below_the_least_grant() -> None:
     mission.set_risk_bound(1.8e-5)
     mission.step([scenario.vehicles[0].start])
     assert [s.risk_bound for s in asked] == [pytest.approx(0.6 * 1.8e-5, rel=1e-5)]
+
+
+def test_a_search_that_breaks_costs_nothing(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
+    mission = Mission(plan, planner=None, warm=True)
+
+    def breaks(self: WarmSearch, asked: Try) -> None:
+        raise FloatingPointError("overflow")
+
+    monkeypatch.setattr(WarmSearch, "search", breaks)
+    tick = mission.step([v.start for v in plan.scenario.vehicles])
+    assert (tick.choice, tick.reason) == ("tail", "planning failed: FloatingPointError: overflow")

@@ -7,7 +7,6 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from radmpc.arrays import Vector
-from radmpc.errors import RadmpcError
 from radmpc.flying.account import Account
 from radmpc.flying.background import Background
 from radmpc.flying.candidates import Candidate, Order, Planning, answered, failed, leg_judged
@@ -238,7 +237,7 @@ def _warm(
     for _ in range(_TRIES):
         try:
             found = warm.search(Try(left, controls, moment.is_unsafe, timer.is_over))
-        except RadmpcError as error:
+        except Exception as error:
             yield failed(error)
             return
         if found is None:
