@@ -12,8 +12,8 @@ from scipy.stats import binomtest, fisher_exact, norm
 from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped
 
 from radmpc.errors import ScenarioError
-from radmpc.flying.leg import left_of
 from radmpc.flying.mission import Mission
+from radmpc.flying.remainder import left_of
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
