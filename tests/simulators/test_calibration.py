@@ -63,6 +63,27 @@ def test_feedback_is_found_again_and_a_softer_one_is_not_taken_for_it(hopeful: P
     assert all(replace(loop, planned=0.3 * loop.planned).differs for loop in found.loops)
 
 
+@pytest.mark.parametrize("is_common", [True, False])
+def test_a_drift_is_planned_with_if_vehicles_have_it_in_common(
+    hopeful: Plan, is_common: bool
+) -> None:
+    east, west = hopeful.scenario.vehicles
+    drift = np.array([0.1, 0.05, 0.0, 0.0])
+    ways = (drift, drift if is_common else -drift)
+    pair = [replace(v, drift=way) for v, way in zip((east, west), ways, strict=True)]
+
+    def drifting(scenario: Scenario, rng: np.random.Generator) -> Backend:
+        return Model(replace(scenario, vehicles=pair), rng)
+
+    found = calibrate(hopeful, drifting, missions=6, seed=3, day="2026-01-01").scenario
+    for vehicle in found.vehicles:
+        if is_common:
+            assert vehicle.drift == pytest.approx(drift, abs=0.02)
+        else:
+            assert vehicle.drift is None
+            assert vehicle.disturbance_covariance[0, 0] > 0.1**2
+
+
 @pytest.mark.nightly
 def test_certificates_hold_in_boats_whose_noise_was_identified_and_not_otherwise(
     hopeful: Plan,

@@ -183,7 +183,7 @@ def _report(
     rows: dict[str, Text | str] = {
         "flown with": request.backend,
         "as planned": _sentence(before),
-        "covering": f"variances multiplied by {ratios} for deviations, whatever color, as flown",
+        "covering": f"variances multiplied by {ratios}, for deviations as large as flown",
         "feedback": _loops_sentence(found),
         "scenario": f"written to {request.output}",
     }

@@ -78,6 +78,11 @@ def calibrate(
     told : callable or None
         Is told how many have been flown, after each.
 
+    Returns
+    -------
+    Calibration
+        The scenario, and what it is made from.
+
     Raises
     ------
     ArgumentError
