@@ -127,10 +127,9 @@ def test_what_strays_is_drawn_once_for_the_whole_fleet():
     one = simulate(still(fleet[0], obstacles=(track,)), MISSIONS, rng=1)
     four = simulate(still(*fleet, obstacles=(track,)), MISSIONS, rng=1)
     expected = norm.sf(0.7 / 0.5)
-    # Four standard errors: intervals of 95 % fail one time in twenty.
-    reach = 4.0 * np.sqrt(expected * (1.0 - expected) / MISSIONS)
-    assert one.rate == pytest.approx(expected, abs=reach)
-    assert four.rate == pytest.approx(expected, abs=reach)
+    error = np.sqrt(expected * (1.0 - expected) / MISSIONS)
+    assert one.rate == pytest.approx(expected, abs=4.0 * error)
+    assert four.rate == pytest.approx(expected, abs=4.0 * error)
 
 
 def test_obstacles_that_nobody_comes_near_are_charged_unseen():
