@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from functools import partial
 
 import numpy as np
 
@@ -58,6 +59,12 @@ def scenario(seed: int) -> radmpc.Scenario:
     return radmpc.Scenario(f"waypoints {seed}", 1.0, HORIZON, 0.01, fleet, obstacles)
 
 
+def note(told: list[tuple[float, float]], begun: float, cost: float, bound: float | None) -> None:
+    """Note when a better plan was found, and its cost."""
+    del bound
+    told.append((time.process_time() - begun, cost))
+
+
 def main() -> None:
     """Print one line per seed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -68,10 +75,7 @@ def main() -> None:
     for seed in range(asked.seeds):
         begun, told = time.process_time(), list[tuple[float, float]]()
 
-        def found(cost: float, bound: float | None, begun: float = begun) -> None:
-            del bound
-            told.append((time.process_time() - begun, cost))
-
+        found = partial(note, told, begun)
         result = radmpc.plan(scenario(seed), time_limit=asked.seconds, found=found)
         plan = result.require()
         bound = plan.certified_lower_bound or 0.0
