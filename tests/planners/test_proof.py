@@ -83,7 +83,7 @@ def relaxed_up_to(most: float) -> tuple[Fleet, RelaxedSet, Vector]:
     if np.isfinite(most):
         model = within_tube(model, program, most, Limits())
     relaxed = RelaxedSet.of(fleet, (0,), [model], tails, 16, most)
-    return fleet, relaxed, point_of([made.trajectories[0].controls])
+    return fleet, relaxed, point_of([model], [made.trajectories[0].controls])
 
 
 def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:

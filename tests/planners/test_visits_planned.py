@@ -8,6 +8,7 @@ import pytest
 from visiting import scene, vehicle
 
 from radmpc import Scenario, ScenarioError, Visit, certify, plan
+from radmpc.experiments.comparing import compare
 from radmpc.model.visits import steps_of_visits, steps_visited
 from radmpc.planners.presets import PRESETS
 
@@ -104,6 +105,14 @@ def test_planners_that_make_no_visits_refuse_them_in_one_line(name: str) -> None
     with pytest.raises(ScenarioError, match=r"^vehicles\[0\]\.via: the planner .* without visits"):
         plan(scene(*TWO), name)
     assert "\n" not in str(PRESETS[name].planner)
+
+
+def test_a_comparison_tells_who_makes_no_visits_and_goes_on() -> None:
+    refused, planned = compare(scene(*TWO), ["dmpc", "dlp"], samples=10)
+    assert refused.result is None
+    assert "without visits" in str(refused.problem)
+    assert planned.result is not None
+    assert planned.result.plan is not None
 
 
 def test_a_visit_out_of_reach_is_told() -> None:

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from radmpc.arguments import check_integer, check_time_limit, told
-from radmpc.errors import ArgumentTypeError, SolverError
+from radmpc.errors import ArgumentTypeError, ScenarioError, SolverError
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner
@@ -28,11 +28,11 @@ class Comparison:
     planner : str
         As it was asked for.
     result : Result or None
-        The answer; None where its solver gave up.
+        The answer; None where its solver gave up, or it does not plan such a scenario.
     simulation : Simulation or None
         The plan flown; None without one.
     problem : str or None
-        What the solver said where it gave up.
+        What was said then.
     """
 
     planner: str
@@ -129,7 +129,7 @@ def _compared(
                 progress=told,
                 stop=stop,
             )
-        except SolverError as error:
+        except (SolverError, ScenarioError) as error:
             yield Comparison(name, None, None, str(error))
             continue
         flown = None

@@ -165,6 +165,7 @@ def _with_covers(
                 vehicles[i],
                 disturbance_covariance=cover.covariance[np.ix_(places, places)],
                 drift=None if cover.drift is None else cover.drift[places],
+                shared=(),  # what vehicles share is in what was flown
             )
     source = {
         **(scenario.source or {}),
@@ -173,4 +174,4 @@ def _with_covers(
             "by_deviations": [round(cover.ratio, 3) for cover in covers],
         },
     }
-    return replace(scenario, vehicles=tuple(vehicles), source=source)
+    return replace(scenario, vehicles=tuple(vehicles), source=source, covariance_samples=None)
