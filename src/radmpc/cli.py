@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from radmpc.console import arguments as given
+from radmpc.console.flying_commands import add_flying
 from radmpc.console.output import show, show_json
 from radmpc.console.running.deferring import defer
 from radmpc.console.running.guard import Code, GuardedCommands
@@ -188,41 +189,6 @@ def check(
 
 
 @app.command()
-def fly(
-    plan_file: given.FlownFile,
-    backend: given.BackendName = None,
-    replan: given.Replan = None,
-    missions: given.Missions = None,
-    deadline: given.Deadline = None,
-    seed: given.FlightSeed = None,
-    option: given.BackendOptions = None,
-    output: given.FlightOutput = None,
-    log: given.FlightLog = None,
-    film: given.FlightFilm = None,
-    as_json: given.AsJson = False,
-) -> int:
-    """Fly a plan, made anew at every step from what is measured."""
-    from radmpc.console.commands.flying import FlyRequest, run_fly
-
-    options = tuple(option or ())
-    return run_fly(
-        FlyRequest(
-            plan_file,
-            backend,
-            replan,
-            missions,
-            deadline,
-            seed,
-            options,
-            output,
-            log,
-            film,
-            as_json,
-        )
-    )
-
-
-@app.command()
 def verify(
     plan_file: given.JudgedFile,
     samples: given.Samples = 100_000,
@@ -275,47 +241,7 @@ def import_file(
     return run_import(source, output, options)
 
 
-@app.command("identify")
-def identify_noise(
-    logs: given.Logs,
-    output: given.NoiseOutput = None,
-    scenario: given.NoiseScenario = None,
-    dt: Annotated[
-        float | None, typer.Option("--dt", help="Step [s] (the scenario's, or the logs').")
-    ] = None,
-    columns: given.Columns = None,
-    plot: given.ResidualFigure = None,
-    as_json: given.AsJson = False,
-) -> int:
-    """Learn noise and feedback from logs."""
-    from radmpc.console.commands.identifying import IdentifyRequest, run_identify
-
-    return run_identify(IdentifyRequest(tuple(logs), output, scenario, dt, columns, plot, as_json))
-
-
-@app.command()
-def calibrate(
-    plan_file: given.PlanFile,
-    backend: Annotated[str, typer.Option("--with", help="What it is flown with: boat, …")],
-    output: given.ScenarioOutput,
-    plan_output: Annotated[
-        Path | None, typer.Option("--plan", help="Plan that scenario, fly it, write it here.")
-    ] = None,
-    missions: Annotated[int, typer.Option("--missions", min=1, help="How often to fly.")] = 20,
-    seed: given.Seed = 0,
-    option: Annotated[
-        list[str] | None,
-        typer.Option("--option", help="KEY=VALUE for what it is flown with; may be repeated."),
-    ] = None,
-    as_json: given.AsJson = False,
-) -> int:
-    """Learn noise from a plan's own missions in a simulator."""
-    from radmpc.console.commands.calibrating import CalibrateRequest, run_calibrate
-
-    options = tuple(option or ())
-    return run_calibrate(
-        CalibrateRequest(plan_file, backend, output, plan_output, missions, seed, options, as_json)
-    )
+add_flying(app)
 
 
 @app.command()

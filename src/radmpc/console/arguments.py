@@ -8,10 +8,8 @@ from typing import Annotated
 import typer
 
 from radmpc.console.completing import (
-    BACKENDS,
     FORMATS,
     TEMPLATES,
-    complete_backend,
     complete_drawn,
     complete_format,
     complete_log,
@@ -19,7 +17,6 @@ from radmpc.console.completing import (
     complete_plan_or_flight,
     complete_planner,
     complete_planners,
-    complete_replan,
     complete_scenario,
     complete_template,
     complete_view,
@@ -31,19 +28,12 @@ __all__ = [
     "AsJson",
     "AvoidanceName",
     "Axes",
-    "BackendName",
-    "BackendOptions",
     "Columns",
     "DaskAddress",
-    "Deadline",
     "DrawnFile",
     "DrawnOutput",
     "ExportFormat",
     "Film",
-    "FlightFilm",
-    "FlightLog",
-    "FlightOutput",
-    "FlightSeed",
     "FlownFile",
     "ForeignFile",
     "Jobs",
@@ -52,7 +42,6 @@ __all__ = [
     "LedgerFigure",
     "Logs",
     "Methods",
-    "Missions",
     "NewScenario",
     "Noise",
     "NoiseOutput",
@@ -67,7 +56,6 @@ __all__ = [
     "PlannerSeconds",
     "PlanningSeconds",
     "ProvenGap",
-    "Replan",
     "ResidualFigure",
     "RiskBound",
     "Samples",
@@ -272,43 +260,4 @@ PlaceOnEarth = Annotated[
 Altitude = Annotated[
     float | None,
     typer.Option("--altitude", help="Of a 2-D plan above the origin [m] (0)."),
-]
-BackendName = Annotated[
-    str | None,
-    typer.Option(
-        "--with",
-        help=f"{', '.join(BACKENDS[:-1])} or {BACKENDS[-1]} (model).",
-        autocompletion=complete_backend,
-    ),
-]
-BackendOptions = Annotated[
-    list[str] | None,
-    typer.Option("--option", help="KEY=VALUE for what it is flown with; may be repeated."),
-]
-Replan = Annotated[
-    str | None,
-    typer.Option(
-        "--replan",
-        help="What plans anew at every step, or none (certified).",
-        autocompletion=complete_replan,
-    ),
-]
-Missions = Annotated[
-    int | None, typer.Option("--missions", min=1, help="How many times to fly it (1).")
-]
-Deadline = Annotated[
-    float | None,
-    typer.Option("--deadline", min=0.0, help="Seconds for each decision (no limit)."),
-]
-FlightSeed = Annotated[
-    int | None, typer.Option("--seed", min=0, help="Seed of all noise and of every plan (0).")
-]
-FlightOutput = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Write the flight here, tick by tick.")
-]
-FlightLog = Annotated[
-    Path | None, typer.Option("--log", help="Log for other tools, and for identify: .mcap.")
-]
-FlightFilm = Annotated[
-    Path | None, typer.Option("--film", help="Film it here: .gif, or .mp4 with ffmpeg.")
 ]

@@ -19,6 +19,7 @@ from radmpc.model.obstacle_shapes import (
     MovingShape,
     PolygonShape,
     Shape,
+    hulls_of,
     points_of,
 )
 from radmpc.model.obstacle_track import TrackShape, TrackSpread
@@ -258,13 +259,7 @@ class Obstacle(Frozen):
         )
         if not points:
             raise ScenarioError("needs one outline per step, got none", ("moving",))
-        steps = []
-        for k, outline in enumerate(points):
-            try:
-                steps.append((hull(outline),))
-            except ScenarioError as error:
-                raise error.under("moving", k) from error
-        return cls(name, MovingShape(points), tuple(steps))
+        return cls(name, MovingShape(points), tuple((one,) for one in hulls_of(points)))
 
     @classmethod
     def tracked(

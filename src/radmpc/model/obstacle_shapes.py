@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sized
+from collections.abc import Sequence, Sized
 from dataclasses import dataclass
 
 import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix
 from radmpc.errors import ScenarioError
+from radmpc.geometry import Polytope, hull
 from radmpc.model.obstacle_track import TrackShape
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "MovingShape",
     "PolygonShape",
     "Shape",
+    "hulls_of",
     "points_of",
 ]
 
@@ -95,6 +97,28 @@ class MovingShape(Frozen):
 
 
 Shape = PolygonShape | LineShape | BoxShape | HalfspaceShape | MovingShape | TrackShape
+
+
+def hulls_of(outlines: Sequence[Matrix]) -> list[Polytope]:
+    """Return the hulls of outlines, one per step.
+
+    Parameters
+    ----------
+    outlines : sequence of (v, d) array
+        Points [m].
+
+    Raises
+    ------
+    ScenarioError
+        If one has none; its path says which.
+    """
+    found = []
+    for k, outline in enumerate(outlines):
+        try:
+            found.append(hull(outline))
+        except ScenarioError as error:
+            raise error.under("moving", k) from error
+    return found
 
 
 def points_of(value: npt.ArrayLike, path: tuple[str | int, ...]) -> Matrix:

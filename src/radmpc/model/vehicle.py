@@ -19,12 +19,12 @@ from radmpc.arrays import (
     as_covariance,
     as_matrix,
     as_vector,
-    frozen,
 )
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
 from radmpc.model.numbers import check_correlation, check_positive, check_vehicle_numbers
+from radmpc.model.states import as_state
 
 if TYPE_CHECKING:
     from radmpc.model.noise.measurement import Measurement
@@ -277,30 +277,3 @@ class Vehicle(Frozen):
         return np.asarray(
             self.control_limit - self.control_sigmas * np.sqrt(np.maximum(variances, 0.0))
         )
-
-
-def as_state(value: npt.ArrayLike, system: LinearSystem) -> Vector:
-    """Return a full state from one, or from a position, at rest elsewhere.
-
-    Parameters
-    ----------
-    value : (n,) or (d,) array_like
-        A state, or a position [m].
-    system : LinearSystem
-        The vehicle's dynamics.
-
-    Raises
-    ------
-    ScenarioError
-        If it is neither.
-    """
-    given = as_vector(value, path=("start",))
-    d, n = system.dimension, system.num_states
-    if given.size == n:
-        return given
-    if given.size != d:
-        allowed = f"{d} numbers (a position)" + (f" or {n} (a full state)" if n != d else "")
-        raise ScenarioError(f"must have {allowed}, got {given.size}", ("start",))
-    state = np.zeros(n)
-    state[list(system.position)] = given
-    return frozen(state)

@@ -289,11 +289,8 @@ def _borders(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tuple[Vec
     tail = Tail(scenario.covariance_samples)
     for axis in range(scenario.dimension):
         deviation = float(np.sqrt(max(box.covariance[axis, axis], 0.0)))
-        below, above = (
-            points[:, axis] - workspace.lower[axis],
-            workspace.upper[axis] - points[:, axis],
-        )
-        for slack in (below, above):
+        places = points[:, axis]
+        for slack in (places - workspace.lower[axis], workspace.upper[axis] - places):
             if slack.min() > _far(scenario) * deviation:
                 continue
             certain = np.where(slack >= -1e-9, np.inf, -np.inf)

@@ -12,10 +12,10 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
 from radmpc.referee.common import relative
-from radmpc.referee.contact import solid_of
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
+from radmpc.referee.padding import padded_edges, padded_normals, padded_vertices
 from radmpc.referee.tails import cutoff_of
 
 __all__ = ["Gathered", "NearPiece", "gather_obstacles", "gather_pairs", "near_pieces"]
@@ -262,44 +262,8 @@ def _obstacle_batch(motion: FleetMotion, group: Sequence[NearPiece]) -> Encounte
         bent_covariances=bent,
         sagittas=motion.sagittas[first],
         radii=motion.radii[first],
-        vertices=np.repeat(_padded_vertices(shapes), sizes, axis=0),
-        directions=np.repeat(_padded_normals(shapes), sizes, axis=0),
-        edges=np.repeat(_padded_edges(shapes), sizes, axis=0),
+        vertices=np.repeat(padded_vertices(shapes), sizes, axis=0),
+        directions=np.repeat(padded_normals(shapes), sizes, axis=0),
+        edges=np.repeat(padded_edges(shapes), sizes, axis=0),
         samples=motion.samples,
     )
-
-
-def _padded_vertices(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
-    """Return the corners of each piece at each step, (p, steps, V, d)."""
-    largest = max(len(piece.vertices) for steps in pieces for piece in steps)
-    return np.array([[_padded(piece.vertices, largest) for piece in steps] for steps in pieces])
-
-
-def _padded_normals(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
-    """Return the axes and the distinct normals of each piece over all steps, (p, G, d)."""
-    d = pieces[0][0].dimension
-    axes = np.concatenate([np.eye(d), -np.eye(d)])
-    normals = []
-    for steps in pieces:
-        faces = np.vstack([piece.normals for piece in steps])
-        if len(steps) > 1:
-            _, kept = np.unique(faces.round(12), axis=0, return_index=True)
-            faces = faces[kept]
-        normals.append(np.vstack([axes, faces]))
-    largest = max(len(faces) for faces in normals)
-    return np.array([_padded(faces, largest) for faces in normals])
-
-
-def _padded_edges(pieces: Sequence[Sequence[Polytope]]) -> Tensor:
-    """Return the ends of the edges of each piece at each step in space, (p, steps, R, 2, d)."""
-    d = pieces[0][0].dimension
-    if d == 2:
-        return np.zeros((len(pieces), len(pieces[0]), 0, 2, d))
-    edges = [[solid_of(piece).edges for piece in steps] for steps in pieces]
-    most = max(len(rows) for steps in edges for rows in steps)
-    return np.array([[_padded(rows, most) for rows in steps] for steps in edges])
-
-
-def _padded(rows: Tensor, count: int) -> Tensor:
-    """Repeat the first row until there are enough."""
-    return np.concatenate([rows, np.repeat(rows[:1], count - len(rows), axis=0)])

@@ -11,7 +11,8 @@ from radmpc.io.native.noise import build_disturbance, build_drift, build_measure
 from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 from radmpc.model.numbers import check_vehicle_numbers
-from radmpc.model.vehicle import Goal, Vehicle, as_state
+from radmpc.model.states import as_state
+from radmpc.model.vehicle import Goal, Vehicle
 
 __all__ = ["Shared", "build_vehicle"]
 
