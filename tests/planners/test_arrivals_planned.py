@@ -49,7 +49,7 @@ def test_time_that_is_dear_means_the_earliest_arrival_and_free_time_the_least_ef
     assert idle.cost == pytest.approx(due.cost, rel=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_certified_weighs_time_against_effort_on_the_way_through_a_box() -> None:
     box = Visit.at([2.0, 2.0], 0.5)
     found = plan(arriving((FIRST, LAST), 3.0, box))
