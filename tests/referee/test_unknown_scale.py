@@ -100,8 +100,7 @@ SCENES = [at_a_wall, pair_at_a_post, in_a_box_of_steps]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
-@pytest.mark.parametrize("samples", [4, 30])
-@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
+@pytest.mark.parametrize(("samples", "avoidance"), [(4, "steps"), (30, "intervals")])
 def test_missions_collide_as_gaussian_ones_mixed_over_the_factor_and_less_than_certified(
     scene, samples, avoidance
 ):
@@ -156,8 +155,10 @@ def test_the_factor_of_a_mission_is_that_of_all_its_vehicles_at_all_steps():
     assert np.corrcoef(np.log(factors))[0, -1] > 0.9
 
 
-@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
-@pytest.mark.parametrize("planner", ["ira", "certified"])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("avoidance", "planner"), [("steps", "ira"), ("intervals", "ira"), ("intervals", "certified")]
+)
 def test_plans_pay_for_what_is_not_known_of_the_noise_and_keep_to_the_bound(avoidance, planner):
     vehicle = craft("a", DI, [0, 0])
     goal = Goal([-1.0, 3.0], [1.0, 4.0], None)
