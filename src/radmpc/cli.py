@@ -129,7 +129,7 @@ def sweep_scenario(
     figure: given.SweepFigure = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Plan one scenario at many values of its keys: what risk or noise costs."""
+    """Plan one scenario at many values of its keys."""
     from radmpc.console.commands.sweeping import SweepRequest, run_sweep
     from radmpc.console.settings import axes_of
     from radmpc.planners.presets import DEFAULT
@@ -144,7 +144,7 @@ def sweep_scenario(
 
 @app.command()
 def new(kind: given.Template = None, output: given.NewScenario = None) -> int:
-    """Write a scenario with comments, to begin with: boats, drones or a warehouse."""
+    """Write a scenario to begin with, comments and all."""
     from radmpc.console.commands.starting import run_new
 
     return run_new(kind, output)

@@ -238,7 +238,7 @@ def test_every_failure_has_its_code(
     code: int,
     words: str,
 ) -> None:
-    def fail(path: Path) -> None:
+    def fail(path: Path, changes: dict[str, object]) -> None:
         raise error
 
     monkeypatch.setattr("radmpc.io.native.scenario_file.load_scenario", fail)

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
-from matplotlib.patches import PathPatch
+from matplotlib.patches import Patch, PathPatch, Polygon
 from matplotlib.path import Path
 
 from radmpc.arrays import Matrix
@@ -67,17 +67,16 @@ def draw_obstacle(
                 _draw_wall(ax, obstacle.name, ends, alpha)
                 board.avoid(along_lines(np.vstack([ends, ends[:1]])))
             continue
-        ax.add_patch(
-            PathPatch(
-                _path_of(outline),
-                facecolor=OBSTACLE_FILL,
-                edgecolor=OBSTACLE_EDGE,
-                linewidth=0.6,
-                alpha=alpha,
-                zorder=2,
-                gid=f"obstacle:{obstacle.name}",
-            )
+        patch = _patch_of(outline)
+        patch.set(
+            facecolor=OBSTACLE_FILL,
+            edgecolor=OBSTACLE_EDGE,
+            linewidth=0.6,
+            alpha=alpha,
+            zorder=2,
+            gid=f"obstacle:{obstacle.name}",
         )
+        ax.add_patch(patch)
         board.avoid(along_lines(ring_of(outline)))
     if is_named:
         _name_obstacle(obstacle, board, plane)
@@ -159,14 +158,14 @@ def seen(piece: Polytope, plane: Plane) -> shapely.Geometry:
     return shapely.MultiPoint(piece.vertices[:, list(plane)]).convex_hull
 
 
-def _path_of(polygon: shapely.Geometry) -> Path:
-    """Return a polygon's outline and its holes as one path."""
-    rings = [ring_of(polygon)]
-    if polygon.geom_type == "Polygon" and polygon.interiors:
-        # Renderers leave free what goes round the other way.
-        turned = shapely.orient_polygons(polygon)
-        rings = [np.asarray(ring.coords) for ring in (turned.exterior, *turned.interiors)]
-    return Path.make_compound_path(*(Path(ring, closed=True) for ring in rings))
+def _patch_of(polygon: shapely.Geometry) -> Patch:
+    """Return a polygon, perhaps with holes, as something to draw."""
+    if polygon.geom_type != "Polygon" or not polygon.interiors:
+        return Polygon(ring_of(polygon))
+    # Renderers leave free what goes round the other way.
+    turned = shapely.orient_polygons(polygon)
+    rings = [Path(np.asarray(ring.coords)) for ring in (turned.exterior, *turned.interiors)]
+    return PathPatch(Path.make_compound_path(*rings))
 
 
 def ring_of(polygon: shapely.Geometry) -> Matrix:
