@@ -196,7 +196,7 @@ def verify(
     avoidance: given.JudgedAvoidance = None,
     as_json: given.AsJson = False,
 ) -> int:
-    """Certify and simulate a plan, or book a flight again, from its file alone."""
+    """Certify and simulate a plan, or recompute a flight, from its file alone."""
     from radmpc.console.commands.verifying import run_verify
 
     return run_verify(plan_file, samples, seed, avoidance, as_json=as_json)
