@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from radmpc.model.noise.measurement import Measurement
+from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 
@@ -96,14 +97,37 @@ def _freighter(rng: np.random.Generator, scenario: Scenario) -> Scenario:
     return replace(scenario, obstacles=(*scenario.obstacles, track))
 
 
+def _wind(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """Let one wind blow on all, on each in its way, new at every step or for a while."""
+    d, dt = scenario.dimension, scenario.dt
+    covariance = float(np.exp(rng.uniform(np.log(0.01), np.log(0.1)))) ** 2 * np.eye(d)
+    rho = float(rng.choice([0.0, rng.uniform(0.3, 0.9)]))
+    fleet = []
+    for vehicle in scenario.vehicles:
+        matrix = np.zeros((vehicle.system.num_states, d))
+        matrix[list(vehicle.system.position)] = np.eye(d)
+        if vehicle.system.velocity is not None:
+            matrix[list(vehicle.system.velocity)] = np.eye(d) / dt
+        matrix *= rng.uniform(-1.0, 1.0) if rng.random() < 0.3 else rng.uniform(0.5, 1.5)
+        part = SharedDisturbance("wind", matrix, covariance, rho)
+        fleet.append(replace(vehicle, shared=(part,)))
+    return replace(scenario, vehicles=tuple(fleet))
+
+
+def _unsure(rng: np.random.Generator, scenario: Scenario) -> Scenario:
+    """Let all covariances have been estimated from 3 to 300 steps."""
+    samples = round(float(np.exp(rng.uniform(np.log(3.0), np.log(300.0)))))
+    return replace(scenario, covariance_samples=samples)
+
+
 FEATURES: Mapping[str, Feature] = MappingProxyType(
     {
         "current": _current,
         "gusts": _gusts,
         "receivers": _receivers,
         "freighter": _freighter,
-        # One line each for what else scenarios learn (gusts that vehicles share, covariances known
-        # up to a scale); what it does to a mission is told in `calibration_world`.
+        "wind": _wind,
+        "unsure": _unsure,
     }
 )
 """What may be added, by name: each with probability one half."""
