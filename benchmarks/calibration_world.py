@@ -114,9 +114,7 @@ class _Craft:
         lasting = np.repeat([rho for _, _, rho in pushes], sizes)
         # What the filter thinks: the state and all that, and how unsure it is of them.
         q = n + sum(sizes)
-        self.guess = np.hstack(
-            [np.tile(self.mean, (len(self.state), 1)), self._no_wind(sum(sizes))]
-        )
+        self.guess = np.tile(np.append(self.mean, np.zeros(sum(sizes))), (len(self.state), 1))
         self.doubt = block_diag(vehicle.initial_covariance, *(c for _, c, _ in pushes))
         self._step = np.zeros((q, q))
         self._step[:n] = np.hstack([vehicle.system.A, *(matrix for matrix, _, _ in pushes)])
