@@ -14,6 +14,7 @@ from calibration_scenes import random_planner, random_scenario
 from calibration_world import world_collisions
 from radmpc.model.plan import Plan
 from radmpc.planners import Ira, Planner
+from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
@@ -143,7 +144,7 @@ def run_trial(
     time_limit : float
         Seconds for planning.
     noise : bool
-        Whether the world is as it is measured: currents, gusts, receivers, freighters.
+        Whether the world is as it is measured: currents, gusts, receivers, freighters, winds.
 
     Returns
     -------
@@ -156,6 +157,8 @@ def run_trial(
     features = ""
     if noise:
         scenario, features = with_noise(np.random.default_rng([seed, index, 1]), scenario)
+    if scenario.has_shared and not planner.decomposition.takes_shared:
+        name, planner = "certified", parse_planner("certified")
     result = plan(scenario, planner, rng=index, time_limit=time_limit)
     trial = Trial(
         seed=seed,
