@@ -74,7 +74,7 @@ def test_a_start_close_to_a_wall_is_paid_first_also_under_intervals(sigmas, plan
 @pytest.mark.slow
 def test_a_stop_at_any_moment_is_a_limit_and_never_called_infeasible():
     scenario, found = paper(2, 0), []
-    for count in (0, 1, 3, 6, 10, 20, 40):
+    for count in (0, 1, 3, 6, 10, 20, 40, 200):
         calls = iter(range(10**6))
         result = plan(scenario, stop=lambda calls=calls, n=count: next(calls) >= n)
         assert result.plan is None or result.is_certified
