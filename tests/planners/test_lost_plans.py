@@ -37,6 +37,7 @@ def scene(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize(
     ("name", "others"),
     [
