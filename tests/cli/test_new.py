@@ -23,6 +23,7 @@ def test_a_template_is_a_scenario_that_nothing_is_said_against(run: Run, kind: s
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", TEMPLATES)
 def test_a_template_is_planned_within_its_bound(run: Run, kind: str) -> None:
     run("new", kind, "-o", "mine.yaml")

@@ -190,7 +190,7 @@ with Journal.opened(Path(sys.argv[1])) as journal:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_killed_again_and_again_it_loses_nothing_and_does_nothing_twice(tmp_path):
     path = tmp_path / "rows.jsonl"
     script = SCRIPT.format(folder=os.path.dirname(__file__))

@@ -19,7 +19,7 @@ from radmpc.io.export.origin import Placement, scenario_origin
 from radmpc.io.native.scenario_file import load_scenario, save_scenario
 from radmpc.model.obstacle import PolygonShape
 from radmpc.model.scenario import Scenario
-from radmpc.planning import plan
+from running import first_plan
 
 FOLDER = Path(__file__).parent.parent.parent / "instances" / "drawn"
 
@@ -245,7 +245,7 @@ def test_lines_become_walls_without_thickness(tmp_path: Path) -> None:
     assert [len(o.at(0)) for o in (fence, *booms)] == [2, 1, 1]
     lengths = [float(np.linalg.norm(np.diff(p.vertices, axis=0))) for p in fence.at(0)]
     assert lengths == pytest.approx([22.26, 23.19], abs=0.1)
-    assert plan(scenario, time_limit=20.0).is_certified
+    assert first_plan(scenario, time_limit=20.0).is_certified
 
 
 def test_a_point_may_be_a_post(tmp_path: Path) -> None:
@@ -298,7 +298,7 @@ def test_the_same_drawing_in_both_formats_is_the_same_scenario() -> None:
 
 def test_a_drawing_is_planned_within_the_bound_and_lies_where_it_was_drawn() -> None:
     scenario = import_scenario(FOLDER / "marina.geojson").scenario
-    result = plan(scenario, time_limit=5.0)
+    result = first_plan(scenario, time_limit=20.0)
     assert result.is_certified
     origin = scenario_origin(scenario)
     assert origin is not None

@@ -10,7 +10,7 @@ from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.importing.formats import ImportOptions, import_scenario
 from radmpc.importing.grid.cells import rectangles
 from radmpc.model.scenario import Scenario
-from radmpc.planning import plan
+from running import first_plan
 
 FOLDER = Path(__file__).parent.parent.parent / "instances" / "libMultiRobotPlanning"
 PUBLISHED = FOLDER / "map_8by8_obst12_agents4_ex1.yaml"
@@ -125,8 +125,9 @@ def test_rectangles_are_few() -> None:
     assert len(rectangles(np.isin(room, list("@TO")))) <= 4
 
 
+@pytest.mark.slow
 def test_a_published_grid_is_planned_within_the_bound() -> None:
-    result = plan(import_scenario(PUBLISHED).scenario, time_limit=60.0)
+    result = first_plan(import_scenario(PUBLISHED).scenario, time_limit=60.0)
     assert result.is_certified
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +12,9 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.presets import PRESETS
 from radmpc.planning import plan
 from radmpc.referee import certify, simulate
+from running import first_plan
 
 HORIZON = 8
 SAMPLES = 20_000
@@ -86,12 +85,10 @@ def test_what_has_no_thickness_is_planned_around(kind: str, avoidance: str) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_a_published_problem_with_plates_is_planned_and_holds() -> None:
     folder = Path(__file__).parent.parent.parent / "instances" / "s2m2"
     scenario = import_scenario(folder / "mit.yaml").scenario
     assert [len(o.at(0)[0].vertices) for o in scenario.obstacles] == [4, 4]
-    planner = replace(PRESETS["certified"].planner, gap=0.1)
-    found = plan(scenario, planner, time_limit=60.0, rng=0)
+    found = first_plan(scenario, time_limit=60.0)
     assert found.is_certified
     assert simulate(found.record, 4_000, rng=1).rate_low <= found.record.risk.certified

@@ -60,6 +60,7 @@ def test_a_gain_that_eats_the_control_is_named_with_what_it_keeps_back() -> None
     assert "soften the gain" in concern.text
 
 
+@pytest.mark.slow
 def test_a_gain_that_takes_more_than_there_is_rules_out_any_plan() -> None:
     scenario = of_scene("soft-gain-is-the-cure")
     vehicle = replace(scenario.vehicles[0], control_sigmas=4.0)
