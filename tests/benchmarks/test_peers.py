@@ -251,7 +251,7 @@ def test_peers_that_did_not_try_are_counted_apart():
     assert printed.getvalue().count("too large") == 2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_script_prints_tables_and_appends_rows(stub, tmp_path, capsys):
     out = tmp_path / "rows.jsonl"
     script.main([

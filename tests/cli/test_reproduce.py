@@ -35,7 +35,7 @@ def smaller(study: Study) -> Study:
     return replace(study, sizes=(2, 3), samples=1_000, shown={2: 0})
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_reproduce_writes_rows_report_and_figures_and_then_has_nothing_to_do(
     run, tmp_path, monkeypatch
 ):

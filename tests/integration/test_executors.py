@@ -86,6 +86,7 @@ def test_a_cluster_gives_the_same_plan_on_the_command_line(scheduler, here, tmp_
     assert_same(controls(load_plan(tmp_path / "plan.json")), here)
 
 
+@pytest.mark.nightly
 def test_a_study_on_a_cluster_has_the_rows_of_one_here(scheduler, tmp_path):
     study = replace(quick_study().only(["certified", "radmpc"]), sizes=(2,), samples=500)
     with Journal.opened(tmp_path / "here.jsonl") as journal:
@@ -103,7 +104,7 @@ def test_a_study_on_a_cluster_has_the_rows_of_one_here(scheduler, tmp_path):
     assert len(here) == len(study.tasks()) == 8
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_worker_of_a_cluster_killed_in_mid_run_loses_nothing(scheduler, here):
     pids = [worker.pid for worker in scheduler.workers.values()]
     with cluster(scheduler.scheduler_address) as executor:

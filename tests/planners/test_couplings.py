@@ -27,7 +27,7 @@ def test_the_couplings_connect_the_vehicles_of_every_set_and_no_others(planner, 
     assert components(scenario, result.couplings) == {frozenset(s) for s in result.sets}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_fleets_couplings_connect_its_sets():
     scenario = fleet(12, seed=3)
     result = plan(scenario, rng=0, time_limit=30.0)
@@ -50,7 +50,7 @@ def test_couplings_by_distance_tell_how_close_the_ways_alone_come():
     assert all(0.0 <= c.value <= 6.0 for c in result.couplings)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_plans_made_together_because_they_would_collide_do_collide_apart():
     scenario = paper(2, seed=1)
     joined = [s for s in range(1, 12) if len(plan(paper(2, seed=s), rng=0).couplings) == 1]

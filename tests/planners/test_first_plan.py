@@ -136,7 +136,7 @@ def test_ways_at_drawn_times_lead_to_the_same_plan_from_the_same_seed() -> None:
     assert plans[0].cost == plans[1].cost
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_plan_among_turned_half_spaces_costs_no_more_than_by_faces() -> None:
     scenario = replace(circle(4), avoidance="intervals")
     result = plan(scenario, time_limit=20.0)

@@ -123,7 +123,7 @@ def test_a_plan_that_needs_more_faces_says_so_and_what_else_would_help():
     assert "26 steps" in result.explanation
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_feedback_that_keeps_back_most_of_the_control_is_told_with_a_softer_one_that_does():
     problem = scene("soft-gain-is-the-cure.yaml")

@@ -91,7 +91,7 @@ def test_two_conflicts_do_not_hide_each_other():
     assert "The other vehicle can be planned" in text
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_bound_that_is_proposed_would_do_and_a_smaller_one_than_proven_would_not():
     problem = scenario(
@@ -193,7 +193,7 @@ def test_the_safest_plan_found_on_the_way_is_returned_if_the_referee_certifies_i
     assert result.cost == pytest.approx(effort)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_noise_that_leaves_no_room_anywhere_is_named_before_what_stands_there():
     noise = np.array([0.05, 0.05, 1e-6, 1e-6])
     wild = vehicle("a", (0, 0), (10, 0), noise=noise)

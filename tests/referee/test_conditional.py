@@ -50,7 +50,7 @@ def test_before_anything_is_measured_the_value_is_the_certificate(seed: int) -> 
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("dimension", "avoidance", "gain"), SCENES)
 def test_the_conditional_value_of_a_certificate_is_a_martingale(
     dimension: int, avoidance: str, gain: bool
