@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
+from radmpc.console.choosing import planner_with
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.output import note, show, show_json
 from radmpc.console.picture import (
@@ -26,7 +27,6 @@ from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
-from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan, seconds_granted
 from radmpc.result import Result
 
@@ -84,13 +84,7 @@ class Request:
         ScenarioError
             If there is no such planner, or the gap is none.
         """
-        known = parse_planner(self.planner)
-        if self.gap is None:
-            return known
-        try:
-            return replace(known, gap=self.gap)
-        except ScenarioError as error:
-            raise ScenarioError(f"--{error}") from error
+        return planner_with(self.planner, self.gap)
 
 
 def check_request(request: Request) -> None:

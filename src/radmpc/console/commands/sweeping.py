@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.arguments import is_number
+from radmpc.console.choosing import planner_with
 from radmpc.console.files import check_output, check_separate, writing
 from radmpc.console.output import note, show, show_json
 from radmpc.console.picture import check_picture
@@ -21,7 +22,6 @@ from radmpc.experiments.sweep_table import SweepRow, SweepTable, scenario_digest
 from radmpc.experiments.sweeping import Values, sweep, sweep_scenarios
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
-from radmpc.planners.presets import parse_planner
 
 __all__ = ["SweepRequest", "run_sweep"]
 
@@ -74,13 +74,7 @@ class SweepRequest:
         ScenarioError
             If there is no such planner, or the gap is none.
         """
-        known = parse_planner(self.planner)
-        if self.gap is None:
-            return known
-        try:
-            return replace(known, gap=self.gap)
-        except ScenarioError as error:
-            raise ScenarioError(f"--{error}") from error
+        return planner_with(self.planner, self.gap)
 
 
 def run_sweep(request: SweepRequest) -> int:
