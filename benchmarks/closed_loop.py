@@ -113,20 +113,18 @@ def rule_of(name: str, pool: Pool) -> Iterator[None]:
     """Have accounts keep a wrong rule for a while."""
     right, objection = Account.wealth, deciding.objection
     if name == "anew":
-        Account.wealth = property(lambda self: self.risk_bound)  # type: ignore[method-assign,assignment]
+        Account.wealth = property(lambda self: self.risk_bound)
     if name == "pool":
-        Account.wealth = property(  # type: ignore[method-assign,assignment]
-            lambda self: max(self.tail, pool.left)
-        )
+        Account.wealth = property(lambda self: max(self.tail, pool.left))
     if name == "paper":
-        Account.wealth = property(lambda self: pool.left)  # type: ignore[method-assign,assignment]
+        Account.wealth = property(lambda self: pool.left)
         deciding.objection = lambda moment, price, scores, *, is_first: (
             "" if moment.account.affords(price) else "the pool does not hold so much"
         )
     try:
         yield
     finally:
-        Account.wealth = right  # type: ignore[method-assign]
+        Account.wealth = right
         deciding.objection = objection
 
 
@@ -149,7 +147,7 @@ def flown(result: Result, rule: str, seed: int, planner: str) -> Outcome:
     if rule in {"all", "anew", "paper"}:
         options["share"] = 1.0
     with rule_of(rule, pool):
-        mission = Mission(result, **options)  # type: ignore[arg-type]
+        mission = Mission(result, **options)
         if rule == "all":
             mission.set_risk_bound(mission.balance.risk_bound - 0.999 * mission.balance.bank)
         flight = fly(mission, _Counting(Model(scenario, seed), mission, pool))
@@ -166,7 +164,7 @@ class _Counting:
         self.model, self.mission, self.pool = model, mission, pool
         self.reset = model.reset
 
-    def advance(self, segments):  # type: ignore[no-untyped-def]
+    def advance(self, segments):
         spent = self.mission.ticks[-1].next_step if self.mission.ticks else None
         self.pool.left = max(self.pool.left - (spent or 0.0), 0.0)
         return self.model.advance(segments)

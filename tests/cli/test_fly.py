@@ -142,7 +142,7 @@ def interrupted_at(monkeypatch: pytest.MonkeyPatch, when: tuple[int, int]) -> No
     usual = flying._Progress.__call__
 
     def told(self: object, mission: int, step: int) -> None:
-        usual(self, mission, step)  # type: ignore[arg-type]
+        usual(self, mission, step)
         if (mission, step) == when:
             os.kill(os.getpid(), signal.SIGINT)
 
@@ -198,12 +198,12 @@ class Wreck(Model):
     """A backend in which everything is hit."""
 
     def __init__(self, scenario: object, rng: object, sea: str) -> None:
-        super().__init__(scenario, rng)  # type: ignore[arg-type]
+        super().__init__(scenario, rng)
         if sea != "rough":
             raise RadmpcError(f"sea must be rough, got {sea!r}")
 
-    def advance(self, segments: object) -> tuple[object, tuple[Contact, ...]]:  # type: ignore[override]
-        states, _ = super().advance(segments)  # type: ignore[arg-type]
+    def advance(self, segments: object) -> tuple[object, tuple[Contact, ...]]:
+        states, _ = super().advance(segments)
         return states, (Contact(self._step, "pair", "east", "west"),)
 
 

@@ -101,4 +101,4 @@ def told(value: object) -> object:
 
 
 def without_seconds(record: FlightRecord) -> list[object]:
-    return [told(row) | {"seconds": 0.0} for row in record.rows]  # type: ignore[operator]
+    return [told(row) | {"seconds": 0.0} for row in record.rows]

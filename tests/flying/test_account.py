@@ -156,7 +156,7 @@ def test_the_right_rule_wins_the_same_game() -> None:
 def test_accounts_do_not_change() -> None:
     account = Account.opened(0.05, 0.01)
     with pytest.raises(FrozenInstanceError):
-        account.bank = 1.0  # type: ignore[misc]
+        account.bank = 1.0
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e-9])
@@ -170,6 +170,6 @@ def test_what_is_no_risk_is_refused(value: float) -> None:
 def test_what_is_no_number_is_refused() -> None:
     account = Account.opened(0.05, 0.01)
     with pytest.raises(ArgumentTypeError, match=r"tail must be a number, got '0.01'"):
-        account.kept("0.01")  # type: ignore[arg-type]
+        account.kept("0.01")
     with pytest.raises(RiskError, match=r"share must be above 0 and at most 1, got 1\.5"):
         account.grant(1.5)

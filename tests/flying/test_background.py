@@ -31,7 +31,7 @@ def plan() -> Plan:
 
 def flown(plan: Plan, executor: AtOnce | None, **options: object) -> Flight:
     options = {"planner": steering, "warm": False, "clock": lambda: 0.0, **options}
-    mission = Mission(plan, executor=executor, **options)  # type: ignore[arg-type]
+    mission = Mission(plan, executor=executor, **options)
     return fly(mission, Model(plan.scenario, 3))
 
 
@@ -65,7 +65,7 @@ def breaks(scenario: Scenario, seconds: float | None) -> Plan:
 
 
 def says_rubbish(scenario: Scenario, seconds: float | None) -> Plan:
-    return "a plan"  # type: ignore[return-value]
+    return "a plan"
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_the_same_seed_is_the_same_flight_wherever_it_is_planned(plan: Plan) -> 
     assert any(t.choice == "candidate" for t in expected.ticks)
     before = threading.active_count()
     with ThreadPoolExecutor(1) as threads:
-        assert differences(flown(plan, threads, warm=True), expected) == []  # type: ignore[arg-type]
+        assert differences(flown(plan, threads, warm=True), expected) == []
     assert threading.active_count() == before
 
 
@@ -124,7 +124,7 @@ def test_a_process_makes_the_same_flight_and_leaves_nothing_behind(plan: Plan) -
     expected = flown(plan, AtOnce())
     spawned = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawned) as processes:
-        assert differences(flown(plan, processes), expected) == []  # type: ignore[arg-type]
+        assert differences(flown(plan, processes), expected) == []
     assert multiprocessing.active_children() == []
 
 

@@ -19,7 +19,7 @@ from radmpc.preflight.pace import Pace
 
 def with_each(scenario: Scenario, **values: object) -> Scenario:
     """Return the scenario with every vehicle changed."""
-    vehicles = tuple(replace(v, **values) for v in scenario.vehicles)  # type: ignore[arg-type]
+    vehicles = tuple(replace(v, **values) for v in scenario.vehicles)
     return replace(scenario, vehicles=vehicles)
 
 

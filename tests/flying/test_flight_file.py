@@ -120,7 +120,7 @@ def test_a_file_that_was_signed_anew_is_found_out_by_booking_it_again(
 
 def test_a_leg_that_could_not_be_afforded_is_found_out(path: Path, rows: list[TickRow]) -> None:
     def dive(row: dict[str, object]) -> None:
-        row["leg"]["controls"][0][0][1] -= 0.1  # type: ignore[index]
+        row["leg"]["controls"][0][0][1] -= 0.1
 
     forged(path, _first_leg(rows), dive)
     problems = flight_problems(load_flight(path))
@@ -228,7 +228,7 @@ def _spoiled(path: Path, line: int, keys: list[str]) -> None:
 
         def change(content: dict[str, object], odd: object = odd) -> None:
             for key in above:
-                content = content[key]  # type: ignore[assignment]
+                content = content[key]
             content[last] = odd
 
         forged(path, line, change)

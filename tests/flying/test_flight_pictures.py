@@ -82,7 +82,7 @@ def test_a_flight_that_was_cut_short_is_drawn_as_far_as_it_goes(record: FlightRe
     with pytest.raises(ArgumentError, match="at least one tick, got a flight that never began"):
         radmpc.plot_flight(replace(record, rows=()))
     with pytest.raises(ArgumentTypeError, match=r"record must be a FlightRecord, got 'a\.jsonl'"):
-        radmpc.plot_flight("a.jsonl")  # type: ignore[arg-type]
+        radmpc.plot_flight("a.jsonl")
 
 
 def test_a_flight_in_space_is_seen_from_above() -> None:

@@ -107,7 +107,7 @@ class Link(Model):
     opened = 0
 
     def __init__(self, scenario: Scenario, rng: object) -> None:
-        super().__init__(scenario, rng)  # type: ignore[arg-type]
+        super().__init__(scenario, rng)
         Link.opened += 1
         assert Link.opened == 1
 

@@ -29,8 +29,8 @@ def result() -> Result:
 
 def flown(result: Result | Plan, seed: int = 3, **options: object) -> Flight:
     deadline = options.pop("deadline", None)
-    mission = Mission(result, **options)  # type: ignore[arg-type]
-    return fly(mission, Model(mission.scenario, seed), deadline=deadline)  # type: ignore[arg-type]
+    mission = Mission(result, **options)
+    return fly(mission, Model(mission.scenario, seed), deadline=deadline)
 
 
 def test_without_a_planner_the_plan_is_flown_and_the_bank_stays(result: Result) -> None:
@@ -90,7 +90,7 @@ def finds_nothing(scenario: Scenario, seconds: float | None) -> None:
 
 
 def answers_rubbish(scenario: Scenario, seconds: float | None) -> Plan:
-    return "a plan"  # type: ignore[return-value]
+    return "a plan"
 
 
 def answers_for_others(scenario: Scenario, seconds: float | None) -> Plan:
@@ -305,13 +305,13 @@ def test_what_is_no_mission_is_refused(result: Result) -> None:
     with pytest.raises(NoPlanError):
         Mission(nothing)
     with pytest.raises(ArgumentTypeError, match="result must be a Plan"):
-        Mission(result.record.scenario)  # type: ignore[arg-type]
+        Mission(result.record.scenario)
     with pytest.raises(ArgumentError, match=r"share must be from 0 to 1, got 1\.5"):
         Mission(result, share=1.5)
     with pytest.raises(ScenarioError, match="certifed"):
         Mission(result, planner="certifed")
     with pytest.raises(ArgumentTypeError, match="planner must be a function or None"):
-        Mission(result, planner=3)  # type: ignore[arg-type]
+        Mission(result, planner=3)
     with pytest.raises(RiskError, match="price must be at most the risk bound"):
         Mission(
             replace(result.require(), scenario=replace(result.record.scenario, risk_bound=1e-3))

@@ -333,9 +333,9 @@ def test_a_current_moves_positions_and_no_velocity() -> None:
     scenario = decode_scenario(_two(drift={"velocity": [0.3, -0.1]}))
     assert scenario.vehicles[0].drift is not None
     assert scenario.vehicles[0].drift.tolist() == [0.15, -0.05, 0.0, 0.0]
-    assert encode_scenario(scenario)["defaults"]["drift"] == {"velocity": [0.3, -0.1]}  # type: ignore[index]
+    assert encode_scenario(scenario)["defaults"]["drift"] == {"velocity": [0.3, -0.1]}
     data = _two(drift={"state": [0.1, 0, 0, 0.2]})
-    assert encode_scenario(decode_scenario(data))["defaults"]["drift"] == {  # type: ignore[index]
+    assert encode_scenario(decode_scenario(data))["defaults"]["drift"] == {
         "state": [0.1, 0.0, 0.0, 0.2]
     }
 
@@ -345,7 +345,7 @@ def test_a_time_constant_is_a_correlation_from_step_to_step() -> None:
     a = scenario.vehicles[0]
     assert a.disturbance_correlation == pytest.approx(np.exp(-0.25))
     assert a.disturbance_covariance.tolist() == (0.1 * np.eye(4)).tolist()
-    written = encode_scenario(scenario)["defaults"]["disturbance"]  # type: ignore[index]
+    written = encode_scenario(scenario)["defaults"]["disturbance"]
     assert written == {"covariance": [0.1] * 4, "time_constant": 2.0}
 
 
@@ -355,7 +355,7 @@ def test_a_sensor_of_states_is_written_as_their_indices_and_any_other_as_its_mat
         {"matrix": [[1.0, 0.0, 0.5, 0.0]], "covariance": [0.3]},
     ):
         scenario = decode_scenario(_two(measurement=given))
-        assert encode_scenario(scenario)["defaults"]["measurement"] == given  # type: ignore[index]
+        assert encode_scenario(scenario)["defaults"]["measurement"] == given
     sensor = decode_scenario(_two(measurement={"of": [1], "covariance": 4})).vehicles[1].measurement
     assert sensor is not None
     assert sensor.matrix.tolist() == [[0.0, 1.0, 0.0, 0.0]]
@@ -373,7 +373,7 @@ def test_an_own_disturbance_replaces_the_default_however_either_is_described(
     default: dict[str, object], own: dict[str, object]
 ) -> None:
     data = _two(**default)
-    data["vehicles"][1].update(own)  # type: ignore[index]
+    data["vehicles"][1].update(own)
     a, b = decode_scenario(data).vehicles
     found = {v.disturbance_correlation: v.disturbance_covariance[0, 0] for v in (a, b)}
     assert found == {0.5: 0.1, 0.0: 0.2}

@@ -37,7 +37,7 @@ def craft(seed: int, **more: object) -> Vehicle:
         initial_covariance=initial,
         disturbance_covariance=disturbance,
         gain=None if seed % 3 == 1 else -0.2 * rng.normal(size=(2, 4)),
-        **more,  # type: ignore[arg-type]
+        **more,
     )
 
 

@@ -113,4 +113,4 @@ def test_what_is_proven_at_one_price_is_carried_to_others_within_their_values() 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), "2"])
 def test_what_is_no_time_for_a_proof_is_refused(seconds: object) -> None:
     with pytest.raises(ScenarioError, match="proof_seconds must be a number >= 0"):
-        Certified(seconds)  # type: ignore[arg-type]
+        Certified(seconds)

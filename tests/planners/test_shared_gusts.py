@@ -41,7 +41,7 @@ def passing(*sources: tuple[str, np.ndarray] | None, **more: object) -> Scenario
         )
         for name, (start, goal), source in zip("ab", ends, sources, strict=True)
     ]
-    return Scenario("passing", 1.0, 6, 0.05, vehicles, **more)  # type: ignore[arg-type]
+    return Scenario("passing", 1.0, 6, 0.05, vehicles, **more)
 
 
 def test_a_gust_that_both_feel_costs_nothing_and_one_for_each_does():

@@ -69,7 +69,7 @@ def craft(name: str, start: list[float], goal: list[float], **more: object) -> V
         initial_covariance=[1e-3] * d + [1e-4] * d,
         disturbance_covariance=[1e-3] * d + [1e-4] * d,
         gain=lqr_gain(system, np.eye(2 * d), np.eye(d)),
-        **more,  # type: ignore[arg-type]
+        **more,
     )
 
 
@@ -90,7 +90,7 @@ def fleet(world: str, avoidance: str = "intervals", d: int = 2) -> Scenario:
         obstacles.append(
             Obstacle.tracked("freighter", hull if d == 2 else solid, start, known, 5e-4)
         )
-    return Scenario("s", 1.0, 8, 0.05, (a, b), obstacles, avoidance=avoidance)  # type: ignore[arg-type]
+    return Scenario("s", 1.0, 8, 0.05, (a, b), obstacles, avoidance=avoidance)
 
 
 def check(scenario: Scenario, name: str) -> None:

@@ -219,7 +219,7 @@ def two_vehicles(avoidance: str, *, has_feedback: bool) -> Scenario:
             Obstacle.box("box", [2.5, -2.5], [4.5, -0.9]),
             Obstacle.moving("tug", outlines),
         ),
-        avoidance=avoidance,  # type: ignore[arg-type]
+        avoidance=avoidance,
     )
 
 

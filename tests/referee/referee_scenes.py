@@ -71,7 +71,7 @@ def glider(
         initial_covariance=diagonal,
         disturbance_covariance=diagonal,
     )
-    return replace(vehicle, **changes)  # type: ignore[arg-type]
+    return replace(vehicle, **changes)
 
 
 def straight_controls(vehicle: Vehicle, horizon: int) -> np.ndarray:
@@ -125,7 +125,7 @@ def walk_plan(*walks: tuple[Vehicle, np.ndarray], **options: object) -> Plan:
     """Return the plan of vehicles without inertia."""
     vehicles = tuple(v for v, _ in walks)
     settings = {"name": "walk", "dt": 1.0, "risk_bound": 0.05, "avoidance": "steps", **options}
-    scenario = Scenario(horizon=len(walks[0][1]), vehicles=vehicles, **settings)  # type: ignore[arg-type]
+    scenario = Scenario(horizon=len(walks[0][1]), vehicles=vehicles, **settings)
     return make_plan(scenario, [u for _, u in walks])
 
 
