@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 import traceback
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields
 from types import FrameType, MappingProxyType
+from unittest.mock import patch
 
-__all__ = ["COLUMNS", "KINDS", "Catch", "Notes", "catch_of", "watched"]
+__all__ = ["COLUMNS", "KINDS", "Catch", "Notes", "catch_of", "clock", "watched"]
 
 KINDS: Mapping[str, str] = MappingProxyType(
     {
@@ -112,6 +114,16 @@ class Notes:
 
 class _HangError(Exception):
     """A call that does not come back."""
+
+
+@contextmanager
+def clock(by_processor: bool) -> Iterator[None]:
+    """Let time limits and seconds be those of the wall, or of the processor."""
+    if not by_processor:
+        yield
+        return
+    with patch("time.monotonic", time.process_time), patch("time.perf_counter", time.process_time):
+        yield
 
 
 @contextmanager

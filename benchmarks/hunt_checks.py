@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from calibration_report import lower_limit
 from hunt_bounds import simple_bounds
-from hunt_catch import Catch, Notes, watched
+from hunt_catch import Catch, Notes, clock, watched
 from hunt_flight import plain_collisions
 from hunt_scenes import draw_scene
 from radmpc.model.plan import Status
@@ -71,6 +71,8 @@ class Effort:
         Seconds after which a call counts as hung, beyond its limit.
     planners : tuple of str
         Who plans, keys of `PLANNERS`.
+    by_processor : bool
+        Whether seconds of planning are the processor's, which other jobs do not stretch.
     """
 
     time_limit: float = 4.0
@@ -78,6 +80,7 @@ class Effort:
     samples: int = 20_000
     hang: float = 30.0
     planners: tuple[str, ...] = tuple(PLANNERS)
+    by_processor: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +137,7 @@ def examine(scenario: Scenario, seed: int, index: int, effort: Effort) -> Catch:
     answers: dict[str, _Answer] = {}
     for name in effort.planners:
         limit = effort.time_limit if name == "certified" else effort.other_limit
-        with watched(notes, name, limit + effort.hang):
+        with watched(notes, name, limit + effort.hang), clock(effort.by_processor):
             answers[name] = _planned(scenario, PLANNERS[name], limit, index)
     if effort.samples:
         for name, answer in answers.items():

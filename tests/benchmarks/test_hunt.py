@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import sys
+import time
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 import hunt
 import hunt_checks
-from hunt_catch import KINDS, Catch, Notes, catch_of, watched
+from hunt_catch import KINDS, Catch, Notes, catch_of, clock, watched
 from hunt_checks import Effort, examine, run_scene
 from hunt_flight import plain_collisions, solid_distances
 from hunt_scenes import draw_scene
@@ -221,3 +222,13 @@ def test_a_scene_is_played_again_and_written(
     hunt.main()
     assert "uniform" in capsys.readouterr().out
     assert path.exists()
+
+
+def test_seconds_of_the_processor_do_not_count_while_others_run():
+    wall = time.monotonic()
+    with clock(by_processor=True):
+        counted = time.monotonic(), time.perf_counter()
+        time.sleep(0.2)
+        counted = time.monotonic() - counted[0], time.perf_counter() - counted[1]
+    assert max(counted) < 0.1
+    assert time.monotonic() - wall >= 0.2
