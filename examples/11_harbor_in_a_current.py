@@ -1,9 +1,10 @@
 """A harbor as it is measured.
 
-A current of 0.5 m/s sets through the harbor, receivers are good for 1.5 m, and a freighter comes in
-of which AIS tells position, speed and course. Boats steer by what a Kalman filter makes of their
-fixes, and plan for where the freighter may be (dashed: 3σ), which is one place for all of them. The
-number is what that costs: the effort relative to that with a freighter that keeps to its track.
+A current of 0.5 m/s sets through the harbor, gusts of 30 s meet all boats at once, receivers are
+good for 1.5 m, and a freighter comes in of which AIS tells position, speed and course. Boats steer
+by what a Kalman filter makes of their fixes, and plan for where the freighter may be (dashed: 3σ),
+which is one place for all of them. The number is what that costs: the effort relative to that with
+a freighter that keeps to its track.
 """
 
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 
 import radmpc
 
-EXPECTED, TOLERANCE = 1.018, 0.004  # plans are made to a gap of 0.1 %
+EXPECTED, TOLERANCE = 1.028, 0.004  # plans are made to a gap of 0.1 %
 
 DT, HORIZON = 10.0, 14
 WALLS = {
@@ -21,6 +22,10 @@ WALLS = {
     "pier": [[115, 120], [127, 120], [127, 160], [115, 160]],
 }
 STARTS = {"tug": [18, 55], "ferry": [22, 100], "survey": [210, 18]}
+# A gust turns boats by 0.015 m/s in a step, and each by as much as the next.
+GUST = radmpc.SharedDisturbance(
+    "gust", np.vstack([DT / 2 * np.eye(2), np.eye(2)]), 0.015**2, np.exp(-DT / 30.0)
+)
 GOALS = {"tug": [218, 100], "ferry": [88, 140], "survey": [35, 18]}
 
 
@@ -33,6 +38,7 @@ def boat(name: str, start: list[int], goal: list[int]) -> radmpc.Vehicle:
         disturbance_covariance=[0.1, 0.1, 4e-4, 4e-4],
         gain=radmpc.lqr_gain(system, np.diag([1.0, 1.0, 100.0, 100.0]), 1e4 * np.eye(2)),
         drift=[0.4 * DT, 0.3 * DT, 0.0, 0.0], measurement=radmpc.Measurement.of([0, 1], 4, 1.5**2),
+        shared=(GUST,),
     )  # fmt: skip
 
 
