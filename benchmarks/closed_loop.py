@@ -14,6 +14,7 @@ a tick takes: the median, 99 of 100, 999 of 1,000, and the most.
 candidates cost all of the wealth and begins without a bank; `anew` grants Δ at each tick; `pool`
 takes the larger of the tail and of what a pool still holds from which every step's risk was taken;
 `paper` plans within that pool alone and flies whatever was found, as the paper's scheme does.
+`orca` and `dmpc` keep no account at all (`closed_loop_peers.py`).
 `--planner warm` makes candidates by kept linear programs, else `certified` is asked on the spot.
 """
 
@@ -30,6 +31,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.special import betaincinv
 
+from closed_loop_peers import PEERS, flown_by
 from radmpc.experiments.families import circle, fleet, paper
 from radmpc.flying import deciding
 from radmpc.flying.account import Account
@@ -45,6 +47,7 @@ from radmpc.planning import plan
 from radmpc.result import Result
 
 RULES = ("plus", "kept", "all", "anew", "pool", "paper")
+"""Of accounting; all of them by default."""
 
 SECONDS = 60.0
 """What the first plan may take [s]."""
@@ -137,8 +140,10 @@ class Outcome:
 
 
 def flown(result: Result, rule: str, seed: int, planner: str) -> Outcome:
-    """Fly one mission by a rule."""
+    """Fly one mission by a rule, or by a peer."""
     scenario = result.record.scenario
+    if rule in PEERS:
+        return _outcome(scenario, flown_by(rule, scenario, seed))
     pool = Pool(scenario.risk_bound)
     options: dict[str, object] = {"clock": time.process_time}
     if rule == "kept" or planner == "warm":
@@ -151,6 +156,11 @@ def flown(result: Result, rule: str, seed: int, planner: str) -> Outcome:
         if rule == "all":
             mission.set_risk_bound(mission.balance.risk_bound - 0.999 * mission.balance.bank)
         flight = fly(mission, _Counting(Model(scenario, seed), mission, pool))
+    return _outcome(scenario, flight)
+
+
+def _outcome(scenario: Scenario, flight: Flight) -> Outcome:
+    """Return what a flight came to."""
     miss = 0.0
     for vehicle, state in zip(scenario.vehicles, flight.states[-1], strict=True):
         miss += miss_of(vehicle, state, scenario.dt) / scenario.num_vehicles
@@ -193,7 +203,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--missions", type=int, default=75)
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
-    parser.add_argument("--rules", nargs="+", choices=RULES, default=list(RULES))
+    parser.add_argument("--rules", nargs="+", choices=[*RULES, *PEERS], default=list(RULES))
     parser.add_argument("--planner", choices=("certified", "warm"), default="certified")
     parser.add_argument("--seconds", type=float, default=600.0, help="per scene, at most")
     options = parser.parse_args()
