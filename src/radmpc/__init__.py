@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from radmpc.io.native.scenario_file import load_scenario, save_scenario
     from radmpc.io.tables import to_pandas, to_xarray
     from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
+    from radmpc.model.keep import Keep
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.obstacle import Obstacle
@@ -86,6 +87,7 @@ __all__ = [
     "Identification",
     "ImportOptions",
     "ImportedScenario",
+    "Keep",
     "LedgerRow",
     "LinearSystem",
     "LongMission",
@@ -175,6 +177,7 @@ _HOMES = {
     "io.native.scenario_file": ("load_scenario", "save_scenario"),
     "io.tables": ("to_pandas", "to_xarray"),
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
+    "model.keep": ("Keep",),
     "model.noise.measurement": ("Measurement",),
     "model.noise.shared": ("SharedDisturbance",),
     "model.obstacle": ("Obstacle",),

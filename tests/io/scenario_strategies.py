@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from radmpc.model.dynamics import LinearSystem, double_integrator
+from radmpc.model.keep import Keep
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
@@ -198,6 +199,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
             st.none() | corner.map(lambda size: Workspace(np.full(d, -size), np.full(d, size)))
         ),
         source=draw(st.none() | st.dictionaries(texts, plain, max_size=3)),
+        keep=[Keep(names[:2], draw(positive))] if len(names) > 1 and draw(st.booleans()) else (),
     )
 
 
@@ -216,7 +218,7 @@ def trajectories(draw: st.DrawFn, vehicle: Vehicle, horizon: int) -> Trajectory:
 @st.composite
 def ledger_rows(draw: st.DrawFn) -> LedgerRow:
     return LedgerRow(
-        draw(st.sampled_from(["obstacle", "pair", "workspace"])),
+        draw(st.sampled_from(["obstacle", "pair", "workspace", "range"])),
         draw(texts),
         draw(st.none() | texts),
         draw(st.integers(0, 1000)),

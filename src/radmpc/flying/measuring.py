@@ -121,6 +121,9 @@ def check_memory(scenario: Scenario) -> None:
                 "is known exactly"
             )
             raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
+    if scenario.keep:
+        message = "cannot be kept under way: a mission accounts for collisions and the workspace"
+        raise ScenarioError(message, ("keep",))
     if scenario.covariance_samples is not None:
         message = "cannot be flown under way: a mission takes covariances that are known"
         raise ScenarioError(message, ("covariance_samples",))

@@ -229,6 +229,11 @@ def _start_in_conflict(risk_item: RiskItem) -> str:
             f"The start of vehicle {risk_item.vehicle!r} lies within obstacle {risk_item.other!r} "
             "grown by the vehicle's radius. Move the start."
         )
+    if risk_item.cause == "range":
+        return (
+            f"The starts of vehicles {risk_item.vehicle!r} and {risk_item.other!r} are out of the "
+            "range that they keep. Move a start, or keep a longer one."
+        )
     return f"The start of vehicle {risk_item.vehicle!r} lies outside the workspace. Move the start."
 
 
@@ -237,6 +242,11 @@ def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
     when = f"at step {risk_item.step}"
     if scenario.avoidance == "intervals":
         when = f"between steps {risk_item.step} and {risk_item.step + 1}"
+    if risk_item.cause == "range":
+        return (
+            f"Vehicles {risk_item.vehicle!r} and {risk_item.other!r} cannot be in the range that "
+            f"they keep {when}: limits and goals lead them apart. Keep a longer one."
+        )
     return (
         f"{_capitalized(hazard_name(risk_item))} cannot be kept apart {when}: none of the faces "
         "between them leaves room for any motion that limits and goals allow. Lengthen the "
@@ -258,6 +268,8 @@ def hazard_name(risk_item: RiskItem) -> str:
         return f"vehicles {risk_item.vehicle!r} and {risk_item.other!r}"
     if cause == "obstacle":
         return f"vehicle {risk_item.vehicle!r} and obstacle {risk_item.other!r}"
+    if cause == "range":
+        return f"the range that {risk_item.vehicle!r} and {risk_item.other!r} keep"
     return f"vehicle {risk_item.vehicle!r} and the workspace border"
 
 

@@ -70,7 +70,7 @@ class Decomposition(ABC):
     """Whether it takes "none found" for "there is none", or costs for the least."""
 
     takes_shared: ClassVar[bool] = True
-    """Whether it plans vehicles whose disturbances are partly the same."""
+    """Whether it plans vehicles whose disturbances are partly the same, or that keep a range."""
 
     default_seconds: ClassVar[float | None] = None
     """Time limit where none is given [s]; None is no limit."""

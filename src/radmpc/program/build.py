@@ -98,6 +98,11 @@ def build_program(
         builder.keep_in_workspace(i)
     for i, j in combinations(range(len(models)), 2):
         builder.keep_apart(i, j)
+    if scenario.keep:
+        from radmpc.model.keep import keep_pairs  # noqa: PLC0415 - few keep a range
+
+        for i, j, within in keep_pairs(scenario.keep, [model.vehicle.name for model in models]):
+            builder.keep_within(i, j, within)
     return builder.finish(risk_bound)
 
 

@@ -114,6 +114,8 @@ class Hazards:
         step makes of that [m]; None where nothing is shared.
     tail : Tail
         Of what everything deviates by.
+    ranges : tuple of (int, int, float)
+        Who stays within a range of whom [m].
     """
 
     models: tuple[CondensedModel, ...]
@@ -128,6 +130,7 @@ class Hazards:
     common: Tensor | None = None
     common_bent: Tensor | None = None
     tail: Tail = GAUSSIAN
+    ranges: tuple[tuple[int, int, float], ...] = ()
 
     @classmethod
     def of(cls, scenario: Scenario, models: Sequence[CondensedModel]) -> Hazards:
@@ -162,6 +165,7 @@ class Hazards:
             _responses(shared, "positions"),
             _responses(shared, "bent"),
             Tail(scenario.covariance_samples),
+            _ranges(scenario) if scenario.keep else (),
         )
 
     def joint(self, steps: Indices, first: Indices, second: Indices | None) -> Tensor:
@@ -222,6 +226,13 @@ class Hazards:
     def dimension(self) -> int:
         """Number of coordinates d."""
         return int(self.covariances.shape[-1])
+
+
+def _ranges(scenario: Scenario) -> tuple[tuple[int, int, float], ...]:
+    """Return who stays within a range of whom."""
+    from radmpc.model.keep import keep_pairs  # noqa: PLC0415 - few keep a range
+
+    return keep_pairs(scenario.keep, [vehicle.name for vehicle in scenario.vehicles])
 
 
 def _corners(keepout: KeepOut, horizon: int, count: int) -> Tensor:

@@ -92,6 +92,7 @@ def _ledger_problems(plan: Plan) -> list[str]:
         "pair": vehicles,
         "obstacle": {o.name for o in plan.scenario.obstacles},
         "workspace": set[str](),
+        "range": vehicles,
     }
     problems = []
     for row in plan.risk.ledger:
@@ -99,7 +100,7 @@ def _ledger_problems(plan: Plan) -> list[str]:
         if row.vehicle not in vehicles:
             problems.append(f"{about} vehicle {row.vehicle!r}, who is not in the scenario")
         # Without a partner a row is the sum over all that is far away.
-        is_itself = row.cause == "pair" and row.other == row.vehicle
+        is_itself = row.cause in {"pair", "range"} and row.other == row.vehicle
         if row.other is not None and (is_itself or row.other not in partners[row.cause]):
             problems.append(f"{about} other {row.other!r}, which is none of the scenario's")
         if not 0 <= row.step <= plan.scenario.horizon:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +19,14 @@ from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pai
 from radmpc.referee.padding import padded_edges, padded_normals, padded_vertices
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["Gathered", "NearPiece", "gather_obstacles", "gather_pairs", "near_pieces"]
+__all__ = [
+    "Gathered",
+    "NearPiece",
+    "gather_obstacles",
+    "gather_pairs",
+    "near_pieces",
+    "relative_motion",
+]
 
 Flags = npt.NDArray[np.bool_]
 
@@ -90,25 +98,44 @@ def gather_pairs(
     skipped = count - 1 - np.arange(count) - np.bincount(i, minlength=count)
     if not pairs.size:
         return Gathered((), skipped)
-    d = scenario.dimension
-    faces = _pair_directions(scenario.num_pair_faces, d)
+    faces = _pair_directions(scenario.num_pair_faces, scenario.dimension)
+    batch = relative_motion(motion, i, j, "pair")
+    walls = np.broadcast_to(faces, (len(pairs), *faces.shape))
+    return Gathered((batch.against(batch.vertices, walls),), skipped)
+
+
+def relative_motion(
+    motion: FleetMotion, i: Indices, j: Indices, kind: Literal["pair", "range"]
+) -> Encounters:
+    """Return relative motions of vehicles against the origin, no directions named.
+
+    Parameters
+    ----------
+    motion : FleetMotion
+        Of the fleet.
+    i, j : (B,) int array
+        The vehicles.
+    kind : {'pair', 'range'}
+        Whether they keep apart, or together: then their radii do not count.
+    """
+    count, d = len(i), motion.positions.shape[2]
     covariances, bent = _pair_covariances(motion, i, j)
-    batch = Encounters(
-        kind="pair",
+    radii = motion.radii[i] + motion.radii[j]
+    return Encounters(
+        kind=kind,
         first=i,
         other=j,
-        piece=np.zeros(len(pairs), dtype=np.int64),
+        piece=np.zeros(count, dtype=np.int64),
         means=motion.positions[i] - motion.positions[j],
         covariances=covariances,
         bent_covariances=bent,
         sagittas=motion.sagittas[i] - motion.sagittas[j],
-        radii=motion.radii[i] + motion.radii[j],
-        vertices=np.zeros((len(pairs), 1, 1, d)),
-        directions=np.broadcast_to(faces, (len(pairs), *faces.shape)),
-        edges=np.zeros((len(pairs), 1, 0, 2, d)),
+        radii=radii if kind == "pair" else np.zeros(count),
+        vertices=np.zeros((count, 1, 1, d)),
+        directions=np.zeros((count, 0, d)),
+        edges=np.zeros((count, 1, 0, 2, d)),
         samples=motion.samples,
     )
-    return Gathered((batch,), skipped)
 
 
 def _pair_covariances(motion: FleetMotion, i: Indices, j: Indices) -> tuple[Tensor, Tensor | None]:

@@ -18,6 +18,7 @@ __all__ = [
     "FeedbackSpec",
     "FileModel",
     "GoalSpec",
+    "KeepSpec",
     "LqrSpec",
     "MeasurementSpec",
     "ObjectiveSpec",
@@ -44,6 +45,9 @@ _MOST_SAMPLES = 1_000_000
 _MOST_STEPS = 1000
 """Steps of one scenario."""
 
+
+_MOST_RANGES = 10_000
+"""Pairs of vehicles that keep a range."""
 
 MOST_VISITS = 200
 """Boxes that one vehicle visits."""
@@ -231,6 +235,13 @@ class SharedDisturbanceSpec(FileModel):
     on: dict[str, Square | None]
 
 
+class KeepSpec(FileModel):
+    """Two vehicles, and the range that they keep."""
+
+    vehicles: Annotated[list[Text], Field(min_length=2, max_length=2)]
+    within: Number
+
+
 class ScenarioSpec(FileModel):
     """A whole scenario."""
 
@@ -248,4 +259,5 @@ class ScenarioSpec(FileModel):
     shared_disturbances: Annotated[list[SharedDisturbanceSpec], Field(max_length=_MOST_STATES)] = []
     covariance_samples: Annotated[int, Field(le=_MOST_SAMPLES)] | None = None
     objective: ObjectiveSpec = ObjectiveSpec.model_construct()
+    keep: Annotated[list[KeepSpec], Field(max_length=_MOST_RANGES)] = []
     source: dict[str, Any] | None = None

@@ -61,8 +61,5 @@ class Surroundings:
         """Return the scenario of some vehicles and the obstacles they may meet."""
         whole = self._scenario
         near = np.flatnonzero(self._near[list(members)].any(axis=0))
-        return replace(
-            whole,
-            vehicles=tuple(whole.vehicles[i] for i in members),
-            obstacles=tuple(whole.obstacles[int(i)] for i in near),
-        )
+        alone = whole.with_vehicles(whole.vehicles[i] for i in members)
+        return replace(alone, obstacles=tuple(whole.obstacles[int(i)] for i in near))
