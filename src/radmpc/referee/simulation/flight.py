@@ -221,7 +221,7 @@ class Chunk:
         """Return the (relative) positions of some rows in some samples, (M, d)."""
         first, other = watch.first[row], watch.other[row]
         positions = self._positions(first, sample, step, state)
-        pair = np.flatnonzero(np.isin(watch.kinds[row], (PAIR, RANGE)))
+        pair = np.flatnonzero(watch.are_pairs[row])
         positions[pair] -= self._positions(other[pair], sample[pair], step, state)
         starts = self.flight.sampler.track_starts
         if starts.size:
@@ -250,7 +250,7 @@ class Chunk:
             pushed -= flight.held_back @ excess[:, used]
         by_axis: Tensor = pushed.reshape(flight.scenario.num_vehicles, -1, used.size)
         extra = by_axis[watch.first[row], :, place]
-        pair = np.flatnonzero(np.isin(watch.kinds[row], (PAIR, RANGE)))
+        pair = np.flatnonzero(watch.are_pairs[row])
         extra[pair] -= by_axis[watch.other[row[pair]], :, place[pair]]
         return np.asarray(extra / 4.0)
 

@@ -77,6 +77,11 @@ class Watch:
     reaches: Vector
     sagittas: Matrix
 
+    @property
+    def are_pairs(self) -> Flags:
+        """Whether each row is about the position of one vehicle relative to another, (M,) bool."""
+        return np.isin(self.kinds, (PAIR, RANGE))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Rows:
