@@ -54,6 +54,14 @@ def tight_limits(plan: Plan) -> tuple[TightLimit, ...]:
         controls = np.abs(trajectory.controls)
         bounds = vehicle.control_bounds(trajectory.covariances)
         used = _num_used(controls, bounds, vehicle.control_limit)
+        if vehicle.control_norm is not None:
+            from radmpc.geometry import inner_faces  # noqa: PLC0415 - few have any
+            from radmpc.model.norms import control_face_bounds  # noqa: PLC0415 - likewise
+
+            normals, _ = inner_faces(controls.shape[1])
+            faces = control_face_bounds(vehicle, 0, len(controls))
+            along = trajectory.controls @ normals.T
+            used = max(used, _num_used(along, faces, np.full(len(normals), vehicle.control_norm)))
         found.append(TightLimit(vehicle.name, "control", used))
         found.append(TightLimit(vehicle.name, "speed", _num_fast(vehicle, trajectory)))
     used_up = [limit for limit in found if limit.num_steps]
@@ -64,10 +72,16 @@ def _num_fast(vehicle: Vehicle, trajectory: Trajectory) -> int:
     """Return at how many steps the mean speed is at its limit."""
     if vehicle.speed_limit is None or vehicle.system.velocity is None:
         return 0
-    speeds = np.abs(trajectory.means[1:, list(vehicle.system.velocity)])
-    return _num_used(
-        speeds, np.broadcast_to(vehicle.speed_limit, speeds.shape), vehicle.speed_limit
-    )
+    speeds = trajectory.means[1:, list(vehicle.system.velocity)]
+    limit = vehicle.speed_limit
+    per_axis = _num_used(np.abs(speeds), np.broadcast_to(limit, speeds.shape), limit)
+    if vehicle.speed_norm is None:
+        return per_axis
+    from radmpc.geometry import inner_faces  # noqa: PLC0415 - few have any
+
+    normals, share = inner_faces(speeds.shape[1])
+    most = np.full((len(speeds), len(normals)), share * vehicle.speed_norm)
+    return max(per_axis, _num_used(speeds @ normals.T, most, most[0]))
 
 
 def _num_used(values: Matrix, bounds: Matrix, scale: Matrix) -> int:

@@ -82,6 +82,11 @@ class Vehicle(Frozen):
         Its part in disturbances that others meet, too; names distinct.
     via : tuple of Visit
         Boxes that its mean visits on the way, one after the other.
+    control_norm : float or None
+        Largest Euclidean norm of the control, > 0; None is no limit but those per axis, of which
+        none is larger then. Two or three controls.
+    speed_norm : float or None
+        Largest Euclidean norm of the mean velocity [m/s], likewise.
     """
 
     name: str
@@ -101,6 +106,8 @@ class Vehicle(Frozen):
     measurement: Measurement | None = None
     shared: tuple[SharedDisturbance, ...] = ()
     via: tuple[Visit, ...] = ()
+    control_norm: float | None = None
+    speed_norm: float | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -123,6 +130,8 @@ class Vehicle(Frozen):
             measurement: Measurement | None = None,
             shared: Sequence[SharedDisturbance] = (),
             via: Iterable[Visit] = (),
+            control_norm: float | None = None,
+            speed_norm: float | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -140,6 +149,11 @@ class Vehicle(Frozen):
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
         if self.drift is not None:
             put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
+        if self.control_norm is not None or self.speed_norm is not None:
+            from radmpc.model.norms import limits_under  # noqa: PLC0415 - few have any
+
+            for name, value in limits_under(self).items():
+                put(self, name, value)
         limit = self.speed_limit
         all_checked(
             lambda: None if limit is None else check_positive(limit, "speed_limit", "m/s"),

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, eye_array, vstack
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import Tail
-from radmpc.geometry import sphere_directions
+from radmpc.geometry import inner_faces, sphere_directions
 from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
@@ -29,7 +29,6 @@ from radmpc.program.keepout import KeepOut
 from radmpc.program.layout import laid_out
 from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram, RiskItem
-from radmpc.program.ranges import inner_faces
 from radmpc.program.relative import own_body, relative_body
 from radmpc.program.rows import avoidance_rows
 from radmpc.program.start import risks_at_start

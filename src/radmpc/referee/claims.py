@@ -205,6 +205,11 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         bounds = _control_bounds(vehicle, motion.seen[i][:-1])
         problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
+        if vehicle.control_norm is not None or vehicle.speed_norm is not None:
+            from radmpc.referee.norms import norm_problems  # noqa: PLC0415 - few have any
+
+            seen = motion.seen[i][:-1]
+            problems += norm_problems(vehicle, motion.states[i], trajectory.controls, seen)
         if vehicle.via or vehicle.goal.within is not None:
             from radmpc.referee.visits import arrival_problems, visit_problems  # noqa: PLC0415 - few have any
 

@@ -139,10 +139,10 @@ def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
         "start": _start(vehicle),
         "goal": _goal(vehicle.goal, vehicle.system.velocity is not None),
         "radius": float(vehicle.radius),
-        "control_limit": _short(vehicle.control_limit),
+        "control_limit": _limit(vehicle.control_limit, vehicle.control_norm),
     }
     if vehicle.speed_limit is not None:
-        content["speed_limit"] = _short(vehicle.speed_limit)
+        content["speed_limit"] = _limit(vehicle.speed_limit, vehicle.speed_norm)
     content["initial_covariance"] = _covariance(vehicle.initial_covariance)
     disturbance = _covariance(vehicle.disturbance_covariance)
     if vehicle.disturbance_correlation == 0.0:
@@ -241,6 +241,13 @@ def _covariance(matrix: Matrix) -> float | list[float] | list[list[float]]:
         return _floats(diagonal)
     rows: list[list[float]] = matrix.tolist()
     return rows
+
+
+def _limit(axes: Vector, norm: float | None) -> object:
+    """Return a limit per axis, or one of the norm with those per axis that are less."""
+    if norm is None:
+        return _short(axes)
+    return {"norm": float(norm)} | ({"axes": _short(axes)} if np.any(axes != norm) else {})
 
 
 def _short(vector: Vector) -> float | list[float]:

@@ -21,6 +21,7 @@ __all__ = [
     "KeepSpec",
     "LqrSpec",
     "MeasurementSpec",
+    "NormSpec",
     "ObjectiveSpec",
     "ObstacleSpec",
     "ScenarioSpec",
@@ -149,6 +150,27 @@ class SurveySpec(FileModel):
     speed: ScalarOrVector | None = None
 
 
+class NormSpec(FileModel):
+    """A limit of a Euclidean norm, and others per axis."""
+
+    norm: Number
+    axes: ScalarOrVector | None = None
+
+
+def _limit(value: object) -> str:
+    """Return whether a value is meant as a norm, a list or a number."""
+    kind = "norm" if isinstance(value, dict) else "list" if isinstance(value, list) else "number"
+    return MARK + kind
+
+
+Limit = Annotated[
+    Annotated[Number, Tag(MARK + "number")]
+    | Annotated[Vector, Tag(MARK + "list")]
+    | Annotated[NormSpec, Tag(MARK + "norm")],
+    Discriminator(_limit),
+]
+
+
 class DynamicsSpec(FileModel):
     """``{model}`` or ``{A, B, position, velocity}``."""
 
@@ -210,8 +232,8 @@ class VehicleSpec(FileModel):
     start: Vector = []
     goal: GoalSpec | None = None
     radius: Number = 0.0
-    control_limit: ScalarOrVector = 0.0
-    speed_limit: ScalarOrVector | None = None
+    control_limit: Limit = 0.0
+    speed_limit: Limit | None = None
     initial_covariance: Square = 0.0
     disturbance_covariance: Square = 0.0
     disturbance: DisturbanceSpec | None = None

@@ -7,10 +7,7 @@ of the disc: each pair takes the one that makes it out best.
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.keep import keep_pairs
@@ -19,15 +16,9 @@ from radmpc.referee.bound.workspace import face_risks
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.gather import relative_motion
 from radmpc.referee.motion import FleetMotion
+from radmpc.referee.polytopes import polytopes_within
 
 __all__ = ["range_faces", "range_risks"]
-
-_SIDES = (4, 8, 16, 32)
-"""Corners of the polygons that are tried in the plane [-]."""
-
-_FINENESS = (2, 3, 5)
-"""Points along the edges of cubes through which faces of polytopes in space are laid
-[-]: 8, 26 and 98 faces."""
 
 
 def range_faces(scenario: Scenario, motion: FleetMotion) -> list[list[tuple[Matrix, Encounters]]]:
@@ -52,7 +43,7 @@ def range_faces(scenario: Scenario, motion: FleetMotion) -> list[list[tuple[Matr
     reach = np.array([within for _, _, within in pairs])
     batch = relative_motion(motion, first, other, "range")
     polytopes = []
-    for normals, distance in _polytopes(scenario.dimension):
+    for normals, distance in polytopes_within(scenario.dimension):
         faces = []
         for outward in normals:
             corners = (distance * reach)[:, None] * outward
@@ -91,23 +82,3 @@ def range_risks(
     pairs = polytopes[0][0][1]
     best = totals.sum(axis=2).argmin(axis=0)
     return pairs, totals[best, np.arange(len(pairs.first))]
-
-
-@cache
-def _polytopes(dimension: int) -> list[tuple[Matrix, float]]:
-    """Return polytopes within the unit disc or ball: outward normals, distance of the faces."""
-    if dimension == 2:
-        found = []
-        for sides in _SIDES:
-            turn = 2.0 * np.pi / sides * np.arange(sides)
-            found.append((np.stack([np.cos(turn), np.sin(turn)], axis=1), np.cos(np.pi / sides)))
-        return found
-    found = []
-    for fineness in _FINENESS:
-        grid = np.linspace(-1.0, 1.0, fineness)
-        points = np.array(np.meshgrid(grid, grid, grid)).reshape(3, -1).T
-        on_cube = points[np.abs(points).max(axis=1) == 1.0]
-        normals = on_cube / np.sqrt(np.square(on_cube).sum(axis=1))[:, None]
-        # The corners of a polytope are the poles of the facets of its normals' hull.
-        found.append((normals, float((-ConvexHull(normals).equations[:, -1]).min())))
-    return found

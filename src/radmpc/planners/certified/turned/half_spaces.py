@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import (
     around_approach,
     closest_approach,
@@ -24,7 +25,6 @@ from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
-from radmpc.program.ranges import inner_faces
 
 __all__ = ["HalfSpaces", "half_spaces"]
 
