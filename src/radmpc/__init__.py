@@ -46,12 +46,12 @@ if TYPE_CHECKING:
     from radmpc.io.native.scenario_file import load_scenario, save_scenario
     from radmpc.io.tables import to_pandas, to_xarray
     from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
-    from radmpc.model.keep import Keep
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.obstacle import Obstacle
     from radmpc.model.obstacle_reported import track_from_course
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+    from radmpc.model.relations.keep import Keep
     from radmpc.model.scenario import Scenario, Workspace
     from radmpc.model.vehicle import Goal, Vehicle
     from radmpc.model.visits import Visit
@@ -177,7 +177,7 @@ _HOMES = {
     "io.native.scenario_file": ("load_scenario", "save_scenario"),
     "io.tables": ("to_pandas", "to_xarray"),
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
-    "model.keep": ("Keep",),
+    "model.relations.keep": ("Keep",),
     "model.noise.measurement": ("Measurement",),
     "model.noise.shared": ("SharedDisturbance",),
     "model.obstacle": ("Obstacle",),

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from radmpc.model.dynamics import LinearSystem, double_integrator
-from radmpc.model.keep import Keep
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.model.relations.concerns import all_but, only_for
+from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.model.visits import Visit
@@ -166,6 +167,15 @@ plain = st.recursive(
 )
 
 
+def concerning(obstacle: Obstacle, names: list[str]) -> st.SearchStrategy[Obstacle]:
+    some = st.lists(st.sampled_from(names), min_size=1, unique=True)
+    return st.one_of(
+        st.just(obstacle),
+        some.map(lambda chosen: only_for(obstacle, chosen)),
+        some.map(lambda chosen: all_but(obstacle, chosen)),
+    )
+
+
 @st.composite
 def scenarios(draw: st.DrawFn) -> Scenario:
     d = draw(st.sampled_from([2, 3]))
@@ -192,7 +202,9 @@ def scenarios(draw: st.DrawFn) -> Scenario:
             for v in fleet
         ),
         time_weight=draw(st.just(0.0) | st.floats(0.0, 1e6)),
-        obstacles=tuple(draw(obstacles(name, d, horizon)) for name in stones),
+        obstacles=tuple(
+            draw(concerning(draw(obstacles(name, d, horizon)), names)) for name in stones
+        ),
         avoidance=draw(st.sampled_from(["steps", "intervals"])),
         pair_faces=draw(st.none() | faces),
         workspace=draw(

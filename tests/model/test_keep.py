@@ -4,7 +4,7 @@ import pytest
 
 from radmpc import Goal, Keep, Scenario, ScenarioError, Vehicle, double_integrator
 from radmpc.io.native.mapping import from_dict, to_dict
-from radmpc.model.keep import keep_pairs
+from radmpc.model.relations.keep import keep_pairs
 
 
 def vehicle(name: str, y: float) -> Vehicle:

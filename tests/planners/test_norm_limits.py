@@ -120,7 +120,9 @@ def test_a_norm_of_one_control_is_refused() -> None:
     from radmpc import LinearSystem  # noqa: PLC0415 - only here
 
     system = LinearSystem(np.eye(2), np.ones((2, 1)), (0, 1), None)
-    with pytest.raises(ScenarioError, match=r"^control_limit: needs two or three controls, got 1"):
+    with pytest.raises(
+        ScenarioError, match=r"^control_limit: a norm needs two or three axes, got 1"
+    ):
         Vehicle("a", system, [0, 0], Goal.at([1, 1], speed=None), one.radius, 1.0, 0.0, 0.0,
                 control_norm=1.0)  # fmt: skip
 

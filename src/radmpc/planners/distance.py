@@ -17,8 +17,8 @@ from radmpc.arguments import is_number, told
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
-from radmpc.model.keep import keep_pairs
 from radmpc.model.plan import Coupling
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
 from radmpc.planners.components import components

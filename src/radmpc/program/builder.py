@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ProgramBuilder"]
 
+_Labels = Sequence[tuple[Cause, str, str | None]]
+
 _NEGLIGIBLE = 1e-9
 """Risk at k = 0 up to which it is charged but not named in the program [-]."""
 
@@ -62,10 +64,8 @@ class ProgramBuilder:
         Those of all blocks.
     initial : list of (RiskItem, float)
         Risk at k = 0 that is not negligible.
-    presolved_risk, initial_risk, num_presolved : float, float and int
-        Risk of presolved windows, risk at k = 0, and how many windows are presolved.
-    parts : tuple of Part
-        Each vehicle's place among the outputs.
+    presolved_risk, initial_risk, num_presolved, parts
+        Risk of presolved windows, risk at k = 0, how many are presolved; where vehicles stand.
     """
 
     scenario: Scenario
@@ -141,32 +141,39 @@ class ProgramBuilder:
         one, two = self.models[i], self.models[j]
         faces = sphere_directions(self.scenario.num_pair_faces, self.scenario.dimension)
         distance = one.vehicle.radius + two.vehicle.radius
-        body = relative_body((one, two), (self.parts[i], self.parts[j]))
+        body = relative_body((one, two), self.parts[i], self.parts[j])
         if self.first_step == 0:
             origin = np.zeros((1, self.scenario.dimension))
             extra = opening_directions(body.endpoints, faces, (origin, origin), distance, self.tail)
             faces = np.vstack([faces, extra])
         normals, offsets = -faces[None], np.full((1, len(faces)), -distance)
-        names = (one.vehicle.name, two.vehicle.name)
-        self._charge_starts(body, normals, offsets, [("pair", *names)])
+        name, other = one.vehicle.name, two.vehicle.name
+        self._charge_starts(body, normals, offsets, [("pair", name, other)])
         windows = Windows.constant(normals, offsets, one.horizon, intervals=self.intervals)
-        self._add(body, windows, "pair", names[0], [names[1]])
+        self._add(body, windows, "pair", name, [other])
 
     def keep_within(self, i: int, j: int, within: float) -> None:
-        """Keep two vehicles in a range [m] of each other: every face is an avoidance of its own."""
-        one, two = self.models[i], self.models[j]
+        """Keep two vehicles in range: convex, so every face is an avoidance of its own.
+
+        Parameters
+        ----------
+        i, j : int
+            Numbers of the vehicles.
+        within : float
+            The range [m].
+        """
+        both = (self.models[i], self.models[j])
         normals, share = inner_faces(self.scenario.dimension)
-        body = relative_body((one, two), (self.parts[i], self.parts[j]))
-        ends, names = np.full(len(normals), share * within), (one.vehicle.name, two.vehicle.name)
-        self._keep_inside(body, normals, ends, "range", names)
+        body, ends = relative_body(both, self.parts[i], self.parts[j]), share * within
+        names = both[0].vehicle.name, both[1].vehicle.name
+        self._keep_inside(body, normals, np.full(len(normals), ends), "range", names)
 
     def keep_in_workspace(self, i: int) -> None:
         """Keep a vehicle's center inside: convex, so every face is an avoidance of its own."""
         workspace = self.scenario.workspace
         if workspace is None:
             return
-        identity = np.eye(self.scenario.dimension)
-        normals = np.concatenate([identity, -identity])
+        normals = sphere_directions(2 * self.scenario.dimension, self.scenario.dimension)
         offsets = np.concatenate([workspace.upper, -workspace.lower])
         names = self.models[i].vehicle.name, None
         self._keep_inside(self._body(i), normals, offsets, "workspace", names)
@@ -230,13 +237,7 @@ class ProgramBuilder:
         self.blocks.append(block)
         self.block_risk_items.append(base + numbers)
 
-    def _charge_starts(
-        self,
-        body: Body,
-        normals: Tensor,
-        offsets: Matrix,
-        labels: Sequence[tuple[Cause, str, str | None]],
-    ) -> None:
+    def _charge_starts(self, body: Body, normals: Tensor, offsets: Matrix, labels: _Labels) -> None:
         """Note the least risk of any face of each thing at k = 0, which no control changes.
 
         It is charged, but under intervals: there the rows at k = 0 are part of the alternatives.

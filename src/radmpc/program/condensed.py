@@ -179,7 +179,7 @@ def condense(
     lower[0] = upper[0] = drift[0]
     face_bounds = None
     if vehicle.control_norm is not None:
-        from radmpc.model.norms import control_face_bounds  # noqa: PLC0415 - few have any
+        from radmpc.model.limits import control_face_bounds  # noqa: PLC0415 - few have any
 
         face_bounds = control_face_bounds(vehicle, first_step, horizon)
     return CondensedModel(

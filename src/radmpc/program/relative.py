@@ -34,14 +34,14 @@ def own_body(model: CondensedModel, part: Part, spread: TrackSpread | None) -> B
     return Body(model.reach_lower, model.reach_upper, covariances, bent, (part,))
 
 
-def relative_body(models: tuple[CondensedModel, CondensedModel], parts: tuple[Part, Part]) -> Body:
+def relative_body(models: tuple[CondensedModel, CondensedModel], first: Part, second: Part) -> Body:
     """Return the position of one vehicle relative to another's.
 
     Parameters
     ----------
     models : tuple of CondensedModel
         The two, over the same steps.
-    parts : tuple of Part
+    first, second : Part
         Their places among the outputs.
     """
     one, two = models
@@ -50,7 +50,7 @@ def relative_body(models: tuple[CondensedModel, CondensedModel], parts: tuple[Pa
         one.reach_upper - two.reach_lower,
         relative_covariances(one, two),
         relative_bent_covariances(one, two),
-        (parts[0], replace(parts[1], sign=-1.0)),
+        (first, replace(second, sign=-1.0)),
     )
 
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import Polytope
+from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
 from radmpc.referee.common import relative
 from radmpc.referee.encounters import Encounters
@@ -170,18 +171,12 @@ def _pair_directions(count: int, dimension: int) -> Matrix:
 def gather_obstacles(
     scenario: Scenario, motion: FleetMotion, *, intervals: bool, always: Flags | None = None
 ) -> Gathered:
-    """Return all vehicles against all convex pieces of obstacles; see `gather_pairs`.
+    """Return all vehicles against all convex pieces of obstacles that concern them.
 
     Parameters
     ----------
-    scenario : Scenario
-        The plan's.
-    motion : FleetMotion
-        Of the fleet.
-    intervals : bool
-        Whether collisions count between steps.
-    always : (N,) bool array or None
-        Vehicles whose encounters are never left out; None is none.
+    scenario, motion, intervals, always
+        As in `gather_pairs`.
     """
     count = scenario.num_vehicles
     skipped = np.zeros(count, dtype=np.int64)
@@ -195,6 +190,7 @@ def gather_obstacles(
         kind: [] for kind in ((False, False), (True, False), (True, True))
     }
     tracks = motion.tracks
+    mine = _concerned(scenario)
     for number, piece, pieces in _pieces(scenario, 0):
         lower, upper = _boxes(pieces, balls, intervals=intervals)
         spread = None
@@ -208,8 +204,8 @@ def gather_obstacles(
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
         if always is not None:
             far &= ~always
-        skipped += far
-        near = np.flatnonzero(~far)
+        skipped += far & mine[number]
+        near = np.flatnonzero(~far & mine[number])
         if near.size:
             kind = len(pieces) > 1, spread is not None
             chosen[kind].append(NearPiece(number, piece, near, pieces, spread))
@@ -233,10 +229,16 @@ def near_pieces(
     intervals : bool
         Whether windows are intervals, or steps.
     """
+    mine = _concerned(scenario)
     for number, piece, shapes in _pieces(scenario, step):
         lower, upper = _boxes(shapes, balls, intervals=intervals)
-        near = np.flatnonzero(~far_from_box(balls, lower, upper))
+        near = np.flatnonzero(~far_from_box(balls, lower, upper) & mine[number])
         yield NearPiece(number, piece, near, shapes, None)
+
+
+def _concerned(scenario: Scenario) -> Flags:
+    """Return whom each obstacle concerns, (O, N) bool."""
+    return np.array([[is_for(o, v.name) for v in scenario.vehicles] for o in scenario.obstacles])
 
 
 def _pieces(scenario: Scenario, step: int) -> Iterator[tuple[int, int, Sequence[Polytope]]]:

@@ -69,7 +69,7 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
             "max": scenario.workspace.upper.tolist(),
         }
     if scenario.obstacles:
-        content["obstacles"] = [_obstacle(obstacle) for obstacle in scenario.obstacles]
+        content["obstacles"] = [_obstacle(one) | _whom(one) for one in scenario.obstacles]
     vehicles = [_vehicle(v, scenario.dt) for v in scenario.vehicles]
     defaults = _common(vehicles)
     if defaults:
@@ -130,6 +130,14 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
                 track[key] = _covariance(matrix)
         return {"name": obstacle.name, "moving": track}
     return {"name": obstacle.name, "moving": [outline.tolist() for outline in shape.outlines]}
+
+
+def _whom(obstacle: Obstacle) -> dict[str, object]:
+    """Return whom an obstacle concerns; nothing where everybody."""
+    concerns = obstacle.concerns
+    if concerns is None:
+        return {}
+    return {"except" if concerns.are_exempt else "for": list(concerns.names)}
 
 
 def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:

@@ -115,6 +115,8 @@ class ObstacleSpec(FileModel):
         ]
         | None
     ) = None
+    only: Annotated[list[Text], Field(min_length=1)] | None = Field(None, alias="for")
+    exempt: Annotated[list[Text], Field(min_length=1)] | None = Field(None, alias="except")
 
 
 class GoalSpec(FileModel):

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from radmpc.arrays import Indices
-from radmpc.model.keep import keep_pairs
 from radmpc.model.plan import Coupling
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.planners.verdict import Verdict
 

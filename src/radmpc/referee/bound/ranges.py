@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.model.keep import keep_pairs
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.referee.bound.workspace import face_risks
 from radmpc.referee.encounters import Encounters

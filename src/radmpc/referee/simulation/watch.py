@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.model.keep import keep_pairs
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.referee.bound.bounds import window_halfspaces
 from radmpc.referee.bound.halfspace import end_margins, end_risks
