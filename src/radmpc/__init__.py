@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from radmpc.model.obstacle import Obstacle
     from radmpc.model.obstacle_reported import track_from_course
     from radmpc.model.plan import Coupling, LedgerRow, Plan, Risk, Status, Trajectory
+    from radmpc.model.relations.keep import Keep
     from radmpc.model.scenario import Scenario, Workspace
     from radmpc.model.vehicle import Goal, Vehicle
     from radmpc.model.visits import Visit
@@ -86,6 +87,7 @@ __all__ = [
     "Identification",
     "ImportOptions",
     "ImportedScenario",
+    "Keep",
     "LedgerRow",
     "LinearSystem",
     "LongMission",
@@ -175,6 +177,7 @@ _HOMES = {
     "io.native.scenario_file": ("load_scenario", "save_scenario"),
     "io.tables": ("to_pandas", "to_xarray"),
     "model.dynamics": ("LinearSystem", "double_integrator", "lqr_gain"),
+    "model.relations.keep": ("Keep",),
     "model.noise.measurement": ("Measurement",),
     "model.noise.shared": ("SharedDisturbance",),
     "model.obstacle": ("Obstacle",),

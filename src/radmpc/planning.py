@@ -76,8 +76,8 @@ def plan(
     Raises
     ------
     ScenarioError
-        If there is no such planner, or it takes no visits or no disturbances that vehicles share,
-        and the scenario has some.
+        If there is no such planner, or it takes no visits, no ranges or no disturbances that
+        vehicles share, and the scenario has some.
     ArgumentTypeError
         If an argument is of another kind; the message says what to do instead.
     ArgumentError
@@ -90,7 +90,7 @@ def plan(
     begun = time.perf_counter()
     check_scenario(scenario)
     record = _record(planner)
-    _check_shared(scenario, record)
+    _check_coupled(scenario, record)
     record.check_visits(scenario)
     _check_options(rng, time_limit, executor, progress, stop)
     check_callable(found, "found")
@@ -135,14 +135,17 @@ def _record(planner: str | Planner) -> Planner:
     raise ArgumentTypeError(f"planner must be a Planner or one of {known}, got {told(planner)}")
 
 
-def _check_shared(scenario: Scenario, planner: Planner) -> None:
-    """Refuse shared disturbances where others' paths count as independent of one's own."""
-    if scenario.has_shared and not planner.decomposition.takes_shared:
-        raise ScenarioError(
-            f"are not for '{planner.decomposition}', which plans one vehicle at a time; take "
-            "certified, ira or distance",
-            ("shared_disturbances",),
-        )
+def _check_coupled(scenario: Scenario, planner: Planner) -> None:
+    """Refuse shared disturbances and ranges where every vehicle is planned by itself."""
+    if planner.decomposition.takes_shared:
+        return
+    for key, is_there in (("shared_disturbances", scenario.has_shared), ("keep", scenario.keep)):
+        if is_there:
+            raise ScenarioError(
+                f"{'are' if key != 'keep' else 'is'} not for '{planner.decomposition}', which "
+                "plans one vehicle at a time; take certified, ira or distance",
+                (key,),
+            )
 
 
 def _check_options(

@@ -12,6 +12,8 @@ from radmpc.model.dynamics import LinearSystem, double_integrator
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import LedgerRow, Plan, Risk, Status, Trajectory
+from radmpc.model.relations.concerns import all_but, only_for
+from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.model.visits import Visit
@@ -165,6 +167,15 @@ plain = st.recursive(
 )
 
 
+def concerning(obstacle: Obstacle, names: list[str]) -> st.SearchStrategy[Obstacle]:
+    some = st.lists(st.sampled_from(names), min_size=1, unique=True)
+    return st.one_of(
+        st.just(obstacle),
+        some.map(lambda chosen: only_for(obstacle, chosen)),
+        some.map(lambda chosen: all_but(obstacle, chosen)),
+    )
+
+
 @st.composite
 def scenarios(draw: st.DrawFn) -> Scenario:
     d = draw(st.sampled_from([2, 3]))
@@ -191,13 +202,16 @@ def scenarios(draw: st.DrawFn) -> Scenario:
             for v in fleet
         ),
         time_weight=draw(st.just(0.0) | st.floats(0.0, 1e6)),
-        obstacles=tuple(draw(obstacles(name, d, horizon)) for name in stones),
+        obstacles=tuple(
+            draw(concerning(draw(obstacles(name, d, horizon)), names)) for name in stones
+        ),
         avoidance=draw(st.sampled_from(["steps", "intervals"])),
         pair_faces=draw(st.none() | faces),
         workspace=draw(
             st.none() | corner.map(lambda size: Workspace(np.full(d, -size), np.full(d, size)))
         ),
         source=draw(st.none() | st.dictionaries(texts, plain, max_size=3)),
+        keep=[Keep(names[:2], draw(positive))] if len(names) > 1 and draw(st.booleans()) else (),
     )
 
 
@@ -216,7 +230,7 @@ def trajectories(draw: st.DrawFn, vehicle: Vehicle, horizon: int) -> Trajectory:
 @st.composite
 def ledger_rows(draw: st.DrawFn) -> LedgerRow:
     return LedgerRow(
-        draw(st.sampled_from(["obstacle", "pair", "workspace"])),
+        draw(st.sampled_from(["obstacle", "pair", "workspace", "range"])),
         draw(texts),
         draw(st.none() | texts),
         draw(st.integers(0, 1000)),

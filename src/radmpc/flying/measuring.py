@@ -121,10 +121,17 @@ def check_memory(scenario: Scenario) -> None:
                 "is known exactly"
             )
             raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
+    if scenario.keep:
+        message = "cannot be kept under way: a mission accounts for collisions and the workspace"
+        raise ScenarioError(message, ("keep",))
     if scenario.covariance_samples is not None:
         message = "cannot be flown under way: a mission takes covariances that are known"
         raise ScenarioError(message, ("covariance_samples",))
     for i, vehicle in enumerate(scenario.vehicles):
+        if vehicle.control_norm is not None or vehicle.speed_norm is not None:
+            key = "speed_limit" if vehicle.control_norm is None else "control_limit"
+            message = "limits a norm: a mission under way takes limits per axis"
+            raise ScenarioError(message, ("vehicles", i, key))
         if vehicle.has_memory:
             key = "disturbance_correlation" if vehicle.measurement is None else "measurement"
             if vehicle.shared:

@@ -13,6 +13,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.flying.measuring import check_memory
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.given import check_scenario
+from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.simulation.collisions import leaves_workspace, meets_origin, meets_solid
@@ -143,6 +144,7 @@ class Model:
             met += [
                 Contact(self._step, "obstacle", vehicles[i].name, obstacle.name)
                 for i in np.flatnonzero(hits)
+                if is_for(obstacle, vehicles[i].name)
             ]
         if scenario.workspace is not None:
             out = leaves_workspace(begin, end, sagittas, scenario.workspace)

@@ -10,7 +10,7 @@ from radmpc.model.plan import Cause, LedgerRow
 
 __all__ = ["CAUSES", "Hazard", "bound_text", "hazards", "risk_by_vehicle"]
 
-CAUSES: tuple[Cause, ...] = ("pair", "obstacle", "workspace")
+CAUSES: tuple[Cause, ...] = ("pair", "obstacle", "workspace", "range")
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +19,8 @@ class Hazard:
 
     Attributes
     ----------
-    cause : {'obstacle', 'pair', 'workspace'}
-        What may be hit or left.
+    cause : {'obstacle', 'pair', 'workspace', 'range'}
+        What may be hit, left or lost.
     vehicle : str
         The vehicle.
     other : str or None
@@ -84,7 +84,7 @@ def risk_by_vehicle(
     for row in ledger:
         bearers = [row.vehicle]
         # A pair's partner may be missing: all that is far away is charged to one vehicle.
-        if row.cause == "pair" and row.other is not None:
+        if row.cause in {"pair", "range"} and row.other is not None:
             bearers.append(row.other)
         for name in bearers:
             parts[name][row.cause].append(row.risk / len(bearers))

@@ -1,4 +1,4 @@
-"""Which limits of its vehicles a plan uses up."""
+"""Limits: what feedback leaves of those of norms, and which a plan uses up."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from typing import Literal
 import numpy as np
 
 from radmpc.arrays import Matrix
+from radmpc.geometry import inner_faces
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["TightLimit", "tight_limits"]
+__all__ = ["TightLimit", "control_face_bounds", "tight_limits"]
 
 _CLOSE = 1e-6
 """Share of a limit below which what is left of it is rounding."""
@@ -54,6 +55,11 @@ def tight_limits(plan: Plan) -> tuple[TightLimit, ...]:
         controls = np.abs(trajectory.controls)
         bounds = vehicle.control_bounds(trajectory.covariances)
         used = _num_used(controls, bounds, vehicle.control_limit)
+        if vehicle.control_norm is not None:
+            normals, _ = inner_faces(controls.shape[1])
+            faces = control_face_bounds(vehicle, 0, len(controls))
+            along = trajectory.controls @ normals.T
+            used = max(used, _num_used(along, faces, np.full(len(normals), vehicle.control_norm)))
         found.append(TightLimit(vehicle.name, "control", used))
         found.append(TightLimit(vehicle.name, "speed", _num_fast(vehicle, trajectory)))
     used_up = [limit for limit in found if limit.num_steps]
@@ -64,10 +70,14 @@ def _num_fast(vehicle: Vehicle, trajectory: Trajectory) -> int:
     """Return at how many steps the mean speed is at its limit."""
     if vehicle.speed_limit is None or vehicle.system.velocity is None:
         return 0
-    speeds = np.abs(trajectory.means[1:, list(vehicle.system.velocity)])
-    return _num_used(
-        speeds, np.broadcast_to(vehicle.speed_limit, speeds.shape), vehicle.speed_limit
-    )
+    speeds = trajectory.means[1:, list(vehicle.system.velocity)]
+    limit = vehicle.speed_limit
+    per_axis = _num_used(np.abs(speeds), np.broadcast_to(limit, speeds.shape), limit)
+    if vehicle.speed_norm is None:
+        return per_axis
+    normals, share = inner_faces(speeds.shape[1])
+    most = np.full((len(speeds), len(normals)), share * vehicle.speed_norm)
+    return max(per_axis, _num_used(speeds @ normals.T, most, most[0]))
 
 
 def _num_used(values: Matrix, bounds: Matrix, scale: Matrix) -> int:
@@ -75,3 +85,36 @@ def _num_used(values: Matrix, bounds: Matrix, scale: Matrix) -> int:
     if values.shape != bounds.shape:
         return 0
     return int(np.count_nonzero(np.any(values >= bounds - _CLOSE * scale, axis=1)))
+
+
+def control_face_bounds(vehicle: Vehicle, first_step: int, horizon: int) -> Matrix:
+    """Return the largest nominal control along the normals of `inner_faces`.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With a limit of the control's norm.
+    first_step : int
+        Step of the vehicle's noise at which they begin.
+    horizon : int
+        Number of steps T.
+
+    Returns
+    -------
+    (T, f) array
+        What the polytope within the limit leaves less ``control_sigmas`` standard deviations of
+        the feedback along each normal, from the noise of the whole mission.
+    """
+    normals, share = inner_faces(vehicle.system.num_controls)
+    most = share * (vehicle.control_norm or 0.0)
+    if vehicle.gain is None:
+        return np.full((horizon, len(normals)), most)
+    last = first_step + horizon
+    if vehicle.measurement is None:
+        covariances = vehicle.covariances(last)
+    else:
+        covariances = vehicle.spread(last).estimates
+    pulls = normals @ vehicle.gain
+    seen = covariances[first_step:last]
+    variances = np.einsum("fn,knm,fm->kf", pulls, seen, pulls)
+    return np.asarray(most - vehicle.control_sigmas * np.sqrt(np.maximum(variances, 0.0)))

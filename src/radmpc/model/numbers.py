@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from radmpc.arguments import field_integer, field_parts, told
+from radmpc.arguments import field_integer, field_number, field_parts, told
 from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError, all_checked, raise_together
 
@@ -169,3 +169,35 @@ def step_window(given: object, name: str) -> tuple[int, int]:
     if not 1 <= first <= last:
         raise ScenarioError(f"must be two steps, 1 <= first <= last, got {[first, last]}", (name,))
     return first, last
+
+
+def axes_under(norm: object, axes: Vector, name: str) -> tuple[float, Vector]:
+    """Return a limit of a Euclidean norm, and limits per axis none of which exceeds it.
+
+    Parameters
+    ----------
+    norm : object
+        As a caller gives it.
+    axes : (n,) array
+        Limits per axis.
+    name : str
+        The field.
+
+    Returns
+    -------
+    float and (n,) array
+        Both.
+
+    Raises
+    ------
+    ScenarioError
+        If the norm is no positive number, or has no two or three axes.
+    """
+    number = field_number(norm, (name, "norm"))
+    if not 0.0 < number < float("inf"):
+        raise ScenarioError(f"must be > 0, got {number:g}", (name, "norm"))
+    if axes.size not in (2, 3):
+        raise ScenarioError(f"a norm needs two or three axes, got {axes.size}", (name,))
+    least: Vector = np.minimum(axes, number)
+    least.flags.writeable = False
+    return number, least

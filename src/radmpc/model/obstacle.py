@@ -14,6 +14,7 @@ from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, box, convex_pieces, halfspaces, hull
 from radmpc.model.obstacle_shapes import (
     BoxShape,
+    Concerns,
     HalfspaceShape,
     LineShape,
     MovingShape,
@@ -40,9 +41,8 @@ __all__ = [
 class Obstacle(Frozen):
     """A named thing to stay out of.
 
-    Between steps a moving obstacle's points move linearly: the path from the piece at k to the
-    one at k+1 lies within their Minkowski interpolation. One on a track is laid out by the scenario
-    it is put into, which knows the steps.
+    Between steps a moving obstacle's points move linearly: its path lies within the Minkowski
+    interpolation of its pieces. One on a track is laid out by its scenario, which knows the steps.
 
     Attributes
     ----------
@@ -56,6 +56,8 @@ class Obstacle(Frozen):
         How far the true place is from these; None where they are exact.
     dt : float or None
         Step that its track is laid out for [s]; None for all other shapes, and before that.
+    concerns : Concerns or None
+        Whom it concerns, see `radmpc.model.relations.concerns.only_for`; None is everybody.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Obstacle(Frozen):
     steps: tuple[tuple[Polytope, ...], ...]
     spread: TrackSpread | None = None
     dt: float | None = None
+    concerns: Concerns | None = None
 
     def __post_init__(self) -> None:
         """Refuse a name that is no text."""
@@ -212,10 +215,8 @@ class Obstacle(Frozen):
         ----------
         name : str
             Unique within its scenario.
-        normals : (f, d) array
-            Outward normals of the faces, of any length but 0.
-        offsets : (f,) array
-            Right-hand sides [m, for normals of length 1].
+        normals, offsets : (f, d) and (f,) array
+            Outward normals of the faces, of any length but 0; right-hand sides [m at length 1].
 
         Returns
         -------

@@ -14,6 +14,7 @@ from radmpc.model.obstacle_track import TrackShape
 
 __all__ = [
     "BoxShape",
+    "Concerns",
     "HalfspaceShape",
     "LineShape",
     "MovingShape",
@@ -22,6 +23,22 @@ __all__ = [
     "hulls_of",
     "points_of",
 ]
+
+
+@dataclass(frozen=True, slots=True)
+class Concerns:
+    """Some vehicles, or all others.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The vehicles named.
+    are_exempt : bool
+        Whether these pass freely and all others do not.
+    """
+
+    names: tuple[str, ...]
+    are_exempt: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,8 +15,8 @@ from radmpc.model.scenario import Scenario
 
 __all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]
 
-Cause = Literal["obstacle", "pair", "workspace"]
-Reason = Literal["collision", "risk", "blocked", "distance", "share"]
+Cause = Literal["obstacle", "pair", "workspace", "range"]
+Reason = Literal["collision", "risk", "blocked", "distance", "share", "range"]
 
 
 class Status(Enum):
@@ -109,8 +109,8 @@ class LedgerRow:
 
     Attributes
     ----------
-    cause : {'obstacle', 'pair', 'workspace'}
-        What may be hit or left.
+    cause : {'obstacle', 'pair', 'workspace', 'range'}
+        What may be hit, left or lost.
     vehicle : str
         The vehicle.
     other : str or None
@@ -164,13 +164,14 @@ class Coupling:
     ----------
     vehicle, other : str
         The two vehicles.
-    reason : {'collision', 'risk', 'blocked', 'distance', 'share'}
+    reason : {'collision', 'risk', 'blocked', 'distance', 'share', 'range'}
         Their plans made apart collide; their risk in the approximation exceeds Ψ (paper, section
         Identifying Couplings); one had no path past the other there; their paths alone come close;
-        their shares of Δ by head count were too small.
+        their shares of Δ by head count were too small; they keep a range.
     value : float or None
         Estimated probability of collision [-] for ``collision`` and ``risk``, closest approach
-        of the centers [m] for ``distance``, None for the others. An estimate for ``collision``
+        of the centers [m] for ``distance``, the range to keep [m] for ``range``, None for the
+        others. An estimate for ``collision``
         is a sum of bounds and may exceed 1.
     """
 

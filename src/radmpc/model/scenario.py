@@ -23,6 +23,9 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.model.workspace import Workspace
 from radmpc.notebook import html_table, listed
 
+if TYPE_CHECKING:
+    from radmpc.model.relations.keep import Keep
+
 __all__ = ["Avoidance", "Scenario", "Workspace"]
 
 _Part = TypeVar("_Part")
@@ -62,6 +65,8 @@ class Scenario:
     time_weight : float
         What a second costs until a vehicle whose goal has a window (``within``) arrives, >= 0
         [cost/s].
+    keep : tuple of Keep
+        Who stays within a range of whom; losing it counts toward the risk bound.
     """
 
     name: str
@@ -76,6 +81,7 @@ class Scenario:
     source: Mapping[str, object] | None = None
     covariance_samples: int | None = None
     time_weight: float = 0.0
+    keep: tuple[Keep, ...] = ()
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -93,6 +99,7 @@ class Scenario:
             source: Mapping[str, object] | None = None,
             covariance_samples: int | None = None,
             time_weight: float = 0.0,
+            keep: Iterable[Keep] = (),
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -115,6 +122,10 @@ class Scenario:
             from radmpc.model.noise.shared import check_sources  # noqa: PLC0415 - few share
 
             check_sources(vehicle.shared for vehicle in self.vehicles)
+        if self.keep or any(obstacle.concerns is not None for obstacle in self.obstacles):
+            from radmpc.model.relations.checks import check_relations  # noqa: PLC0415 - few have any
+
+            check_relations(self.keep, self.obstacles, [vehicle.name for vehicle in self.vehicles])
         for i, vehicle in enumerate(self.vehicles):
             last = 0 if vehicle.goal.within is None else vehicle.goal.within[1]
             if last > self.horizon:
@@ -167,6 +178,10 @@ class Scenario:
             raise ScenarioError(
                 f"must be a Workspace or None, got {told(self.workspace)}", ("workspace",)
             )
+        if self.keep != ():
+            from radmpc.model.relations.keep import checked_keep  # noqa: PLC0415 - few keep a range
+
+            put(self, "keep", checked_keep(self.keep))
         if self.source is not None:
             if not isinstance(self.source, Mapping):
                 raise ScenarioError(
@@ -244,8 +259,34 @@ class Scenario:
             raise ScenarioError(
                 f"must be places from 0 to {len(self.vehicles) - 1}, got {places}", ("indices",)
             )
-        chosen = tuple(self.vehicles[i] for i in places)
-        return replace(self, vehicles=chosen, risk_bound=risk_bound)
+        chosen = [self.vehicles[i] for i in places]
+        return replace(self.with_vehicles(chosen), risk_bound=risk_bound)
+
+    def with_vehicles(self, vehicles: Iterable[Vehicle]) -> Scenario:
+        """Return the scenario of other vehicles, with what those keep and meet that are among them.
+
+        Parameters
+        ----------
+        vehicles : iterable of Vehicle
+            In the place of all.
+
+        Returns
+        -------
+        Scenario
+            The same in everything else.
+
+        Raises
+        ------
+        ScenarioError
+            If these vehicles do not fit the rest.
+        """
+        from radmpc.model.relations.concerns import among  # noqa: PLC0415 - few take parts
+
+        chosen = tuple(vehicles)
+        names = {vehicle.name for vehicle in chosen}
+        keep = tuple(one for one in self.keep if names.issuperset(one.vehicles))
+        obstacles = tuple(among(obstacle, names) for obstacle in self.obstacles)
+        return replace(self, vehicles=chosen, keep=keep, obstacles=obstacles)
 
 
 def _all_of(kind: type[_Part], given: object, field: str) -> tuple[_Part, ...]:

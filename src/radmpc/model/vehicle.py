@@ -23,7 +23,12 @@ from radmpc.arrays import (
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
-from radmpc.model.numbers import check_correlation, check_positive, check_vehicle_numbers
+from radmpc.model.numbers import (
+    axes_under,
+    check_correlation,
+    check_positive,
+    check_vehicle_numbers,
+)
 from radmpc.model.states import as_state
 
 if TYPE_CHECKING:
@@ -69,12 +74,11 @@ class Vehicle(Frozen):
     cost_weight : float
         Factor of this vehicle's effort in the cost, >= 0.
     drift : (n,) array or None
-        What a current or a steady wind adds to the state at every step [m, m/s]: c of
-        ``x⁺ = A x + B u + c + w``. It enters in proportion to time, as the disturbance does. None
-        is no drift.
+        What a current or a steady wind adds to the state at every step [m, m/s], in proportion to
+        time as the disturbance: c of ``x⁺ = A x + B u + c + w``. None is no drift.
     disturbance_correlation : float
-        Correlation ρ of the disturbances of consecutive steps, from 0 (new at every step) to below
-        1: they are a stationary first-order autoregression. A time constant τ makes ``exp(−dt/τ)``.
+        Correlation ρ of the disturbances of consecutive steps, 0 (new at every step) to below 1: a
+        stationary first-order autoregression. A time constant τ makes ``exp(−dt/τ)``.
     measurement : Measurement or None
         What the vehicle measures of its state: feedback is then ``u = ū + K (x̂ − x̄)`` with the
         estimate x̂ of a Kalman filter. None is that the state is known exactly.
@@ -82,6 +86,8 @@ class Vehicle(Frozen):
         Its part in disturbances that others meet, too; names distinct.
     via : tuple of Visit
         Boxes that its mean visits on the way, one after the other.
+    control_norm, speed_norm : float or None
+        Largest Euclidean norm of the control, of the mean velocity, > 0; None is free.
     """
 
     name: str
@@ -101,6 +107,8 @@ class Vehicle(Frozen):
     measurement: Measurement | None = None
     shared: tuple[SharedDisturbance, ...] = ()
     via: tuple[Visit, ...] = ()
+    control_norm: float | None = None
+    speed_norm: float | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -123,6 +131,8 @@ class Vehicle(Frozen):
             measurement: Measurement | None = None,
             shared: Sequence[SharedDisturbance] = (),
             via: Iterable[Visit] = (),
+            control_norm: float | None = None,
+            speed_norm: float | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -131,15 +141,13 @@ class Vehicle(Frozen):
         n, m, d = self.system.num_states, self.system.num_controls, self.system.dimension
         put = object.__setattr__
         put(self, "start", as_state(self.start, self.system))
-        put(self, "control_limit", as_axes(self.control_limit, m, ("control_limit",)))
         for name in ("initial_covariance", "disturbance_covariance"):
             put(self, name, as_covariance(getattr(self, name), n, (name,)))
-        if self.speed_limit is not None:
-            put(self, "speed_limit", as_axes(self.speed_limit, d, ("speed_limit",)))
         if self.gain is not None:
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
         if self.drift is not None:
             put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
+        self._settle_limits(("control", m), ("speed", d))
         limit = self.speed_limit
         all_checked(
             lambda: None if limit is None else check_positive(limit, "speed_limit", "m/s"),
@@ -163,6 +171,19 @@ class Vehicle(Frozen):
                     raise ScenarioError(
                         "a speed needs dynamics whose velocity indices are given", (name,)
                     )
+
+    def _settle_limits(self, *sizes: tuple[str, int]) -> None:
+        """Make limits arrays, and none per axis larger than that of the norm."""
+        put = object.__setattr__
+        for name, size in sizes:
+            norm, axes = getattr(self, f"{name}_norm"), getattr(self, f"{name}_limit")
+            if axes is not None:
+                axes = as_axes(axes, size, (f"{name}_limit",))
+            if norm is not None:
+                axes = np.full(size, np.inf) if axes is None else axes
+                norm, axes = axes_under(norm, axes, f"{name}_limit")
+            put(self, f"{name}_norm", norm)
+            put(self, f"{name}_limit", axes)
 
     def _check_kinds(self) -> None:
         """Refuse parts of another kind, and make numbers Python's."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from itertools import product
 
@@ -103,7 +103,9 @@ class Shapes:
         known = self.covariances.get(name)
         return box.covariance if known is None else box.covariance + known
 
-    def near(self, box: Box, radius: float, far: float) -> dict[str, list[Polytope]]:
+    def near(
+        self, box: Box, radius: float, far: float, names: Collection[str]
+    ) -> dict[str, list[Polytope]]:
         """Return the pieces that a vehicle in a box may hit.
 
         Parameters
@@ -114,6 +116,8 @@ class Shapes:
             Of the vehicle [m].
         far : float
             Standard deviations beyond which nothing is to be feared [-].
+        names : collection of str
+            The obstacles that concern it.
 
         Returns
         -------
@@ -133,5 +137,6 @@ class Shapes:
             close &= np.linalg.norm(gaps, axis=2).max(axis=0) < reach
         found: dict[str, list[Polytope]] = defaultdict(list)
         for k in np.flatnonzero(close).tolist():
-            found[self.owners[k]].append(self.pieces[k])
+            if self.owners[k] in names:
+                found[self.owners[k]].append(self.pieces[k])
         return found

@@ -18,6 +18,7 @@ from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Coupling
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
 from radmpc.planners.components import components
@@ -100,13 +101,14 @@ def _sets(
         ]
     )
     pairs, distances = close_pairs(positions, meters)
-    sets = components(scenario.num_vehicles, pairs.tolist())
     names = [vehicle.name for vehicle in scenario.vehicles]
+    kept = keep_pairs(scenario.keep, names)
+    sets = components(scenario.num_vehicles, [*pairs.tolist(), *((i, j) for i, j, _ in kept)])
     couplings = tuple(
         Coupling(names[i], names[j], "distance", closest)
         for (i, j), closest in zip(pairs.tolist(), distances.tolist(), strict=True)
     )
-    return sets, couplings
+    return sets, (*couplings, *(Coupling(names[i], names[j], "range", w) for i, j, w in kept))
 
 
 def close_pairs(positions: Tensor, meters: float) -> tuple[Indices, Vector]:

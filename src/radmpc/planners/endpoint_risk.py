@@ -18,6 +18,7 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.gaussian import Tail
 from radmpc.geometry import Polytope
 from radmpc.model.plan import Cause
+from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
 from radmpc.planners.boxes import Box, Shapes
@@ -176,7 +177,8 @@ def _of_vehicle(
     radius = scenario.vehicles[i].radius
     hazards: list[EndpointHazard] = []
     fields: list[Vector] = []
-    for name, near in shapes.near(box, radius, _far(scenario)).items():
+    mine = {obstacle.name for obstacle in met_by(scenario.obstacles, scenario.vehicles[i].name)}
+    for name, near in shapes.near(box, radius, _far(scenario), mine).items():
         # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
         covariance = shapes.covariance(name, box)
         found = [_risks(scenario, points, covariance, radius, piece) for piece in near]

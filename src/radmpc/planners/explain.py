@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import Literal
 
 import numpy as np
 
-from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoint_risk import floors
 from radmpc.planners.planner import Planner
@@ -20,7 +18,7 @@ from radmpc.planners.presolve import (
     overdrawn_texts,
     too_far_texts,
 )
-from radmpc.planners.wording import endpoints_text, is_contact, limit_clause
+from radmpc.planners.wording import endpoints_text, hazard_name, is_contact, limit_clause
 from radmpc.program.build import build_program, condensed_models
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram, RiskItem
@@ -32,7 +30,6 @@ from radmpc.solvers.solution import Limits, Outcome
 __all__ = [
     "explain_infeasible",
     "explain_stuck",
-    "hazard_name",
     "trivially_infeasible",
     "unable_alone",
 ]
@@ -229,6 +226,11 @@ def _start_in_conflict(risk_item: RiskItem) -> str:
             f"The start of vehicle {risk_item.vehicle!r} lies within obstacle {risk_item.other!r} "
             "grown by the vehicle's radius. Move the start."
         )
+    if risk_item.cause == "range":
+        return (
+            f"The starts of vehicles {risk_item.vehicle!r} and {risk_item.other!r} are out of the "
+            "range that they keep. Move a start, or keep a longer one."
+        )
     return f"The start of vehicle {risk_item.vehicle!r} lies outside the workspace. Move the start."
 
 
@@ -237,6 +239,11 @@ def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
     when = f"at step {risk_item.step}"
     if scenario.avoidance == "intervals":
         when = f"between steps {risk_item.step} and {risk_item.step + 1}"
+    if risk_item.cause == "range":
+        return (
+            f"Vehicles {risk_item.vehicle!r} and {risk_item.other!r} cannot be in the range that "
+            f"they keep {when}: limits and goals lead them apart. Keep a longer one."
+        )
     return (
         f"{_capitalized(hazard_name(risk_item))} cannot be kept apart {when}: none of the faces "
         "between them leaves room for any motion that limits and goals allow. Lengthen the "
@@ -247,18 +254,6 @@ def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
 def _capitalized(text: str) -> str:
     """Return a text with a capital at its front, names within it as they are."""
     return text[:1].upper() + text[1:]
-
-
-def hazard_name(risk_item: RiskItem) -> str:
-    """Return the parties of a hazard in words."""
-    cause: Cause | Literal["visit"] = risk_item.cause
-    if cause == "visit":
-        return f"vehicle {risk_item.vehicle!r} and its {risk_item.other}"
-    if cause == "pair":
-        return f"vehicles {risk_item.vehicle!r} and {risk_item.other!r}"
-    if cause == "obstacle":
-        return f"vehicle {risk_item.vehicle!r} and obstacle {risk_item.other!r}"
-    return f"vehicle {risk_item.vehicle!r} and the workspace border"
 
 
 def _solved_alone(

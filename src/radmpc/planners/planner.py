@@ -70,7 +70,7 @@ class Decomposition(ABC):
     """Whether it takes "none found" for "there is none", or costs for the least."""
 
     takes_shared: ClassVar[bool] = True
-    """Whether it plans vehicles whose disturbances are partly the same."""
+    """Whether it plans vehicles whose disturbances are partly the same, or that keep a range."""
 
     default_seconds: ClassVar[float | None] = None
     """Time limit where none is given [s]; None is no limit."""
@@ -159,7 +159,7 @@ class Planner:
                 )
 
     def check_visits(self, scenario: Scenario) -> None:
-        """Refuse a scenario whose visits or windows of arrival these choices cannot plan.
+        """Refuse a scenario whose visits, windows of arrival or norms these choices cannot plan.
 
         Parameters
         ----------
@@ -173,6 +173,13 @@ class Planner:
         """
         if self.decomposition.plans_visits and self.solver.plans_visits:
             return
+        for i, vehicle in enumerate(scenario.vehicles):
+            if not self.solver.plans_visits and (vehicle.control_norm or vehicle.speed_norm):
+                raise ScenarioError(
+                    f"limits a norm, which the solver '{self.solver}' does not know: limit each "
+                    "axis, or take certified",
+                    ("vehicles", i, "control_limit" if vehicle.control_norm else "speed_limit"),
+                )
         for i, vehicle in enumerate(scenario.vehicles):
             if vehicle.via or vehicle.goal.within is not None:
                 raise ScenarioError(

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, floor, log10
+from typing import Literal
 
+from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoint_risk import EndpointHazard
+from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
 
 __all__ = [
     "endpoints_text",
+    "hazard_name",
     "is_contact",
     "limit_clause",
     "listed",
@@ -176,3 +180,23 @@ def _pair(scenario: Scenario, hazard: EndpointHazard, names: Sequence[str], risk
         f"{head}: they are {apart}, contact is at {need}, and that alone runs {risk}. "
         f"Move a {place[:-1]} or reduce {cure}."
     )
+
+
+def hazard_name(risk_item: RiskItem) -> str:
+    """Return the parties of a hazard in words.
+
+    Parameters
+    ----------
+    risk_item : RiskItem
+        The hazard.
+    """
+    cause: Cause | Literal["visit"] = risk_item.cause
+    if cause == "visit":
+        return f"vehicle {risk_item.vehicle!r} and its {risk_item.other}"
+    if cause == "pair":
+        return f"vehicles {risk_item.vehicle!r} and {risk_item.other!r}"
+    if cause == "obstacle":
+        return f"vehicle {risk_item.vehicle!r} and obstacle {risk_item.other!r}"
+    if cause == "range":
+        return f"the range that {risk_item.vehicle!r} and {risk_item.other!r} keep"
+    return f"vehicle {risk_item.vehicle!r} and the workspace border"

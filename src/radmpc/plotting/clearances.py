@@ -14,6 +14,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.geometry import Polytope, hull, planar
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
+from radmpc.model.relations.concerns import is_for
 from radmpc.plotting.curves import mean_path, positions
 from radmpc.plotting.interpolation import moving_outline
 
@@ -86,7 +87,8 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
     found = [_of_pair(plan, i, j, paths, noise, times) for i, j in _near_pairs(plan, paths, noise)]
     for obstacle in scenario.obstacles:
         for i in range(len(paths)):
-            found.append(_of_obstacle(plan, i, obstacle, paths[i], noise[i], times))
+            if is_for(obstacle, scenario.vehicles[i].name):
+                found.append(_of_obstacle(plan, i, obstacle, paths[i], noise[i], times))
     at_steps = scenario.avoidance == "steps"
     return tuple(sorted(found, key=lambda c: c.least(at_steps=at_steps))[:most])
 

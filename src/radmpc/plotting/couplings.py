@@ -166,7 +166,7 @@ def _draw_vehicles(ax: Axes, plan: Plan, place_of: dict[str, Matrix]) -> None:
 
 def _darkness(coupling: Coupling) -> float:
     """Return how strong an edge looks, 0.25 to 1: by powers of ten of a risk."""
-    if coupling.value is None or coupling.reason == "distance":
+    if coupling.value is None or coupling.reason in {"distance", "range"}:
         return 0.5
     power = np.log10(max(min(coupling.value, 1.0), 1e-9))
     return float(np.clip(1.0 + power / 8.0, 0.25, 1.0))
@@ -175,7 +175,7 @@ def _darkness(coupling: Coupling) -> float:
 def _number(coupling: Coupling) -> str:
     """Return an edge's value in a few letters."""
     value = 0.0 if coupling.value is None else coupling.value
-    if coupling.reason == "distance":
+    if coupling.reason in {"distance", "range"}:
         return f"{value:.2g} m"
     return "1" if value >= 0.995 else f"{value:.1g}"
 
@@ -188,6 +188,7 @@ def _legend(plan: Plan) -> str:
         "blocked": "dashed: one blocked the other's way there",
         "distance": "edge: closest approach if planned apart",
         "share": "dashed: shares of Δ too small apart",
+        "range": "edge: range to keep",
     }
     told = [
         text for reason, text in meanings.items() if any(c.reason == reason for c in plan.couplings)

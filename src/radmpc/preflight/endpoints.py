@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -78,12 +79,13 @@ def _near_pieces(
 ) -> bool:
     """Whether some place is near an obstacle, or near the box around it."""
     for obstacle in scenario.obstacles:
+        mine = np.array([is_for(obstacle, vehicle.name) for vehicle in scenario.vehicles])
         # Deviations of two add up to less than their sum.
         more = 0.0 if obstacle.spread is None else far * obstacle.spread.deviation(step)
         for piece in obstacle.at(step):
             low, high = piece.vertices.min(axis=0) - more, piece.vertices.max(axis=0) + more
             gaps = np.maximum(np.maximum(low - upper, lower - high), 0.0)
-            if np.any(np.square(gaps).sum(axis=1) <= np.square(reach)):
+            if np.any(mine & (np.square(gaps).sum(axis=1) <= np.square(reach))):
                 return True
     return False
 

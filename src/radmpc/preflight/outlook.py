@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
+from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.preflight.endpoints import least_risks
@@ -160,7 +161,8 @@ def _vehicle(
         samples = scenario.covariance_samples
         saturation = expected_saturation(vehicle, covariances, controls, samples)
         goal = (vehicle.goal.lower, vehicle.goal.upper)
-        traveler = Traveler(scenario, vehicle.radius, vehicle.start_position, goal, places, reach)
+        mine = replace(scenario, obstacles=met_by(scenario.obstacles, vehicle.name))
+        traveler = Traveler(mine, vehicle.radius, vehicle.start_position, goal, places, reach)
         narrowest = narrowest_place(traveler, work)
     return VehicleOutlook(
         name=vehicle.name,

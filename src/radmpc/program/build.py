@@ -15,6 +15,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.noise.positions import position_response
+from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel, PredictionMatrices, condense
@@ -92,12 +93,18 @@ def build_program(
     for obstacle in scenario.obstacles:
         keepouts = obstacle_keepouts(obstacle, first_step, horizon, intervals=intervals)
         of_obstacles += keepouts
-    for i in range(len(models)):
-        builder.keep_out(i, "obstacle", of_obstacles)
+    for i, model in enumerate(models):
+        mine = {obstacle.name for obstacle in met_by(scenario.obstacles, model.vehicle.name)}
+        builder.keep_out(i, "obstacle", [k for k in of_obstacles if k.name in mine])
         builder.keep_out(i, "pair", temporal)
         builder.keep_in_workspace(i)
     for i, j in combinations(range(len(models)), 2):
         builder.keep_apart(i, j)
+    if scenario.keep:
+        from radmpc.model.relations.keep import keep_pairs  # noqa: PLC0415 - few keep a range
+
+        for i, j, within in keep_pairs(scenario.keep, [model.vehicle.name for model in models]):
+            builder.keep_within(i, j, within)
     return builder.finish(risk_bound)
 
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, vstack
 
-from radmpc.arrays import Indices, Matrix, Tensor
-from radmpc.gaussian import Tail, clearance
-from radmpc.geometry import sphere_directions
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.gaussian import Tail
+from radmpc.geometry import inner_faces, sphere_directions
 from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
@@ -29,13 +29,16 @@ from radmpc.program.keepout import KeepOut
 from radmpc.program.layout import laid_out
 from radmpc.program.openings import opening_directions, openings
 from radmpc.program.program import DisjunctiveProgram, RiskItem
-from radmpc.program.relative import relative_bent_covariances, relative_covariances
+from radmpc.program.relative import own_body, relative_body
 from radmpc.program.rows import avoidance_rows
+from radmpc.program.start import risks_at_start
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns
 
 __all__ = ["ProgramBuilder"]
+
+_Labels = Sequence[tuple[Cause, str, str | None]]
 
 _NEGLIGIBLE = 1e-9
 """Risk at k = 0 up to which it is charged but not named in the program [-]."""
@@ -61,10 +64,8 @@ class ProgramBuilder:
         Those of all blocks.
     initial : list of (RiskItem, float)
         Risk at k = 0 that is not negligible.
-    presolved_risk, initial_risk, num_presolved : float, float and int
-        Risk of presolved windows, risk at k = 0, and how many windows are presolved.
-    parts : tuple of Part
-        Each vehicle's place among the outputs.
+    presolved_risk, initial_risk, num_presolved, parts
+        Risk of presolved windows, risk at k = 0, how many are presolved; where vehicles stand.
     """
 
     scenario: Scenario
@@ -140,47 +141,55 @@ class ProgramBuilder:
         one, two = self.models[i], self.models[j]
         faces = sphere_directions(self.scenario.num_pair_faces, self.scenario.dimension)
         distance = one.vehicle.radius + two.vehicle.radius
-        other = self.parts[j]
-        body = Body(
-            one.reach_lower - two.reach_upper,
-            one.reach_upper - two.reach_lower,
-            relative_covariances(one, two),
-            relative_bent_covariances(one, two),
-            (self.parts[i], replace(other, sign=-1.0)),
-        )
+        body = relative_body((one, two), self.parts[i], self.parts[j])
         if self.first_step == 0:
             origin = np.zeros((1, self.scenario.dimension))
             extra = opening_directions(body.endpoints, faces, (origin, origin), distance, self.tail)
             faces = np.vstack([faces, extra])
         normals, offsets = -faces[None], np.full((1, len(faces)), -distance)
-        names = (one.vehicle.name, two.vehicle.name)
-        self._charge_starts(body, normals, offsets, [("pair", *names)])
+        name, other = one.vehicle.name, two.vehicle.name
+        self._charge_starts(body, normals, offsets, [("pair", name, other)])
         windows = Windows.constant(normals, offsets, one.horizon, intervals=self.intervals)
-        self._add(body, windows, "pair", names[0], [names[1]])
+        self._add(body, windows, "pair", name, [other])
+
+    def keep_within(self, i: int, j: int, within: float) -> None:
+        """Keep two vehicles in range: convex, so every face is an avoidance of its own.
+
+        Parameters
+        ----------
+        i, j : int
+            Numbers of the vehicles.
+        within : float
+            The range [m].
+        """
+        both = (self.models[i], self.models[j])
+        normals, share = inner_faces(self.scenario.dimension)
+        body, ends = relative_body(both, self.parts[i], self.parts[j]), share * within
+        names = both[0].vehicle.name, both[1].vehicle.name
+        self._keep_inside(body, normals, np.full(len(normals), ends), "range", names)
 
     def keep_in_workspace(self, i: int) -> None:
         """Keep a vehicle's center inside: convex, so every face is an avoidance of its own."""
         workspace = self.scenario.workspace
         if workspace is None:
             return
-        model = self.models[i]
-        body = self._body(i)
-        identity = np.eye(self.scenario.dimension)
-        normals = np.concatenate([identity, -identity])[:, None]
-        offsets = np.concatenate([workspace.upper, -workspace.lower])[:, None]
-        name, others = model.vehicle.name, [None] * len(normals)
-        self._charge_starts(body, normals, offsets, [("workspace", name, None)] * len(normals))
-        windows = Windows.constant(normals, offsets, model.horizon, intervals=self.intervals)
-        self._add(body, windows, "workspace", name, others)
+        normals = sphere_directions(2 * self.scenario.dimension, self.scenario.dimension)
+        offsets = np.concatenate([workspace.upper, -workspace.lower])
+        names = self.models[i].vehicle.name, None
+        self._keep_inside(self._body(i), normals, offsets, "workspace", names)
+
+    def _keep_inside(
+        self, body: Body, sides: Matrix, ends: Vector, cause: Cause, names: tuple[str, str | None]
+    ) -> None:
+        """Keep ``sides @ position <= ends``, each an avoidance with a single alternative."""
+        normals, offsets, horizon = sides[:, None], ends[:, None], self.models[0].horizon
+        self._charge_starts(body, normals, offsets, [(cause, *names)] * len(sides))
+        windows = Windows.constant(normals, offsets, horizon, intervals=self.intervals)
+        self._add(body, windows, cause, names[0], [names[1]] * len(sides))
 
     def _body(self, i: int, spread: TrackSpread | None = None) -> Body:
         """Return a vehicle alone, as seen from something whose own place spreads."""
-        model = self.models[i]
-        covariances, bent = model.position_covariances, model.bent_covariances
-        if spread is not None:
-            covariances = covariances + spread.positions
-            bent = None if bent is None else bent + spread.positions[:-1]
-        return Body(model.reach_lower, model.reach_upper, covariances, bent, (self.parts[i],))
+        return own_body(self.models[i], self.parts[i], spread)
 
     def _add(
         self, body: Body, windows: Windows, cause: Cause, vehicle: str, others: Sequence[str | None]
@@ -198,7 +207,7 @@ class ProgramBuilder:
         ----------
         block : RowBlock
             Their rows.
-        cause : {'obstacle', 'pair', 'workspace', 'visit'}
+        cause : {'obstacle', 'pair', 'workspace', 'range', 'visit'}
             What may happen.
         vehicle : str
             To whom.
@@ -228,23 +237,14 @@ class ProgramBuilder:
         self.blocks.append(block)
         self.block_risk_items.append(base + numbers)
 
-    def _charge_starts(
-        self,
-        body: Body,
-        normals: Tensor,
-        offsets: Matrix,
-        labels: Sequence[tuple[Cause, str, str | None]],
-    ) -> None:
+    def _charge_starts(self, body: Body, normals: Tensor, offsets: Matrix, labels: _Labels) -> None:
         """Note the least risk of any face of each thing at k = 0, which no control changes.
 
         It is charged, but under intervals: there the rows at k = 0 are part of the alternatives.
         """
         if self.first_step > 0:
             return
-        slack = offsets - normals @ body.lower[0]
-        variances = np.einsum("nfa,ab,nfb->nf", normals, body.covariances[0], normals)
-        deviations = np.sqrt(np.maximum(variances, 0.0))
-        risks = self.tail.probability(clearance(slack, deviations)).min(axis=1)
+        risks = risks_at_start(body, normals, offsets, self.tail)
         for label, risk in zip(labels, risks.tolist(), strict=True):
             if not self.intervals:
                 self.initial_risk += risk

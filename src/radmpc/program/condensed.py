@@ -108,6 +108,9 @@ class CondensedModel:
         How its position answers disturbances that others meet, too; None is not at all.
     time_cost : float
         What the time of the whole horizon costs until arrival; 0 where that is not free.
+    face_bounds : (T, f) array or None
+        Largest nominal control along each normal of a polytope, see `control_face_bounds`; None
+        where the control's norm is free.
     """
 
     vehicle: Vehicle
@@ -123,6 +126,7 @@ class CondensedModel:
     reach_upper: Matrix
     common: PositionResponse | None = None
     time_cost: float = 0.0
+    face_bounds: Matrix | None = None
 
 
 def condense(
@@ -173,6 +177,11 @@ def condense(
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
     # The start is fixed, even where no admissible control leads from it to the goal.
     lower[0] = upper[0] = drift[0]
+    face_bounds = None
+    if vehicle.control_norm is not None:
+        from radmpc.model.limits import control_face_bounds  # noqa: PLC0415 - few have any
+
+        face_bounds = control_face_bounds(vehicle, first_step, horizon)
     return CondensedModel(
         vehicle=vehicle,
         horizon=horizon,
@@ -186,6 +195,7 @@ def condense(
         reach_lower=lower,
         reach_upper=upper,
         common=common,
+        face_bounds=face_bounds,
     )
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.geometry import inner_faces
 from radmpc.program.condensed import CondensedModel
 
 __all__ = ["hard_rows"]
 
 
 def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
-    """Return one vehicle's rows over its controls, with their bounds: goal, speed, fixed visits.
+    """Return one vehicle's rows over its controls: goal, speed, norms, fixed visits; their bounds.
 
     Parameters
     ----------
@@ -48,4 +49,31 @@ def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
         rows.append(visits)
         lowers.append(lower)
         uppers.append(upper)
+    if vehicle.control_norm is not None or vehicle.speed_norm is not None:
+        normed, upper = _norm_rows(model)
+        rows.append(normed)
+        lowers.append(np.full(upper.size, -np.inf))
+        uppers.append(upper)
     return np.vstack(rows), np.concatenate(lowers), np.concatenate(uppers)
+
+
+def _norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
+    """Return the rows of polytopes within the limits of norms, and what they are at most."""
+    vehicle, last = model.vehicle, model.horizon
+    span = model.position.shape[2]
+    rows, uppers = [np.zeros((0, span))], [np.zeros(0)]
+    if model.face_bounds is not None:
+        normals, _ = inner_faces(span // last)
+        rows.append(np.kron(np.eye(last), normals))
+        uppers.append(model.face_bounds.ravel())
+    if vehicle.speed_norm is not None and model.velocity is not None:
+        normals, share = inner_faces(vehicle.system.dimension)
+        faces = (normals @ model.velocity[1:]).reshape(-1, span)
+        idle = np.zeros((last, len(normals)))
+        if model.drift_velocity is not None:
+            idle = model.drift_velocity[1:] @ normals.T
+        left = share * vehicle.speed_norm - idle.ravel()
+        binding = np.abs(faces) @ np.maximum(model.control_bounds, 0.0).ravel() > left
+        rows.append(faces[binding])
+        uppers.append(left[binding])
+    return np.vstack(rows), np.concatenate(uppers)

@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import GAUSSIAN, Tail
 from radmpc.model.noise.positions import PositionResponse, side_by_side, without_common
+from radmpc.model.relations.concerns import concerned
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.keepout import KeepOut, obstacle_keepouts
@@ -114,6 +116,10 @@ class Hazards:
         step makes of that [m]; None where nothing is shared.
     tail : Tail
         Of what everything deviates by.
+    ranges : tuple of (int, int, float)
+        Who stays within a range of whom [m].
+    concerned : (N, O) bool array or None
+        Which pieces concern whom; None where all concern everybody.
     """
 
     models: tuple[CondensedModel, ...]
@@ -128,6 +134,8 @@ class Hazards:
     common: Tensor | None = None
     common_bent: Tensor | None = None
     tail: Tail = GAUSSIAN
+    ranges: tuple[tuple[int, int, float], ...] = ()
+    concerned: npt.NDArray[np.bool_] | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, models: Sequence[CondensedModel]) -> Hazards:
@@ -162,6 +170,8 @@ class Hazards:
             _responses(shared, "positions"),
             _responses(shared, "bent"),
             Tail(scenario.covariance_samples),
+            _ranges(scenario) if scenario.keep else (),
+            _concerned(scenario),
         )
 
     def joint(self, steps: Indices, first: Indices, second: Indices | None) -> Tensor:
@@ -222,6 +232,21 @@ class Hazards:
     def dimension(self) -> int:
         """Number of coordinates d."""
         return int(self.covariances.shape[-1])
+
+
+def _concerned(scenario: Scenario) -> npt.NDArray[np.bool_] | None:
+    """Return which pieces concern whom, in the order of `Shapes`."""
+    found = concerned(scenario.obstacles, [vehicle.name for vehicle in scenario.vehicles])
+    if found is None:
+        return None
+    return np.repeat(found, [len(obstacle.at(0)) for obstacle in scenario.obstacles], axis=1)
+
+
+def _ranges(scenario: Scenario) -> tuple[tuple[int, int, float], ...]:
+    """Return who stays within a range of whom."""
+    from radmpc.model.relations.keep import keep_pairs  # noqa: PLC0415 - few keep a range
+
+    return keep_pairs(scenario.keep, [vehicle.name for vehicle in scenario.vehicles])
 
 
 def _corners(keepout: KeepOut, horizon: int, count: int) -> Tensor:

@@ -35,7 +35,7 @@ class RiskItem(NamedTuple):
 
     Attributes
     ----------
-    cause : {'obstacle', 'pair', 'workspace', 'visit'}
+    cause : {'obstacle', 'pair', 'workspace', 'range', 'visit'}
         What may happen; a visit does without risk.
     vehicle : str
         To whom.

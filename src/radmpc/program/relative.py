@@ -2,13 +2,56 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from radmpc.arrays import Tensor
 from radmpc.model.noise.positions import side_by_side, without_common
+from radmpc.model.obstacle_track import TrackSpread
+from radmpc.program.avoidance import Body, Part
 from radmpc.program.condensed import CondensedModel
 
-__all__ = ["relative_bent_covariances", "relative_covariances"]
+__all__ = ["own_body", "relative_bent_covariances", "relative_body", "relative_covariances"]
+
+
+def own_body(model: CondensedModel, part: Part, spread: TrackSpread | None) -> Body:
+    """Return the position of a vehicle, as seen from something whose own place spreads.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    part : Part
+        Its place among the outputs.
+    spread : TrackSpread or None
+        How the other's place spreads; None is not at all.
+    """
+    covariances, bent = model.position_covariances, model.bent_covariances
+    if spread is not None:
+        covariances = covariances + spread.positions
+        bent = None if bent is None else bent + spread.positions[:-1]
+    return Body(model.reach_lower, model.reach_upper, covariances, bent, (part,))
+
+
+def relative_body(models: tuple[CondensedModel, CondensedModel], first: Part, second: Part) -> Body:
+    """Return the position of one vehicle relative to another's.
+
+    Parameters
+    ----------
+    models : tuple of CondensedModel
+        The two, over the same steps.
+    first, second : Part
+        Their places among the outputs.
+    """
+    one, two = models
+    return Body(
+        one.reach_lower - two.reach_upper,
+        one.reach_upper - two.reach_lower,
+        relative_covariances(one, two),
+        relative_bent_covariances(one, two),
+        (first, replace(second, sign=-1.0)),
+    )
 
 
 def relative_covariances(one: CondensedModel, two: CondensedModel) -> Tensor:

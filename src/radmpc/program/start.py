@@ -6,14 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Tensor
-from radmpc.gaussian import Tail
+from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.gaussian import Tail, clearance
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
+from radmpc.program.avoidance import Body
 from radmpc.program.openings import best_clearance
 
-__all__ = ["start_pair_risk"]
+__all__ = ["risks_at_start", "start_pair_risk"]
 
 _FAR = 8.0
 """Clearance beyond which a pair's risk at the start is left out [standard deviations]: 6e-16."""
@@ -47,12 +48,38 @@ def start_pair_risk(scenario: Scenario, covariances: Sequence[Tensor]) -> float:
     origin = np.zeros((1, scenario.dimension))
     total = 0.0
     for i, j in near_pairs(positions, float(near)).tolist():
-        clearance, _ = best_clearance(
+        kept, _ = best_clearance(
             positions[i] - positions[j],
             noises[i] + noises[j],
             faces,
             origin,
             float(radii[i] + radii[j]),
         )
-        total += float(tail.probability(clearance))
+        total += float(tail.probability(kept))
     return total
+
+
+def risks_at_start(body: Body, normals: Tensor, offsets: Matrix, tail: Tail) -> Vector:
+    """Return the least risk at k = 0 of any face of each of n things, which no control changes.
+
+    Parameters
+    ----------
+    body : Body
+        What avoids.
+    normals : (n, f, d) array
+        Of the faces.
+    offsets : (n, f) array
+        Their right sides: ``normals @ position <= offsets`` [m].
+    tail : Tail
+        Of what the position deviates by.
+
+    Returns
+    -------
+    (n,) array
+        Probabilities [-].
+    """
+    slack = offsets - normals @ body.lower[0]
+    variances = np.einsum("nfa,ab,nfb->nf", normals, body.covariances[0], normals)
+    deviations = np.sqrt(np.maximum(variances, 0.0))
+    least: Vector = tail.probability(clearance(slack, deviations)).min(axis=1)
+    return least

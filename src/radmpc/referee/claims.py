@@ -92,6 +92,7 @@ def _ledger_problems(plan: Plan) -> list[str]:
         "pair": vehicles,
         "obstacle": {o.name for o in plan.scenario.obstacles},
         "workspace": set[str](),
+        "range": vehicles,
     }
     problems = []
     for row in plan.risk.ledger:
@@ -99,7 +100,7 @@ def _ledger_problems(plan: Plan) -> list[str]:
         if row.vehicle not in vehicles:
             problems.append(f"{about} vehicle {row.vehicle!r}, who is not in the scenario")
         # Without a partner a row is the sum over all that is far away.
-        is_itself = row.cause == "pair" and row.other == row.vehicle
+        is_itself = row.cause in {"pair", "range"} and row.other == row.vehicle
         if row.other is not None and (is_itself or row.other not in partners[row.cause]):
             problems.append(f"{about} other {row.other!r}, which is none of the scenario's")
         if not 0 <= row.step <= plan.scenario.horizon:
@@ -204,6 +205,11 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
         bounds = _control_bounds(vehicle, motion.seen[i][:-1])
         problems += _excess(vehicle.name, "control", trajectory.controls, bounds, 0)
         problems += _arrival_problems(vehicle, motion.states[i])
+        if vehicle.control_norm is not None or vehicle.speed_norm is not None:
+            from radmpc.referee.norms import norm_problems  # noqa: PLC0415 - few have any
+
+            seen = motion.seen[i][:-1]
+            problems += norm_problems(vehicle, motion.states[i], trajectory.controls, seen)
         if vehicle.via or vehicle.goal.within is not None:
             from radmpc.referee.visits import arrival_problems, visit_problems  # noqa: PLC0415 - few have any
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Encounters:
 
     Attributes
     ----------
-    kind : {'pair', 'obstacle', 'workspace'}
+    kind : {'pair', 'obstacle', 'workspace', 'range'}
         What ``other`` counts.
     first, other : (B,) int array
         Numbers of the vehicle, and of the obstacle or other vehicle.
@@ -67,7 +67,19 @@ class Encounters:
     @property
     def is_pair(self) -> bool:
         """Whether these are relative motions of two vehicles each."""
-        return self.kind == "pair"
+        return self.kind in {"pair", "range"}
+
+    def against(self, corners: Tensor, directions: Tensor) -> Encounters:
+        """Return the same motions against other sets that stand still.
+
+        Parameters
+        ----------
+        corners : (B, 1, V, d) array
+            Of each set [m].
+        directions : (B, G, d) array
+            Unit normals worth trying.
+        """
+        return replace(self, vertices=corners, directions=directions)
 
     def take(self, chosen: slice | Indices) -> Encounters:
         """Return some encounters of the batch."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import Polytope
+from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
 from radmpc.referee.common import relative
 from radmpc.referee.encounters import Encounters
@@ -18,7 +20,14 @@ from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pai
 from radmpc.referee.padding import padded_edges, padded_normals, padded_vertices
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["Gathered", "NearPiece", "gather_obstacles", "gather_pairs", "near_pieces"]
+__all__ = [
+    "Gathered",
+    "NearPiece",
+    "gather_obstacles",
+    "gather_pairs",
+    "near_pieces",
+    "relative_motion",
+]
 
 Flags = npt.NDArray[np.bool_]
 
@@ -90,25 +99,44 @@ def gather_pairs(
     skipped = count - 1 - np.arange(count) - np.bincount(i, minlength=count)
     if not pairs.size:
         return Gathered((), skipped)
-    d = scenario.dimension
-    faces = _pair_directions(scenario.num_pair_faces, d)
+    faces = _pair_directions(scenario.num_pair_faces, scenario.dimension)
+    batch = relative_motion(motion, i, j, "pair")
+    walls = np.broadcast_to(faces, (len(pairs), *faces.shape))
+    return Gathered((batch.against(batch.vertices, walls),), skipped)
+
+
+def relative_motion(
+    motion: FleetMotion, i: Indices, j: Indices, kind: Literal["pair", "range"]
+) -> Encounters:
+    """Return relative motions of vehicles against the origin, no directions named.
+
+    Parameters
+    ----------
+    motion : FleetMotion
+        Of the fleet.
+    i, j : (B,) int array
+        The vehicles.
+    kind : {'pair', 'range'}
+        Whether they keep apart, or together: then their radii do not count.
+    """
+    count, d = len(i), motion.positions.shape[2]
     covariances, bent = _pair_covariances(motion, i, j)
-    batch = Encounters(
-        kind="pair",
+    radii = motion.radii[i] + motion.radii[j]
+    return Encounters(
+        kind=kind,
         first=i,
         other=j,
-        piece=np.zeros(len(pairs), dtype=np.int64),
+        piece=np.zeros(count, dtype=np.int64),
         means=motion.positions[i] - motion.positions[j],
         covariances=covariances,
         bent_covariances=bent,
         sagittas=motion.sagittas[i] - motion.sagittas[j],
-        radii=motion.radii[i] + motion.radii[j],
-        vertices=np.zeros((len(pairs), 1, 1, d)),
-        directions=np.broadcast_to(faces, (len(pairs), *faces.shape)),
-        edges=np.zeros((len(pairs), 1, 0, 2, d)),
+        radii=radii if kind == "pair" else np.zeros(count),
+        vertices=np.zeros((count, 1, 1, d)),
+        directions=np.zeros((count, 0, d)),
+        edges=np.zeros((count, 1, 0, 2, d)),
         samples=motion.samples,
     )
-    return Gathered((batch,), skipped)
 
 
 def _pair_covariances(motion: FleetMotion, i: Indices, j: Indices) -> tuple[Tensor, Tensor | None]:
@@ -143,18 +171,12 @@ def _pair_directions(count: int, dimension: int) -> Matrix:
 def gather_obstacles(
     scenario: Scenario, motion: FleetMotion, *, intervals: bool, always: Flags | None = None
 ) -> Gathered:
-    """Return all vehicles against all convex pieces of obstacles; see `gather_pairs`.
+    """Return all vehicles against all convex pieces of obstacles that concern them.
 
     Parameters
     ----------
-    scenario : Scenario
-        The plan's.
-    motion : FleetMotion
-        Of the fleet.
-    intervals : bool
-        Whether collisions count between steps.
-    always : (N,) bool array or None
-        Vehicles whose encounters are never left out; None is none.
+    scenario, motion, intervals, always
+        As in `gather_pairs`.
     """
     count = scenario.num_vehicles
     skipped = np.zeros(count, dtype=np.int64)
@@ -168,6 +190,7 @@ def gather_obstacles(
         kind: [] for kind in ((False, False), (True, False), (True, True))
     }
     tracks = motion.tracks
+    mine = _concerned(scenario)
     for number, piece, pieces in _pieces(scenario, 0):
         lower, upper = _boxes(pieces, balls, intervals=intervals)
         spread = None
@@ -181,8 +204,8 @@ def gather_obstacles(
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
         if always is not None:
             far &= ~always
-        skipped += far
-        near = np.flatnonzero(~far)
+        skipped += far & mine[number]
+        near = np.flatnonzero(~far & mine[number])
         if near.size:
             kind = len(pieces) > 1, spread is not None
             chosen[kind].append(NearPiece(number, piece, near, pieces, spread))
@@ -206,10 +229,16 @@ def near_pieces(
     intervals : bool
         Whether windows are intervals, or steps.
     """
+    mine = _concerned(scenario)
     for number, piece, shapes in _pieces(scenario, step):
         lower, upper = _boxes(shapes, balls, intervals=intervals)
-        near = np.flatnonzero(~far_from_box(balls, lower, upper))
+        near = np.flatnonzero(~far_from_box(balls, lower, upper) & mine[number])
         yield NearPiece(number, piece, near, shapes, None)
+
+
+def _concerned(scenario: Scenario) -> Flags:
+    """Return whom each obstacle concerns, (O, N) bool."""
+    return np.array([[is_for(o, v.name) for v in scenario.vehicles] for o in scenario.obstacles])
 
 
 def _pieces(scenario: Scenario, step: int) -> Iterator[tuple[int, int, Sequence[Polytope]]]:

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.referee.motion import FleetMotion
+from radmpc.referee.norms import norm_excess
 from radmpc.referee.tails import exceeding
 
 if TYPE_CHECKING:
@@ -32,8 +33,9 @@ _CERTAIN = 1e-12
 def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence[Matrix]) -> Vector:
     """Return upper bounds on the probability that each vehicle's feedback ever saturates.
 
-    By Boole's inequality over steps, axes and both limits; the deviation is that of the control as
-    asked for, which is the one flown until something saturates for the first time.
+    By Boole's inequality over steps, axes, both limits and the norm, if any; the deviation is that
+    of the control as asked for, which is the one flown until something saturates for the first
+    time.
 
     Parameters
     ----------
@@ -52,13 +54,20 @@ def saturation_bound(scenario: Scenario, motion: FleetMotion, controls: Sequence
     bounds = np.zeros(scenario.num_vehicles)
     for i, vehicle in enumerate(scenario.vehicles):
         limit = vehicle.control_limit + _LIMIT_TOL
+        if vehicle.control_norm is not None:
+            from radmpc.referee.norms import saturation_of_norm  # noqa: PLC0415 - few have any
+
+            seen = motion.seen[i][:-1]
+            bounds[i] = saturation_of_norm(vehicle, controls[i], seen, _LIMIT_TOL, motion.samples)
+            # What exceeds the norm along an axis was counted.
+            limit = np.where(vehicle.control_limit < vehicle.control_norm, limit, np.inf)
         if vehicle.gain is None:
-            bounds[i] = float(np.any(np.abs(controls[i]) > limit))
+            bounds[i] = max(bounds[i], float(np.any(np.abs(controls[i]) > limit)))
             continue
         variances = ((vehicle.gain @ motion.seen[i][:-1]) * vehicle.gain).sum(axis=2)
         spread = np.sqrt(variances.clip(min=0.0))
         noisy = spread > 0.0
-        total = 0.0
+        total = bounds[i]
         for room in (limit - controls[i], limit + controls[i]):
             tails = exceeding(room / np.where(noisy, spread, 1.0), motion.samples)
             total += float(np.where(noisy, tails, (room < 0.0).astype(np.float64)).sum())
@@ -83,19 +92,25 @@ class Cutoff:
         What it gets at least and at most, the nominal control taken off.
     pushes : sparse (width, R) array
         Columns of B: what a unit of control does to the state.
+    discs : tuple of (slice, (m,) array, float)
+        Controls of vehicles whose norm is limited, too: their rows, nominal control, limit.
     """
 
     gains: csr_array
     lower: Vector
     upper: Vector
     pushes: csr_array
+    discs: tuple[tuple[slice, Vector, float], ...] = ()
 
     def excess(self, state: Matrix) -> Matrix | None:
         """Return what is asked for beyond what there is, (R, S); None where nothing is."""
         if not self.lower.size:
             return None
         asked = self.gains @ state
-        over = asked - np.clip(asked, self.lower[:, None], self.upper[:, None])
+        held = np.clip(asked, self.lower[:, None], self.upper[:, None])
+        over = asked - held
+        for rows, nominal, limit in self.discs:
+            over[rows] += norm_excess(held[rows] + nominal[:, None], limit)
         return over if over.any() else None
 
 
@@ -122,12 +137,15 @@ def cutoffs(
         What draws their deviations.
     """
     chosen = [i for i in np.flatnonzero(loose).tolist() if scenario.vehicles[i].gain is not None]
+    normed = []
     rows, columns, gains = [], [], [np.zeros(0)]
     pushed_rows, pushing, pushes = [], [], [np.zeros(0)]
     first = 0
     for i in chosen:
         vehicle = scenario.vehicles[i]
         m, n = vehicle.system.num_controls, vehicle.system.num_states
+        if vehicle.control_norm is not None:
+            normed.append((i, slice(first, first + m), vehicle.control_norm + _LIMIT_TOL))
         seen = motion.seen_rows[i]
         own = np.repeat(np.arange(first, first + m), n)
         rows.append(own)
@@ -149,5 +167,6 @@ def cutoffs(
         limits = [scenario.vehicles[i].control_limit for i in chosen]
         limit = np.concatenate([np.zeros(0), *limits]) + _LIMIT_TOL
         nominal = np.concatenate([np.zeros(0), *(controls[i][k] for i in chosen)])
-        found.append(Cutoff(asked, -limit - nominal, limit - nominal, pushed))
+        discs = tuple((rows, controls[i][k], norm) for i, rows, norm in normed)
+        found.append(Cutoff(asked, -limit - nominal, limit - nominal, pushed, discs))
     return tuple(found)

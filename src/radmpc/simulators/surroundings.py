@@ -15,6 +15,7 @@ from scipy.optimize import nnls
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.flying.tick import Contact
+from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
 
 __all__ = ["Surroundings", "hull_distance"]
@@ -76,7 +77,8 @@ class Surroundings:
             met += [
                 Contact(step, "obstacle", vehicle.name, obstacle.name)
                 for i, vehicle in enumerate(vehicles)
-                if self._hits(number, step, shares, positions[:, i], self._radii[i])
+                if is_for(obstacle, vehicle.name)
+                and self._hits(number, step, shares, positions[:, i], self._radii[i])
             ]
         if workspace is not None:
             low = (inside < workspace.lower - _TOUCH).any(axis=(0, 2))

@@ -84,6 +84,8 @@ def _strength(coupling: Coupling) -> float:
     """Return what orders reasons: likely collisions first, then those that have no number."""
     if coupling.value is None:
         return 1.0 if coupling.reason == "share" else 0.0
+    if coupling.reason == "range":
+        return 0.0
     return -coupling.value if coupling.reason == "distance" else coupling.value
 
 
@@ -92,15 +94,15 @@ def _reason(coupling: Coupling) -> str:
     pair, value = f"{coupling.vehicle} and {coupling.other}", coupling.value or 0.0
     if _is_sure(coupling):
         return f"{pair} would almost surely collide if planned apart"
-    if coupling.reason == "collision":
-        return f"{pair} would run a risk of {value:.2g} if planned apart"
-    if coupling.reason == "risk":
-        return f"{pair} run a risk of {value:.2g} in the approximation"
-    if coupling.reason == "blocked":
-        return f"{pair} block each other in the approximation"
-    if coupling.reason == "distance":
-        return f"{pair} come within {value:.3g} m if planned apart"
-    return f"{pair} need more than their shares of the risk bound"
+    texts = {
+        "collision": f"{pair} would run a risk of {value:.2g} if planned apart",
+        "risk": f"{pair} run a risk of {value:.2g} in the approximation",
+        "blocked": f"{pair} block each other in the approximation",
+        "distance": f"{pair} come within {value:.3g} m if planned apart",
+        "share": f"{pair} need more than their shares of the risk bound",
+        "range": f"{pair} keep a range of {value:.3g} m",
+    }
+    return texts[coupling.reason]
 
 
 def limits_text(plan: Plan) -> str:

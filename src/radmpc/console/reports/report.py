@@ -168,18 +168,20 @@ def vehicle_table(plan: Plan) -> Table:
     ordered = sorted(names, key=lambda name: totals[name], reverse=True)
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     table.add_column("who bears it", no_wrap=True)
-    for column in ("half of pairs", "obstacles", "workspace", "risk", "of bound"):
+    causes = CAUSES if plan.scenario.keep else CAUSES[:-1]
+    heads = ("half of pairs", "obstacles", "workspace", "half of ranges")
+    for column in (*heads[: len(causes)], "risk", "of bound"):
         table.add_column(column, justify="right", no_wrap=True)
     num_shown = _num_shown([totals[name] for name in ordered], plan.risk.bound)
     for name in ordered[:num_shown]:
-        risks = [*(parts[name][cause] for cause in CAUSES), totals[name]]
+        risks = [*(parts[name][cause] for cause in causes), totals[name]]
         share = _share(totals[name], plan.risk.bound)
         table.add_row(name, *(f"{risk:.2e}" for risk in risks), share)
     hidden = ordered[num_shown:]
     if hidden:
         rest = sum(totals[name] for name in hidden)
         share = _share(rest, plan.risk.bound)
-        table.add_row(f"{len(hidden)} more", "", "", "", f"{rest:.2e}", share)
+        table.add_row(f"{len(hidden)} more", *("" for _ in causes), f"{rest:.2e}", share)
     return table
 
 

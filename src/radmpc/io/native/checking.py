@@ -125,7 +125,8 @@ def _keys(model: type[BaseModel], path: list[str | int]) -> list[str]:
             annotation = _only(annotation, _is_model).model_fields[key].annotation
         else:
             annotation = typing.get_args(_only(annotation, _is_list))[0]
-    return list(_only(annotation, _is_model).model_fields)
+    fields = _only(annotation, _is_model).model_fields
+    return [field.alias or name for name, field in fields.items()]
 
 
 def _only(annotation: Any, is_wanted: Callable[[Any], bool]) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from radmpc.arrays import as_vector
 from radmpc.errors import ScenarioError, raise_together
@@ -25,6 +25,9 @@ from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from radmpc.model.relations.keep import Keep
 
 __all__ = ["check_entries", "decode_scenario"]
 
@@ -115,7 +118,23 @@ def _build(spec: ScenarioSpec) -> Scenario:
         source=None if spec.source is None else plain_mapping(spec.source, ("source",)),
         covariance_samples=spec.covariance_samples,
         time_weight=spec.objective.time,
+        keep=_keep(spec),
     )
+
+
+def _keep(spec: ScenarioSpec) -> tuple[Keep, ...]:
+    """Return the ranges that vehicles keep."""
+    if not spec.keep:
+        return ()
+    from radmpc.model.relations.keep import Keep  # noqa: PLC0415 - few keep a range
+
+    found = []
+    for k, entry in enumerate(spec.keep):
+        try:
+            found.append(Keep(entry.vehicles, entry.within))
+        except ScenarioError as error:
+            raise error.under("keep", k) from error
+    return tuple(found)
 
 
 def _check_objective(spec: ScenarioSpec) -> None:
@@ -201,6 +220,23 @@ def _workspace(spec: ScenarioSpec) -> Workspace | None:
 
 
 def _obstacle(index: int, spec: ObstacleSpec) -> Obstacle:
+    """Return an obstacle, for whom it concerns."""
+    obstacle = _shaped(index, spec)
+    if spec.only is None and spec.exempt is None:
+        return obstacle
+    from radmpc.model.relations.concerns import all_but, only_for  # noqa: PLC0415 - few tell them apart
+
+    try:
+        if spec.exempt is None:
+            return only_for(obstacle, spec.only or ())
+        if spec.only is None:
+            return all_but(obstacle, spec.exempt)
+    except ScenarioError as error:
+        raise error.under("obstacles", index) from error
+    raise ScenarioError("must be left out beside for", ("obstacles", index, "except"))
+
+
+def _shaped(index: int, spec: ObstacleSpec) -> Obstacle:
     """Return an obstacle from whichever description is given."""
     path = ("obstacles", index)
     given = [key for kind in _OBSTACLE_KINDS for key in kind if getattr(spec, key) is not None]

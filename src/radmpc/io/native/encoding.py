@@ -69,7 +69,7 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
             "max": scenario.workspace.upper.tolist(),
         }
     if scenario.obstacles:
-        content["obstacles"] = [_obstacle(obstacle) for obstacle in scenario.obstacles]
+        content["obstacles"] = [_obstacle(one) | _whom(one) for one in scenario.obstacles]
     vehicles = [_vehicle(v, scenario.dt) for v in scenario.vehicles]
     defaults = _common(vehicles)
     if defaults:
@@ -84,6 +84,10 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         content["covariance_samples"] = int(scenario.covariance_samples)
     if scenario.time_weight != 0.0:
         content["objective"] = {"effort": 1, "time": float(scenario.time_weight)}
+    if scenario.keep:
+        content["keep"] = [
+            {"vehicles": list(one.vehicles), "within": float(one.within)} for one in scenario.keep
+        ]
     if scenario.source is not None:
         content["source"] = plain_mapping(scenario.source, ("source",))
     return content
@@ -128,6 +132,14 @@ def _obstacle(obstacle: Obstacle) -> dict[str, object]:
     return {"name": obstacle.name, "moving": [outline.tolist() for outline in shape.outlines]}
 
 
+def _whom(obstacle: Obstacle) -> dict[str, object]:
+    """Return whom an obstacle concerns; nothing where everybody."""
+    concerns = obstacle.concerns
+    if concerns is None:
+        return {}
+    return {"except" if concerns.are_exempt else "for": list(concerns.names)}
+
+
 def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
     """Return a vehicle's fields, without those that are as when absent."""
     content: dict[str, object] = {
@@ -135,10 +147,10 @@ def _vehicle(vehicle: Vehicle, dt: float) -> dict[str, object]:
         "start": _start(vehicle),
         "goal": _goal(vehicle.goal, vehicle.system.velocity is not None),
         "radius": float(vehicle.radius),
-        "control_limit": _short(vehicle.control_limit),
+        "control_limit": _limit(vehicle.control_limit, vehicle.control_norm),
     }
     if vehicle.speed_limit is not None:
-        content["speed_limit"] = _short(vehicle.speed_limit)
+        content["speed_limit"] = _limit(vehicle.speed_limit, vehicle.speed_norm)
     content["initial_covariance"] = _covariance(vehicle.initial_covariance)
     disturbance = _covariance(vehicle.disturbance_covariance)
     if vehicle.disturbance_correlation == 0.0:
@@ -237,6 +249,13 @@ def _covariance(matrix: Matrix) -> float | list[float] | list[list[float]]:
         return _floats(diagonal)
     rows: list[list[float]] = matrix.tolist()
     return rows
+
+
+def _limit(axes: Vector, norm: float | None) -> object:
+    """Return a limit per axis, or one of the norm with those per axis that are less."""
+    if norm is None:
+        return _short(axes)
+    return {"norm": float(norm)} | ({"axes": _short(axes)} if np.any(axes != norm) else {})
 
 
 def _short(vector: Vector) -> float | list[float]:

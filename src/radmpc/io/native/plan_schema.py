@@ -15,7 +15,7 @@ __all__ = ["CouplingSpec", "LedgerSpec", "PlanSpec", "RiskSpec", "TrajectorySpec
 class LedgerSpec(FileModel):
     """One row of the ledger."""
 
-    cause: Literal["obstacle", "pair", "workspace"]
+    cause: Literal["obstacle", "pair", "workspace", "range"]
     vehicle: Text
     other: Text | None
     step: Annotated[int, Field(ge=0)]
@@ -37,7 +37,7 @@ class CouplingSpec(FileModel):
 
     vehicle: Text
     other: Text
-    reason: Literal["collision", "risk", "blocked", "distance", "share"]
+    reason: Literal["collision", "risk", "blocked", "distance", "share", "range"]
     value: Annotated[Finite, Field(ge=0.0)] | None
 
 

@@ -18,8 +18,10 @@ __all__ = [
     "FeedbackSpec",
     "FileModel",
     "GoalSpec",
+    "KeepSpec",
     "LqrSpec",
     "MeasurementSpec",
+    "NormSpec",
     "ObjectiveSpec",
     "ObstacleSpec",
     "ScenarioSpec",
@@ -44,6 +46,9 @@ _MOST_SAMPLES = 1_000_000
 _MOST_STEPS = 1000
 """Steps of one scenario."""
 
+
+_MOST_RANGES = 10_000
+"""Pairs of vehicles that keep a range."""
 
 MOST_VISITS = 200
 """Boxes that one vehicle visits."""
@@ -110,6 +115,8 @@ class ObstacleSpec(FileModel):
         ]
         | None
     ) = None
+    only: Annotated[list[Text], Field(min_length=1)] | None = Field(None, alias="for")
+    exempt: Annotated[list[Text], Field(min_length=1)] | None = Field(None, alias="except")
 
 
 class GoalSpec(FileModel):
@@ -143,6 +150,27 @@ class SurveySpec(FileModel):
     half_width: ScalarOrVector | None = None
     altitude: Number | None = None
     speed: ScalarOrVector | None = None
+
+
+class NormSpec(FileModel):
+    """A limit of a Euclidean norm, and others per axis."""
+
+    norm: Number
+    axes: ScalarOrVector | None = None
+
+
+def _limit(value: object) -> str:
+    """Return whether a value is meant as a norm, a list or a number."""
+    kind = "norm" if isinstance(value, dict) else "list" if isinstance(value, list) else "number"
+    return MARK + kind
+
+
+Limit = Annotated[
+    Annotated[Number, Tag(MARK + "number")]
+    | Annotated[Vector, Tag(MARK + "list")]
+    | Annotated[NormSpec, Tag(MARK + "norm")],
+    Discriminator(_limit),
+]
 
 
 class DynamicsSpec(FileModel):
@@ -206,8 +234,8 @@ class VehicleSpec(FileModel):
     start: Vector = []
     goal: GoalSpec | None = None
     radius: Number = 0.0
-    control_limit: ScalarOrVector = 0.0
-    speed_limit: ScalarOrVector | None = None
+    control_limit: Limit = 0.0
+    speed_limit: Limit | None = None
     initial_covariance: Square = 0.0
     disturbance_covariance: Square = 0.0
     disturbance: DisturbanceSpec | None = None
@@ -231,6 +259,13 @@ class SharedDisturbanceSpec(FileModel):
     on: dict[str, Square | None]
 
 
+class KeepSpec(FileModel):
+    """Two vehicles, and the range that they keep."""
+
+    vehicles: Annotated[list[Text], Field(min_length=2, max_length=2)]
+    within: Number
+
+
 class ScenarioSpec(FileModel):
     """A whole scenario."""
 
@@ -248,4 +283,5 @@ class ScenarioSpec(FileModel):
     shared_disturbances: Annotated[list[SharedDisturbanceSpec], Field(max_length=_MOST_STATES)] = []
     covariance_samples: Annotated[int, Field(le=_MOST_SAMPLES)] | None = None
     objective: ObjectiveSpec = ObjectiveSpec.model_construct()
+    keep: Annotated[list[KeepSpec], Field(max_length=_MOST_RANGES)] = []
     source: dict[str, Any] | None = None

@@ -8,7 +8,14 @@ from radmpc.arrays import Matrix, Vector, as_axes, as_covariance, as_matrix, as_
 from radmpc.errors import ScenarioError, all_checked
 from radmpc.io.native.boxes import box_of, build_visits
 from radmpc.io.native.noise import build_disturbance, build_drift, build_measurement
-from radmpc.io.native.schema import DynamicsSpec, FeedbackSpec, GoalSpec, LqrSpec, VehicleSpec
+from radmpc.io.native.schema import (
+    DynamicsSpec,
+    FeedbackSpec,
+    GoalSpec,
+    LqrSpec,
+    NormSpec,
+    VehicleSpec,
+)
 from radmpc.model.dynamics import LinearSystem, double_integrator, lqr_gain
 from radmpc.model.numbers import check_vehicle_numbers
 from radmpc.model.states import as_state
@@ -99,6 +106,8 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
     lower, upper = box_of(goal_spec, "goal")
     system = shared.system(spec.dynamics, lower.size)
     d, n, m = system.dimension, system.num_states, system.num_controls
+    control_limit, control_norm = _limit(spec.control_limit)
+    speed_limit, speed_norm = _limit(spec.speed_limit)
     disturbance, correlation = build_disturbance(spec, n, shared.dt)
     return Vehicle(
         name=spec.name,
@@ -106,12 +115,10 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         start=as_state(spec.start, system),
         goal=_goal(goal_spec, lower, upper, system),
         radius=spec.radius,
-        control_limit=as_axes(spec.control_limit, m, ("control_limit",)),
+        control_limit=as_axes(control_limit, m, ("control_limit",)),
         initial_covariance=as_covariance(spec.initial_covariance, n, ("initial_covariance",)),
         disturbance_covariance=disturbance,
-        speed_limit=(
-            None if spec.speed_limit is None else as_axes(spec.speed_limit, d, ("speed_limit",))
-        ),
+        speed_limit=(None if speed_limit is None else as_axes(speed_limit, d, ("speed_limit",))),
         gain=shared.gain(spec.feedback, system),
         control_sigmas=spec.control_sigmas,
         cost_weight=spec.cost_weight,
@@ -119,7 +126,18 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
         disturbance_correlation=correlation,
         measurement=build_measurement(spec.measurement, n),
         via=build_visits(spec.via, spec.survey),
+        control_norm=control_norm,
+        speed_norm=speed_norm,
     )
+
+
+def _limit(
+    spec: float | list[float] | NormSpec | None,
+) -> tuple[float | list[float] | None, float | None]:
+    """Return limits per axis, and the one of the norm."""
+    if not isinstance(spec, NormSpec):
+        return spec, None
+    return (spec.norm if spec.axes is None else spec.axes), spec.norm
 
 
 def _missing(name: str) -> ScenarioError:

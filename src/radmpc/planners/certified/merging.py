@@ -9,6 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Indices
 from radmpc.model.plan import Coupling
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.planners.verdict import Verdict
 
@@ -41,6 +42,13 @@ class Merging:
     scenario: Scenario
     coupling_risks: Mapping[tuple[int, int], float] = field(default_factory=dict)
     rejected_pairs: Mapping[tuple[int, int], float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Merging:
+        """Begin with those planned together who keep a range, whatever they risk apart."""
+        names = [vehicle.name for vehicle in scenario.vehicles]
+        pairs = keep_pairs(scenario.keep, names)
+        return cls(scenario, rejected_pairs={(i, j): 1.0 for i, j, _ in pairs})
 
     def reject(self, sets: Sequence[Members], verdict: Verdict) -> Merging | None:
         """Plan the pairs across sets that a rejected plan is to be blamed on together.
@@ -129,9 +137,12 @@ class Merging:
         """Return why the vehicles of these sets were planned together."""
         owners = owners_of(sets)
         names = [vehicle.name for vehicle in self.scenario.vehicles]
+        kept = {(i, j): within for i, j, within in keep_pairs(self.scenario.keep, names)}
         return tuple(
-            Coupling(names[i], names[j], "collision", risk)
-            for (i, j), risk in sorted(self.coupling_risks.items())
+            Coupling(names[i], names[j], "range", kept[i, j])
+            if (i, j) in kept
+            else Coupling(names[i], names[j], "collision", self.coupling_risks[i, j])
+            for i, j in sorted({*self.coupling_risks, *kept})
             if owners[i] == owners[j]
         )
 

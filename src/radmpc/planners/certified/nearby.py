@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.gaussian import Tail
+from radmpc.model.relations.concerns import concerned
 from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 
@@ -55,14 +56,12 @@ class Surroundings:
             largest = np.abs(model.control_bounds).max(axis=0, initial=0.0)
             sagitta = np.abs(model.vehicle.system.sagitta) @ largest
             near[j] = np.all((lower <= high + sagitta) & (upper >= low - sagitta), axis=1)
-        self._near = near
+        mine = concerned(scenario.obstacles, [model.vehicle.name for model in models])
+        self._near = near if mine is None else near & mine
 
     def of(self, members: tuple[int, ...]) -> Scenario:
         """Return the scenario of some vehicles and the obstacles they may meet."""
         whole = self._scenario
         near = np.flatnonzero(self._near[list(members)].any(axis=0))
-        return replace(
-            whole,
-            vehicles=tuple(whole.vehicles[i] for i in members),
-            obstacles=tuple(whole.obstacles[int(i)] for i in near),
-        )
+        some = replace(whole, obstacles=tuple(whole.obstacles[int(i)] for i in near))
+        return some.with_vehicles(whole.vehicles[i] for i in members)

@@ -57,8 +57,8 @@ def share_rows(plan: Plan) -> tuple[list[str], Matrix]:
     -------
     names : list of str
         The 20 vehicles with the largest shares, and how many others there are.
-    shares : (rows, 3) array
-        Of Δ, for pair (half of each pair's risk), obstacle and workspace [-].
+    shares : (rows, 4) array
+        Of Δ, for pair (half of each pair's risk), obstacle, workspace, range (half of each) [-].
     """
     table = risk_by_vehicle(plan.risk.ledger, [v.name for v in plan.scenario.vehicles])
     ordered = sorted(table, key=lambda name: sum(table[name].values()), reverse=True)
@@ -83,6 +83,8 @@ def _cause_name(hazard: Hazard) -> str:
         return f"{vehicle}, workspace"
     if hazard.other is None:
         return f"{vehicle}, far {hazard.cause}s"
+    if hazard.cause == "range":
+        return f"{vehicle} – {_short(hazard.other)}, range"
     link = " – " if hazard.cause == "pair" else ", "
     return f"{vehicle}{link}{_short(hazard.other)}"
 

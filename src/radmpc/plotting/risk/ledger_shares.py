@@ -26,11 +26,17 @@ __all__ = ["plot_risk_shares", "shares_height"]
 _FRAME = 0.60
 """Height of heading, ticks, label and legend [in]."""
 
-_COLORS: dict[Cause, str] = {"pair": PALETTE[0], "obstacle": PALETTE[4], "workspace": PALETTE[2]}
+_COLORS: dict[Cause, str] = {
+    "pair": PALETTE[0],
+    "obstacle": PALETTE[4],
+    "workspace": PALETTE[2],
+    "range": PALETTE[3],
+}
 _LABELS: dict[Cause, str] = {
     "pair": "half of pairs",
     "obstacle": "obstacles",
     "workspace": "workspace",
+    "range": "half of ranges",
 }
 
 

@@ -76,7 +76,7 @@ def plot_risk(plan: Plan, ax: Axes | None = None) -> Axes:
 
 
 def _by_step(plan: Plan) -> Matrix:
-    """Return the ledger by cause and step, (3, T+1)."""
+    """Return the ledger by cause and step, (4, T+1)."""
     risks = np.zeros((len(CAUSES), plan.scenario.horizon + 1))
     for row in plan.risk.ledger:
         risks[CAUSES.index(row.cause), row.step] += row.risk

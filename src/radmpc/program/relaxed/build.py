@@ -11,6 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Cause
+from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.condensed import CondensedModel
@@ -89,7 +90,10 @@ class _Relaxation:
         ]
         for model, instants in zip(self.models, self.instants, strict=True):
             name = model.vehicle.name
+            mine = {obstacle.name for obstacle in met_by(self.scenario.obstacles, name)}
             for keepout, vertices, faces in outlines:
+                if keepout.name not in mine:
+                    continue
                 outline = Outline(vertices, faces, model.vehicle.radius)
                 if self.scenario.dimension == 2:
                     seen = instants.seen_from(keepout.spread)

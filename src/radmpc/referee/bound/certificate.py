@@ -39,7 +39,8 @@ class Certificate:
     bound : float
         The scenario's Δ [-].
     certified : float
-        Upper bound on the probability that any vehicle ever collides or leaves the workspace [-].
+        Upper bound on the probability that any vehicle ever collides, leaves the workspace or loses
+        a range that it keeps [-].
         A sum, so it may exceed 1; 1 where the plan cannot be judged.
     ledger : tuple of LedgerRow
         Where it goes; sums to ``certified``. ``other`` is None for the workspace and for
@@ -167,6 +168,11 @@ def _ledger(scenario: Scenario, motion: FleetMotion) -> tuple[LedgerRow, ...]:
     if scenario.workspace is not None:
         risks = workspace_risks(scenario.workspace, motion, intervals=intervals)
         account.charge("workspace", everyone, None, risks)
+    if scenario.keep:
+        from radmpc.referee.bound.ranges import range_risks  # noqa: PLC0415 - few keep a range
+
+        pairs, risks = range_risks(scenario, motion, intervals=intervals)
+        account.charge("range", pairs.first, pairs.other, risks)
     return account.rows(
         tuple(v.name for v in scenario.vehicles), tuple(o.name for o in scenario.obstacles)
     )

@@ -33,8 +33,8 @@ class Account:
 
         Parameters
         ----------
-        cause : {'obstacle', 'pair', 'workspace'}
-            What may be hit or left.
+        cause : {'obstacle', 'pair', 'workspace', 'range'}
+            What may be hit, left or lost.
         first : (B,) int array
             The vehicles charged.
         other : (B,) int array or None
@@ -59,7 +59,7 @@ class Account:
         """
         rows = []
         for (cause, vehicle, other), risks in self.entries.items():
-            names = vehicles if cause == "pair" else obstacles
+            names = vehicles if cause in {"pair", "range"} else obstacles
             partner = None if other is None else names[other]
             for step, risk in _merged(risks):
                 rows.append(LedgerRow(cause, vehicles[vehicle], partner, step, risk))

@@ -13,7 +13,7 @@ from radmpc.referee.bound.persistence import path_charges
 from radmpc.referee.encounters import Encounters, instant_sites, interval_sites
 from radmpc.referee.motion import FleetMotion
 
-__all__ = ["WORTH", "faces_of", "workspace_risks"]
+__all__ = ["WORTH", "face_risks", "faces_of", "workspace_risks"]
 
 WORTH = 1e-13
 """Sum of a vehicle at a face below which its intervals are not looked at in parts [-]."""
@@ -80,29 +80,52 @@ def workspace_risks(workspace: Workspace, motion: FleetMotion, *, intervals: boo
     (N, T+1) array
         Summed over faces.
     """
-    count, steps, _ = motion.positions.shape
-    risks = np.zeros((count, steps))
-    for normal, batch in faces_of(workspace, motion):
-        if not intervals:
-            sites = instant_sites(batch)
-            along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
-            risks += end_risks(sites, along)[:, 0, 0].reshape(count, steps)
-            continue
-        sites = interval_sites(batch)
+    faces = faces_of(workspace, motion)
+    return np.asarray(
+        np.sum([face_risks(*face, motion, intervals=intervals) for face in faces], axis=0)
+    )
+
+
+def face_risks(
+    normal: Matrix, batch: Encounters, motion: FleetMotion, *, intervals: bool
+) -> Vector:
+    """Return an upper bound on the probability of being behind a face, step by step.
+
+    Parameters
+    ----------
+    normal : (d,) array
+        Unit normal, away from what is behind.
+    batch : Encounters
+        (Relative) motions against the half-space behind the face, B of them.
+    motion : FleetMotion
+        What they were gathered from.
+    intervals : bool
+        Whether the path between the steps counts.
+
+    Returns
+    -------
+    (B, T+1) array
+        Risks [-].
+    """
+    count, steps, _ = batch.means.shape
+    if not intervals:
+        sites = instant_sites(batch)
         along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
-        ends = end_risks(sites, along)[:, 0].reshape(count, steps - 1, -1)
-        near = np.flatnonzero(ends.sum(axis=(1, 2)) > WORTH)
-        # Far from the face, both ends of every interval are charged as they are.
-        found = np.zeros((count, steps))
-        found[:, :-1] = ends[:, :, :-1].sum(axis=2)
-        found[:, 1:] += ends[:, :, -1]
-        if near.size and motion.samples is not None:
-            # One direction from end to end: of the events of a step one holds the other.
-            begins = np.zeros((near.size, steps - 1), dtype=bool)
-            found[near] = chain_charges(ends[near, :, :-1], ends[near, :, -1], begins)
-        elif near.size:
-            parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
-            held = np.broadcast_to(normal, (near.size, NUM_PARTS * (steps - 1), 1, normal.size))
-            found[near] = path_charges(parts, held, crossed, NUM_PARTS)[:, 0]
-        risks += found
-    return risks
+        return np.asarray(end_risks(sites, along)[:, 0, 0].reshape(count, steps))
+    sites = interval_sites(batch)
+    along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
+    ends = end_risks(sites, along)[:, 0].reshape(count, steps - 1, -1)
+    near = np.flatnonzero(ends.sum(axis=(1, 2)) > WORTH)
+    # Far from the face, both ends of every interval are charged as they are.
+    found: Vector = np.zeros((count, steps))
+    found[:, :-1] = ends[:, :, :-1].sum(axis=2)
+    found[:, 1:] += ends[:, :, -1]
+    if near.size and motion.samples is not None:
+        # One direction from end to end: of the events of a step one holds the other.
+        begins = np.zeros((near.size, steps - 1), dtype=bool)
+        found[near] = chain_charges(ends[near, :, :-1], ends[near, :, -1], begins)
+    elif near.size:
+        parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
+        held = np.broadcast_to(normal, (near.size, NUM_PARTS * (steps - 1), 1, normal.size))
+        found[near] = path_charges(parts, held, crossed, NUM_PARTS)[:, 0]
+    return found

@@ -21,13 +21,16 @@ from radmpc.referee.reserve import CONTACT_TOL
 from radmpc.referee.simulation.sweep import SweepPart
 from radmpc.referee.simulation.turning import TurningSolid, comes_within
 
-__all__ = ["Flags", "leaves_workspace", "meets_origin", "meets_solid"]
+__all__ = ["Flags", "leaves_workspace", "loses_range", "meets_origin", "meets_solid"]
 
 Flags = npt.NDArray[np.bool_]
 
 _FINENESS = 1e-6
 """Sagitta below which a piece of a path counts as its chord [m]. At a millimeter, vehicles that
 start in contact and part were found to touch in 91 % of samples where they do in 99 %."""
+
+_LOOKS = 16
+"""Parts of a parabola at whose ends its distance is looked at [-]."""
 
 Compare = Callable[[tuple[Matrix, Matrix], Vector, Vector, Indices, int], tuple[Flags, Flags]]
 """From chords, two limits on their distance and their windows to which are below each."""
@@ -186,3 +189,25 @@ def leaves_workspace(begin: Matrix, end: Matrix, sagittas: Matrix, workspace: Wo
     high = np.maximum(np.maximum(begin, end), turn)
     outside = (low < workspace.lower - CONTACT_TOL) | (high > workspace.upper + CONTACT_TOL)
     return np.asarray(np.any(outside, axis=1))
+
+
+def loses_range(begin: Matrix, end: Matrix, sagittas: Matrix, reaches: Vector) -> Flags:
+    """Return which relative paths leave the disc of a range, (M,) bool.
+
+    A straight path is farthest at one of its ends. A parabola is looked at in equal parts, too:
+    what it bulges beyond their ends is less than a hundredth of its sagitta.
+
+    Parameters
+    ----------
+    begin, end : (M, d) array
+        Relative positions at the ends [m].
+    sagittas : (M, d) array
+        Bows of the mean curves [m].
+    reaches : (M,) array
+        The ranges [m].
+    """
+    farthest = np.zeros(len(begin))
+    for t in np.linspace(0.0, 1.0, _LOOKS + 1):
+        place = begin + t * (end - begin) - 4.0 * t * (1.0 - t) * sagittas
+        farthest = np.maximum(farthest, np.linalg.norm(place, axis=1))
+    return np.asarray(farthest > reaches + CONTACT_TOL)

@@ -12,10 +12,16 @@ from radmpc.model.scenario import Scenario
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import Cutoff
-from radmpc.referee.simulation.collisions import Flags, leaves_workspace, meets_origin, meets_solid
+from radmpc.referee.simulation.collisions import (
+    Flags,
+    leaves_workspace,
+    loses_range,
+    meets_origin,
+    meets_solid,
+)
 from radmpc.referee.simulation.projections import Projections
 from radmpc.referee.simulation.sweep import SweepPart
-from radmpc.referee.simulation.watch import OBSTACLE, PAIR, WORKSPACE, Watch, WatchList
+from radmpc.referee.simulation.watch import OBSTACLE, PAIR, RANGE, WORKSPACE, Watch, WatchList
 
 __all__ = ["Chunk", "Flight"]
 
@@ -80,8 +86,8 @@ class Flight:
 
         Returns
         -------
-        (5,) int array
-            Any, pair, obstacle, workspace, saturated.
+        (6,) int array
+            Any, pair, obstacle, workspace, range, saturated.
         """
         chunk = Chunk(self, size)
         chunk.fly(np.random.default_rng(seed))
@@ -100,8 +106,8 @@ class Chunk:
         What is flown.
     size : int
         Samples.
-    hits : (3, size) bool array
-        Which samples met a vehicle, met an obstacle, left the workspace.
+    hits : (4, size) bool array
+        Which samples met a vehicle, met an obstacle, left the workspace, lost a range.
     saturated : (size,) bool array
         In which some control was cut off so far.
     excess : (R, size) array or None
@@ -116,7 +122,7 @@ class Chunk:
 
     def __post_init__(self) -> None:
         """Begin without any hit."""
-        self.hits = np.zeros((3, self.size), dtype=bool)
+        self.hits = np.zeros((4, self.size), dtype=bool)
         self.saturated = np.full(self.size, self.flight.always_saturated)
 
     def fly(self, rng: np.random.Generator) -> None:
@@ -215,7 +221,7 @@ class Chunk:
         """Return the (relative) positions of some rows in some samples, (M, d)."""
         first, other = watch.first[row], watch.other[row]
         positions = self._positions(first, sample, step, state)
-        pair = np.flatnonzero(watch.kinds[row] == PAIR)
+        pair = np.flatnonzero(watch.are_pairs[row])
         positions[pair] -= self._positions(other[pair], sample[pair], step, state)
         starts = self.flight.sampler.track_starts
         if starts.size:
@@ -244,19 +250,20 @@ class Chunk:
             pushed -= flight.held_back @ excess[:, used]
         by_axis: Tensor = pushed.reshape(flight.scenario.num_vehicles, -1, used.size)
         extra = by_axis[watch.first[row], :, place]
-        pair = np.flatnonzero(watch.kinds[row] == PAIR)
+        pair = np.flatnonzero(watch.are_pairs[row])
         extra[pair] -= by_axis[watch.other[row[pair]], :, place[pair]]
         return np.asarray(extra / 4.0)
 
     def _test_pairs(
         self, watch: Watch, where: tuple[Indices, Indices], met: tuple[Matrix, Matrix, Matrix]
     ) -> None:
-        """Mark samples in which two vehicles meet."""
+        """Mark samples in which two vehicles meet, or lose the range that they keep."""
         row, sample = where
         begin, end, sagittas = met
-        at = np.flatnonzero(watch.kinds[row] == PAIR)
-        found = meets_origin(begin[at], end[at], sagittas[at], watch.reaches[row[at]])
-        self.mark(watch, row[at[found]], sample[at[found]])
+        for kind, judge in ((PAIR, meets_origin), (RANGE, loses_range)):
+            at = np.flatnonzero(watch.kinds[row] == kind)
+            found = judge(begin[at], end[at], sagittas[at], watch.reaches[row[at]])
+            self.mark(watch, row[at[found]], sample[at[found]])
 
     def _test_solids(
         self,

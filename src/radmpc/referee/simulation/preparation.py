@@ -16,7 +16,7 @@ from radmpc.referee.saturation import cutoffs, may_saturate, saturation_bound
 from radmpc.referee.simulation.flight import Flight
 from radmpc.referee.simulation.projections import projections_of
 from radmpc.referee.simulation.sweep import SweepPart, resting, swept
-from radmpc.referee.simulation.watch import OBSTACLE, PAIR, Watch, watch_list
+from radmpc.referee.simulation.watch import OBSTACLE, Watch, watch_list
 
 __all__ = ["prepare"]
 
@@ -44,7 +44,7 @@ def prepare(plan: Plan) -> Flight:
     loose = may_saturate(saturation)
     watched = watch_list(scenario, motion, loose)
     everything = [*watched.usual, *watched.wide]
-    involved = [w.first for w in everything] + [w.other[w.kinds == PAIR] for w in everything]
+    involved = [w.first for w in everything] + [w.other[w.are_pairs] for w in everything]
     needed = np.unique(np.concatenate([*involved, np.flatnonzero(loose)]))
     met = [w.other[w.kinds == OBSTACLE] for w in everything]
     sampler = Sampler.of(motion, needed, np.unique(np.concatenate(met)))

@@ -13,7 +13,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import Cutoff
-from radmpc.referee.simulation.watch import OBSTACLE, PAIR, Watch
+from radmpc.referee.simulation.watch import OBSTACLE, Watch
 
 __all__ = ["FleetProjections", "Projections", "projections_of"]
 
@@ -94,7 +94,7 @@ class FleetProjections:
     def onto(self, watch: Watch) -> Projections:
         """Return what the rows of a window see."""
         count, d = watch.normals.shape
-        pair = np.flatnonzero(watch.kinds == PAIR)
+        pair = np.flatnonzero(watch.are_pairs)
         rows = np.concatenate([np.repeat(np.arange(count), d), np.repeat(pair, d)])
         axes = np.arange(d)
         columns = np.concatenate(

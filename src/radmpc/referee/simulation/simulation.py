@@ -36,7 +36,7 @@ class Simulation:
     samples : int
         Samples.
     collisions : int
-        Samples with at least one collision, or one vehicle outside the workspace.
+        Samples with at least one collision, one vehicle outside the workspace, or one range lost.
     pair_collisions, obstacle_collisions, workspace_exits : int
         Samples with at least one of each kind; a sample may count in several.
     saturated : int
@@ -44,6 +44,8 @@ class Simulation:
         exceeds it is cut off.
     overlooked : float
         Upper bound on the probability of everything that was too unlikely to be tested [-].
+    range_losses : int
+        Samples in which two vehicles lose the range that they keep.
     """
 
     samples: int
@@ -53,6 +55,7 @@ class Simulation:
     workspace_exits: int
     saturated: int
     overlooked: float
+    range_losses: int = 0
 
     @property
     def rate(self) -> float:
@@ -89,6 +92,11 @@ class Simulation:
         return self.workspace_exits / self.samples
 
     @property
+    def range_rate(self) -> float:
+        """Share of samples in which two vehicles lose the range that they keep."""
+        return self.range_losses / self.samples
+
+    @property
     def saturation_rate(self) -> float:
         """Share of samples in which a control exceeds its limit."""
         return self.saturated / self.samples
@@ -96,6 +104,7 @@ class Simulation:
     def _repr_html_(self) -> str:
         """Return rates with their interval: what notebooks show."""
         interval = f"95 %: {self.rate_low:.3g} to {self.rate_high:.3g}"
+        lost = [("of them lose a range", f"{self.range_rate:.3g}")] if self.range_losses else []
         return html_table(
             [
                 ("samples", f"{self.samples:,}"),
@@ -103,6 +112,7 @@ class Simulation:
                 ("of them pairs", f"{self.pair_rate:.3g}"),
                 ("of them obstacles", f"{self.obstacle_rate:.3g}"),
                 ("of them leave the workspace", f"{self.workspace_rate:.3g}"),
+                *lost,
                 ("controls saturate", f"{self.saturation_rate:.3g}"),
                 ("too unlikely to be tested", f"at most {self.overlooked:.3g}"),
             ]
@@ -167,7 +177,7 @@ def simulate(
     sizes = [size] * (samples // size) + ([samples % size] if samples % size else [])
     entropy = np.random.default_rng(rng).integers(0, 2**32, size=4).tolist()
     seeds = np.random.SeedSequence(entropy).spawn(len(sizes))
-    counts = np.zeros(5, dtype=np.int64)
+    counts = np.zeros(6, dtype=np.int64)
     done = 0
     pool = ThreadPoolExecutor(max_workers=_num_workers())
     try:
@@ -179,8 +189,8 @@ def simulate(
     finally:
         # An interrupted caller waits for the chunks in the air, not for all that are left.
         pool.shutdown(cancel_futures=True)
-    total, pairs, obstacles, exits, saturated = (int(c) for c in counts)
-    return Simulation(samples, total, pairs, obstacles, exits, saturated, flight.overlooked)
+    total, pairs, obstacles, exits, lost, saturated = (int(c) for c in counts)
+    return Simulation(samples, total, pairs, obstacles, exits, saturated, flight.overlooked, lost)
 
 
 def _num_workers() -> int:

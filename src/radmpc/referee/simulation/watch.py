@@ -7,13 +7,14 @@ looked at with exact geometry. A sparse product finds them for all rows at once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.relations.keep import keep_pairs
+from radmpc.model.scenario import Scenario
 from radmpc.referee.bound.bounds import window_halfspaces
 from radmpc.referee.bound.halfspace import end_margins, end_risks
 from radmpc.referee.bound.persistence import best_shares
@@ -23,14 +24,23 @@ from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.tails import cutoff_of
 
-__all__ = ["OBSTACLE", "PAIR", "WATCH_RISK", "WORKSPACE", "Watch", "WatchList", "watch_list"]
+__all__ = [
+    "OBSTACLE",
+    "PAIR",
+    "RANGE",
+    "WATCH_RISK",
+    "WORKSPACE",
+    "Watch",
+    "WatchList",
+    "watch_list",
+]
 
 Flags = npt.NDArray[np.bool_]
 
 WATCH_RISK = 1e-12
 """Risk below which encounters are not simulated [-]: a million samples would not show them."""
 
-PAIR, OBSTACLE, WORKSPACE = 0, 1, 2
+PAIR, OBSTACLE, WORKSPACE, RANGE = 0, 1, 2, 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +50,7 @@ class Watch:
     Attributes
     ----------
     kinds : (M,) int array
-        `PAIR`, `OBSTACLE` or `WORKSPACE`.
+        `PAIR`, `OBSTACLE`, `WORKSPACE` or `RANGE`.
     first : (M,) int array
         The vehicle.
     other : (M,) int array
@@ -53,7 +63,7 @@ class Watch:
         By more than this, at one end of the window: near, bent near (if feedback bends any path),
         far [m].
     reaches : (M,) array
-        Radius, or sum of radii [m].
+        Radius, sum of radii, or range [m].
     sagittas : (M, d) array
         Sagitta of the (relative) mean curve [m].
     """
@@ -66,6 +76,11 @@ class Watch:
     margins: Matrix
     reaches: Vector
     sagittas: Matrix
+
+    @property
+    def are_pairs(self) -> Flags:
+        """Whether each row is about the position of one vehicle relative to another, (M,) bool."""
+        return np.isin(self.kinds, (PAIR, RANGE))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,13 +140,23 @@ def watch_list(scenario: Scenario, motion: FleetMotion, may_saturate: Flags) -> 
         overlooked += float(found.skipped.sum()) * num_windows * ends * cutoff_of(motion.samples)[1]
         tables += [_encounter_rows(kind, batch, intervals=intervals) for batch in found.batches]
     if scenario.workspace is not None:
-        tables += _workspace_rows(scenario.workspace, motion, intervals=intervals)
+        faces = faces_of(scenario.workspace, motion)
+        tables += [_face_rows(WORKSPACE, *face, intervals=intervals) for face in faces]
+    if scenario.keep:
+        from radmpc.referee.bound.ranges import range_faces  # noqa: PLC0415 - few keep a range
+
+        faces = range_faces(scenario, motion)[-1]
+        names = [vehicle.name for vehicle in scenario.vehicles]
+        reaches = np.array([within for _, _, within in keep_pairs(scenario.keep, names)])
+        for face in faces:
+            rows = _face_rows(RANGE, *face, intervals=intervals)
+            tables.append(replace(rows, reaches=reaches))
     overlooked += sum(float(t.risks[t.risks < WATCH_RISK].sum()) for t in tables)
     usual = [[np.flatnonzero(r >= WATCH_RISK) for r in t.risks.T] for t in tables]
     wide = []
     for table in tables:
         loose = may_saturate[table.first]
-        if table.kind == PAIR:
+        if table.kind in {PAIR, RANGE}:
             loose = loose | may_saturate[table.other]
         wide.append([np.flatnonzero(loose & (r < WATCH_RISK)) for r in table.risks.T])
     shape = (ends, scenario.dimension)
@@ -158,31 +183,26 @@ def _encounter_rows(kind: int, batch: Encounters, *, intervals: bool) -> _Rows:
     )
 
 
-def _workspace_rows(workspace: Workspace, motion: FleetMotion, *, intervals: bool) -> list[_Rows]:
-    """Return a table of rows per face of the workspace."""
-    tables = []
-    for normal, batch in faces_of(workspace, motion):
-        sites = interval_sites(batch) if intervals else instant_sites(batch)
-        count = len(batch.means)
-        flat = np.broadcast_to(normal, (len(sites.means), normal.size))
-        shares = best_shares(sites, flat)[:, None]
-        margins = end_margins(sites, flat[:, None], shares)
-        risks = end_risks(sites, flat[:, None], shares).sum(axis=2)
-        normals = flat.reshape(count, -1, normal.size)
-        tables.append(
-            _Rows(
-                WORKSPACE,
-                batch.first,
-                batch.other,
-                batch.piece,
-                normals,
-                margins.reshape(*normals.shape[:2], -1),
-                batch.radii,
-                batch.sagittas if intervals else np.zeros(normals.shape),
-                risks.reshape(normals.shape[:2]),
-            )
-        )
-    return tables
+def _face_rows(kind: int, normal: Matrix, batch: Encounters, *, intervals: bool) -> _Rows:
+    """Return the rows of a face of the workspace, or of a polytope within a range."""
+    sites = interval_sites(batch) if intervals else instant_sites(batch)
+    count = len(batch.means)
+    flat = np.broadcast_to(normal, (len(sites.means), normal.size))
+    shares = best_shares(sites, flat)[:, None]
+    margins = end_margins(sites, flat[:, None], shares)
+    risks = end_risks(sites, flat[:, None], shares).sum(axis=2)
+    normals = flat.reshape(count, -1, normal.size)
+    return _Rows(
+        kind,
+        batch.first,
+        batch.other,
+        batch.piece,
+        normals,
+        margins.reshape(*normals.shape[:2], -1),
+        batch.radii,
+        batch.sagittas if intervals else np.zeros(normals.shape),
+        risks.reshape(normals.shape[:2]),
+    )
 
 
 def _watch(

@@ -192,7 +192,7 @@ def _feedback(scenario: Scenario, limits: Limits) -> str | None:
         if any(v is None for v in candidates):
             continue
         try:
-            trial = replace(scenario, vehicles=tuple(v for v in candidates if v is not None))
+            trial = scenario.with_vehicles(v for v in candidates if v is not None)
         except ScenarioError:
             continue
         if has_plan_within(trial, limits.within(TUNING.trial_seconds)):

@@ -11,9 +11,9 @@ from radmpc.planners.certified.infeasible.cures import cure_sentence
 from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.infeasible.stuck import stuck_reason
 from radmpc.planners.certified.infeasible.tuning import TUNING
-from radmpc.planners.explain import hazard_name, unable_alone
+from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
-from radmpc.planners.wording import limit_clause, rounded_down, rounded_up
+from radmpc.planners.wording import hazard_name, limit_clause, rounded_down, rounded_up
 from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 

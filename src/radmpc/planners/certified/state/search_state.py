@@ -80,7 +80,7 @@ class SearchState:
     @classmethod
     def of(cls, fleet: Fleet) -> SearchState:
         """Return the state before anything is known of a fleet."""
-        return cls(fleet.first_budget, Merging(fleet.scenario))
+        return cls(fleet.first_budget, Merging.of(fleet.scenario))
 
     @property
     def has_plan(self) -> bool:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.program.hazards import Hazards
 
-__all__ = ["Encounter", "Supports"]
+__all__ = ["Encounter", "Supports", "ends_of", "noise_of"]
 
 _FIRST_STEP = {2: 0.065, 3: 0.14}
 """Angle by which the refinement begins, by dimension [rad]."""
@@ -130,3 +131,50 @@ def _around(normals: Tensor, step: float) -> Tensor:
         moves = np.vstack([np.zeros((1, 2)), circle, 2.0 * circle])
     moved = normals[:, None, :] + step * np.einsum("cm,wmd->wcd", moves, tangents)
     return np.asarray(moved / np.linalg.norm(moved, axis=2, keepdims=True))
+
+
+def ends_of(hazards: Hazards, start: Matrix, end: Matrix) -> tuple[Matrix, ...]:
+    """Return the ends of windows that count.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    start, end : (w, d) array
+        (Relative) positions at both ends of each window [m].
+    """
+    return (start, end) if hazards.intervals else (end,)
+
+
+def noise_of(
+    hazards: Hazards,
+    window: Indices,
+    first: Indices,
+    second: Indices | None,
+    piece: Indices | None = None,
+) -> tuple[tuple[Tensor, ...], ...]:
+    """Return the covariances at the windows' ends, those of bent paths beside them.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    window : (w,) int array
+        The windows.
+    first, second : (w,) int array, second or None
+        Vehicles; None is no second one.
+    piece : (w,) int array or None
+        The pieces of obstacles that they meet; None is none.
+    """
+    of_pieces = hazards.shapes.covariances
+
+    def seen(found: Tensor, steps: Indices) -> Tensor:
+        return found if piece is None or of_pieces is None else found + of_pieces[piece, steps]
+
+    end = (seen(hazards.joint(window + 1, first, second), window + 1),)
+    if not hazards.intervals:
+        return (end,)
+    start = [hazards.joint(window, first, second)]
+    bent = hazards.joint_bent(window, first, second)
+    start += [] if bent is None else [bent]
+    return (tuple(seen(found, window) for found in start), end)

@@ -138,9 +138,10 @@ def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:
 
 
 def _meeting(hazards: Hazards, paths: Paths, clearance: float) -> tuple[tuple[int, ...], ...]:
-    """Return who get in each other's way if alone, directly or through others: a partition."""
+    """Return who get in each other's way if alone, or keep a range, also through others."""
     everyone = tuple(range(hazards.count))
     spaces = half_spaces(hazards, paths, everyone, Near(clearance, 0.0, is_refined=False))
     meets = (spaces.clearances < clearance).any(axis=1) & (spaces.second >= 0)
     one, two = spaces.first[meets].tolist(), spaces.second[meets].tolist()
-    return components(hazards.count, zip(one, two, strict=True))
+    kept = [(i, j) for i, j, _ in hazards.ranges]
+    return components(hazards.count, [*zip(one, two, strict=True), *kept])

@@ -13,13 +13,14 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import (
     around_approach,
     closest_approach,
     from_shape,
     refined,
 )
-from radmpc.planners.certified.turned.encounter import Encounter
+from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.paths import Paths
@@ -103,6 +104,8 @@ def half_spaces(
         found.append(_around(hazards, both, members, near))
     if hazards.workspace is not None:
         found.append(_inside(hazards, paths, members, near))
+    if hazards.ranges:
+        found.append(_within(hazards, paths, members, near))
     names = [field.name for field in fields(HalfSpaces)]
     return HalfSpaces(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
 
@@ -138,8 +141,8 @@ def _between(
         start = paths.means[first, window] - paths.means[second, window]
         end = paths.means[first, window + 1] - paths.means[second, window + 1]
         return Encounter(
-            _ends(hazards, start, end),
-            _noise(hazards, window, first, second),
+            ends_of(hazards, start, end),
+            noise_of(hazards, window, first, second),
             paths.sagittas[first, window] - paths.sagittas[second, window],
             supports,
         )
@@ -178,8 +181,8 @@ def _around(
 
     def encounter(paths: Paths) -> Encounter:
         return Encounter(
-            _ends(hazards, paths.means[first, window], paths.means[first, window + 1]),
-            _noise(hazards, window, first, None, piece),
+            ends_of(hazards, paths.means[first, window], paths.means[first, window + 1]),
+            noise_of(hazards, window, first, None, piece),
             paths.sagittas[first, window],
             supports,
         )
@@ -213,28 +216,57 @@ def _inside(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> Hal
     d = hazards.dimension
     lower, upper = hazards.workspace or (np.full(d, -np.inf), np.full(d, np.inf))
     sides = np.concatenate([np.eye(d), -np.eye(d)])
-    limits = np.concatenate([lower, -upper])
-    heights = paths.means[members] @ sides.T - limits
+    limits = np.broadcast_to(np.concatenate([lower, -upper]), (members.size, 2 * d))
+    base = hazards.count * (hazards.count + hazards.shapes.count)
+    who = members, None, base + members * len(sides)
+    return _before_faces(hazards, paths, who, (sides, limits), near)
+
+
+def _within(hazards: Hazards, paths: Paths, members: Indices, near: Near) -> HalfSpaces:
+    """Return the faces of the polytopes within ranges that members come near."""
+    one, two, reach = (np.array(column) for column in zip(*hazards.ranges, strict=True))
+    mine = np.flatnonzero(np.isin(one, members) | np.isin(two, members))
+    outward, share = inner_faces(hazards.dimension)
+    limits = np.repeat(-share * reach[mine, None], len(outward), axis=1)
+    base = hazards.count * (hazards.count + hazards.shapes.count + 2 * hazards.dimension)
+    who = one[mine], two[mine], base + mine * len(outward)
+    return _before_faces(hazards, paths, who, (-outward, limits), near)
+
+
+def _before_faces(
+    hazards: Hazards,
+    paths: Paths,
+    who: tuple[Indices, Indices | None, Indices],
+    faces: tuple[Matrix, Matrix],
+    near: Near,
+) -> HalfSpaces:
+    """Return those faces of convex sets that vehicles, or one relative to another, come near."""
+    (one, two, numbers), (sides, limits) = who, faces
+    means, hang, variances = paths.means[one], paths.sagittas[one], hazards.variances[one]
+    if two is not None:
+        means, hang = means - paths.means[two], hang - paths.sagittas[two]
+        variances = variances + hazards.variances[two]
+    heights = means @ sides.T - limits[:, None]
     lowest = heights[:, 1:]
     if hazards.intervals:
         lowest = np.minimum(heights[:, :-1], lowest)
-    spread = np.sqrt(hazards.variances[members])[:, :, None]
+    spread = np.sqrt(variances)[:, :, None]
     place, window, face = np.nonzero(lowest < near.clearance * spread + near.reach)
-    first = members[place]
+    first, second = one[place], None if two is None else two[place]
 
     def supports(directions: Tensor) -> tuple[Vector, Vector]:
-        reach = np.broadcast_to(limits[face][:, None], directions.shape[:2])
+        reach = np.broadcast_to(limits[place, face][:, None], directions.shape[:2])
         return reach, reach
 
     encounter = Encounter(
-        _ends(hazards, paths.means[first, window], paths.means[first, window + 1]),
-        _noise(hazards, window, first, None),
-        paths.sagittas[first, window],
+        ends_of(hazards, means[place, window], means[place, window + 1]),
+        noise_of(hazards, window, first, second),
+        hang[place, window],
         supports,
     )
-    base = hazards.count * (hazards.count + hazards.shapes.count) * hazards.horizon
-    keys = base + (first * len(sides) + face) * hazards.horizon + window
-    return _laid_out(encounter, sides[face], (first, np.full(first.size, -1), window), keys)
+    keys = (numbers[place] + face) * hazards.horizon + window
+    others = np.full(first.size, -1) if second is None else second
+    return _laid_out(encounter, sides[face], (first, others, window), keys)
 
 
 def _laid_out(
@@ -260,30 +292,3 @@ def _laid_out(
         np.stack([heights[end] for end in both], axis=1),
         keys,
     )
-
-
-def _ends(hazards: Hazards, start: Matrix, end: Matrix) -> tuple[Matrix, ...]:
-    """Return the ends of windows that count."""
-    return (start, end) if hazards.intervals else (end,)
-
-
-def _noise(
-    hazards: Hazards,
-    window: Indices,
-    first: Indices,
-    second: Indices | None,
-    piece: Indices | None = None,
-) -> tuple[tuple[Tensor, ...], ...]:
-    """Return the covariances at the windows' ends, those of bent paths beside them."""
-    of_pieces = hazards.shapes.covariances
-
-    def seen(found: Tensor, steps: Indices) -> Tensor:
-        return found if piece is None or of_pieces is None else found + of_pieces[piece, steps]
-
-    end = (seen(hazards.joint(window + 1, first, second), window + 1),)
-    if not hazards.intervals:
-        return (end,)
-    start = [hazards.joint(window, first, second)]
-    bent = hazards.joint_bent(window, first, second)
-    start += [] if bent is None else [bent]
-    return (tuple(seen(found, window) for found in start), end)

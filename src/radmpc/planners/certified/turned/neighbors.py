@@ -83,6 +83,8 @@ def near_pieces(
     limit = hazards.radii[members, None] + near.clearance * np.sqrt(most) + near.reach
     boxes = shapes.lower.min(axis=1), shapes.upper.max(axis=1)
     is_near = _closer((path.min(axis=1), path.max(axis=1)), boxes, limit)
+    if hazards.concerned is not None:
+        is_near &= hazards.concerned[members]
     places, pieces = np.nonzero(is_near)
     return places, pieces
 

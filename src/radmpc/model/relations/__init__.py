@@ -1,0 +1,1 @@
+"""Who keeps to whom, and whom obstacles concern."""

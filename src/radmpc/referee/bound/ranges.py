@@ -1,0 +1,84 @@
+"""Probability that vehicles lose the range that they keep to each other.
+
+The disc of a range is convex, what lies outside it is not: a polytope within the disc is kept face
+by face, as the workspace is. Polytopes of few faces count little twice, those of many waste little
+of the disc: each pair takes the one that makes it out best.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.model.relations.keep import keep_pairs
+from radmpc.model.scenario import Scenario
+from radmpc.referee.bound.workspace import face_risks
+from radmpc.referee.encounters import Encounters
+from radmpc.referee.gather import relative_motion
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.polytopes import polytopes_within
+
+__all__ = ["range_faces", "range_risks"]
+
+
+def range_faces(scenario: Scenario, motion: FleetMotion) -> list[list[tuple[Matrix, Encounters]]]:
+    """Return all pairs that keep a range against the faces of polytopes within it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Who keeps which range.
+    motion : FleetMotion
+        Of the fleet.
+
+    Returns
+    -------
+    list of list of ((d,) array, Encounters)
+        For each polytope its faces: the unit normal inward, and all relative motions against the
+        half-space behind the face.
+    """
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    pairs = keep_pairs(scenario.keep, names)
+    first, other = (np.array([pair[k] for pair in pairs], dtype=np.int64) for k in (0, 1))
+    reach = np.array([within for _, _, within in pairs])
+    batch = relative_motion(motion, first, other, "range")
+    polytopes = []
+    for normals, distance in polytopes_within(scenario.dimension):
+        faces = []
+        for outward in normals:
+            corners = (distance * reach)[:, None] * outward
+            wall = np.broadcast_to(-outward, (len(pairs), 1, outward.size))
+            faces.append((-outward, batch.against(corners[:, None, None], wall)))
+        polytopes.append(faces)
+    return polytopes
+
+
+def range_risks(
+    scenario: Scenario, motion: FleetMotion, *, intervals: bool
+) -> tuple[Encounters, Vector]:
+    """Return an upper bound on the probability that each range is lost, step by step.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Who keeps which range.
+    motion : FleetMotion
+        Of the fleet.
+    intervals : bool
+        Whether the path between the steps counts.
+
+    Returns
+    -------
+    Encounters and (B, T+1) array
+        The pairs, and the risk of each with the polytope that suits it best.
+    """
+    polytopes = range_faces(scenario, motion)
+    totals = np.array(
+        [
+            np.sum([face_risks(*face, motion, intervals=intervals) for face in faces], axis=0)
+            for faces in polytopes
+        ]
+    )
+    pairs = polytopes[0][0][1]
+    best = totals.sum(axis=2).argmin(axis=0)
+    return pairs, totals[best, np.arange(len(pairs.first))]

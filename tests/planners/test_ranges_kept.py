@@ -1,0 +1,77 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from visiting import vehicle
+
+from radmpc import Keep, Mission, Scenario, ScenarioError, Visit, certify, plan, simulate
+from radmpc.planners.presets import PRESETS
+
+REFUSING = {"dmpc", "radmpc", "multi-vehicle", "rmpc-rrt"}
+
+
+def escorted(within: float, avoidance: str = "steps") -> Scenario:
+    """Return two side by side, of whom one has to turn aside."""
+    turning = vehicle("b", [0.0, 4.0], [8.0, 4.0], Visit.at([4.0, 8.0], 0.5, between=[3, 3]))
+    fleet = [vehicle("a", [0.0, 0.0], [8.0, 0.0]), turning]
+    return Scenario(
+        "escort", 1.0, 6, 0.05, fleet, avoidance=avoidance, keep=[Keep(["b", "a"], within)]
+    )
+
+
+def distances(planned) -> np.ndarray:
+    one, two = (trajectory.means[:, :2] for trajectory in planned.trajectories)
+    return np.linalg.norm(one - two, axis=1)
+
+
+def test_without_noise_means_use_the_polygon_within_a_range() -> None:
+    given = escorted(5.5)
+    apart, near = plan(replace(given, keep=()), "dlp"), plan(given, "dlp")
+    assert distances(apart.require()).max() > 5.6
+    assert 0.98 * 5.5 < distances(near.require()).max() <= 5.5
+    assert near.cost is not None
+    assert apart.cost is not None
+    assert near.cost > 1.05 * apart.cost
+
+
+@pytest.mark.slow
+def test_a_range_is_certified_with_the_noise_of_both() -> None:
+    found = plan(escorted(5.5))
+    planned = found.require()
+    certificate = certify(planned)
+    assert certificate.holds
+    ranges = [row for row in certificate.ledger if row.cause == "range"]
+    assert sum(row.risk for row in ranges) > 1e-4
+    assert planned.sets == (("a", "b"),)
+    assert [(c.reason, c.value) for c in planned.couplings] == [("range", 5.5)]
+    assert found.certified_lower_bound is not None
+    assert found.cost is not None
+    assert found.certified_lower_bound <= found.cost
+    flown = simulate(planned, 20_000, rng=1)
+    assert flown.range_losses > 0
+    assert flown.rate_low <= certificate.certified
+
+
+def test_goals_out_of_range_are_named() -> None:
+    given = escorted(3.0)
+    found = plan(given)
+    assert found.plan is None
+    assert found.explanation is not None
+    assert "range that" in found.explanation
+
+
+@pytest.mark.parametrize("name", sorted(REFUSING))
+def test_planners_of_single_vehicles_refuse_ranges_in_one_line(name: str) -> None:
+    with pytest.raises(ScenarioError, match=r"^keep: is not for .*; take certified") as refused:
+        plan(escorted(5.5), name)
+    assert "\n" not in str(refused.value)
+    assert name in PRESETS
+
+
+def test_missions_under_way_refuse_ranges() -> None:
+    given = escorted(5.5)
+    planned = plan(given, "dlp").require()
+    with pytest.raises(ScenarioError, match=r"^keep: cannot be kept under way"):
+        Mission(planned)
