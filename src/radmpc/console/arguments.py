@@ -35,10 +35,11 @@ __all__ = [
     "ExportFormat",
     "Film",
     "FlownFile",
-    "ForeignFile",
+    "ForeignFiles",
     "Jobs",
     "JudgedAvoidance",
     "JudgedFile",
+    "Layers",
     "LedgerFigure",
     "Logs",
     "Methods",
@@ -97,7 +98,18 @@ FlownFile = Annotated[
         autocompletion=complete_plan_or_flight,
     ),
 ]
-ForeignFile = Annotated[Path, typer.Argument(metavar="FILE", help="A problem in another format.")]
+ForeignFiles = Annotated[
+    list[Path],
+    typer.Argument(metavar="FILE...", help="A problem in another format; charts may be several."),
+]
+Layers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--layer",
+        metavar="NAME[=ROLE]",
+        help="Of charts, take only this layer, and what it stands for; may be given several times.",
+    ),
+]
 
 PlannerName = Annotated[
     str | None,
