@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from importing.test_charts import KML, block, chart, ends
+from importing.test_chart_files import KML, block, chart, ends
 from radmpc.io.native.scenario_file import load_scenario
 
 from .conftest import Run, assert_one_line
