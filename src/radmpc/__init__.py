@@ -68,7 +68,7 @@ if TYPE_CHECKING:
         save_animation,
         save_figure,
     )
-    from radmpc.referee import Certificate, Simulation, certify, simulate
+    from radmpc.referee import Certificate, Simulation, Thinned, certify, simulate, thin
     from radmpc.result import Result
 
 __all__ = [
@@ -106,6 +106,7 @@ __all__ = [
     "Simulation",
     "SolverError",
     "Status",
+    "Thinned",
     "Tick",
     "Track",
     "Trajectory",
@@ -140,6 +141,7 @@ __all__ = [
     "save_plan",
     "save_scenario",
     "simulate",
+    "thin",
     "to_dict",
     "to_pandas",
     "to_xarray",
@@ -197,7 +199,7 @@ _HOMES = {
         "save_animation",
         "save_figure",
     ),
-    "referee": ("Certificate", "Simulation", "certify", "simulate"),
+    "referee": ("Certificate", "Simulation", "Thinned", "certify", "simulate", "thin"),
     "result": ("Result",),
 }
 __getattr__, __dir__ = late_names(__name__, _HOMES)

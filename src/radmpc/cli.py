@@ -261,12 +261,14 @@ def export(
     output: Annotated[Path, typer.Option("-o", "--output", help="Write it here.")],
     origin: given.PlaceOnEarth = None,
     altitude: given.Altitude = None,
+    tolerance: given.Tolerance = None,
+    risk_bound: given.RiskBound = None,
 ) -> int:
     """Write a plan for the vehicles' own tools."""
     from radmpc.console.commands.exporting import ExportRequest, run_export
     from radmpc.console.loading import read_plan
 
-    request = ExportRequest(plan_file, to, output, origin, altitude)
+    request = ExportRequest(plan_file, to, output, origin, altitude, tolerance, risk_bound)
     return run_export(read_plan(plan_file), request)
 
 

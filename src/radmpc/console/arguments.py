@@ -71,6 +71,7 @@ __all__ = [
     "SweepSeconds",
     "SweepTable",
     "Template",
+    "Tolerance",
     "Verbose",
     "View",
 ]
@@ -268,6 +269,13 @@ JudgedAvoidance = Annotated[
 PlaceOnEarth = Annotated[
     str | None,
     typer.Option("--origin", help="LAT,LON[,HEIGHT] of the plan's origin [degrees, m]."),
+]
+Tolerance = Annotated[
+    float | None,
+    typer.Option(
+        "--tolerance",
+        help="Leave out steps that straight legs pass within this distance [m], as certified.",
+    ),
 ]
 Altitude = Annotated[
     float | None,

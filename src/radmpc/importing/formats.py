@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import NoneType
+from typing import Any
 
 from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError, ScenarioError
@@ -86,7 +87,7 @@ def import_scenario(
     ArgumentTypeError
         If an argument is of another kind; the message says what to do instead.
     """
-    paths = list(path) if isinstance(path, list | tuple) else [path]
+    paths: list[Any] = list(path) if isinstance(path, list | tuple) else [path]
     for one in paths or [path]:
         check_path(one)
     check_kind(options, (ImportOptions, NoneType), "options", "ImportOptions or None")
