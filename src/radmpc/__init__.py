@@ -69,7 +69,7 @@ if TYPE_CHECKING:
         save_animation,
         save_figure,
     )
-    from radmpc.referee import Certificate, Simulation, certify, simulate
+    from radmpc.referee import Certificate, Simulation, Thinned, certify, simulate, thin
     from radmpc.result import Result
 
 __all__ = [
@@ -108,6 +108,7 @@ __all__ = [
     "Simulation",
     "SolverError",
     "Status",
+    "Thinned",
     "Tick",
     "Track",
     "Trajectory",
@@ -142,6 +143,7 @@ __all__ = [
     "save_plan",
     "save_scenario",
     "simulate",
+    "thin",
     "to_dict",
     "to_pandas",
     "to_xarray",
@@ -200,7 +202,7 @@ _HOMES = {
         "save_animation",
         "save_figure",
     ),
-    "referee": ("Certificate", "Simulation", "certify", "simulate"),
+    "referee": ("Certificate", "Simulation", "Thinned", "certify", "simulate", "thin"),
     "result": ("Result",),
 }
 __getattr__, __dir__ = late_names(__name__, _HOMES)

@@ -216,7 +216,7 @@ def planners(as_json: given.AsJson = False) -> int:
 
 @app.command("import")
 def import_file(
-    source: given.ForeignFile,
+    sources: given.ForeignFiles,
     output: given.ScenarioOutput,
     dt: Annotated[float | None, typer.Option("--dt", help="Step [s].")] = None,
     horizon: Annotated[int | None, typer.Option("--horizon", help="Number of steps.")] = None,
@@ -225,6 +225,7 @@ def import_file(
     radius: Annotated[float | None, typer.Option("--radius", help="Of every vehicle [m].")] = None,
     avoidance: given.AvoidanceName = None,
     agents: given.Agents = None,
+    layer: given.Layers = None,
 ) -> int:
     """Import another format; print what had to be chosen."""
     from radmpc.console.commands.importing import run_import
@@ -237,8 +238,9 @@ def import_file(
         "radius": radius,
         "avoidance": avoidance,
         "agents": agents,
+        "layer": layer or (),
     }
-    return run_import(source, output, options)
+    return run_import(sources, output, options)
 
 
 add_flying(app)
@@ -259,12 +261,14 @@ def export(
     output: Annotated[Path, typer.Option("-o", "--output", help="Write it here.")],
     origin: given.PlaceOnEarth = None,
     altitude: given.Altitude = None,
+    tolerance: given.Tolerance = None,
+    risk_bound: given.RiskBound = None,
 ) -> int:
     """Write a plan for the vehicles' own tools."""
     from radmpc.console.commands.exporting import ExportRequest, run_export
     from radmpc.console.loading import read_plan
 
-    request = ExportRequest(plan_file, to, output, origin, altitude)
+    request = ExportRequest(plan_file, to, output, origin, altitude, tolerance, risk_bound)
     return run_export(read_plan(plan_file), request)
 
 

@@ -88,6 +88,33 @@ def test_southern_latitudes_can_be_typed(run: Run, plan_file: Path) -> None:
     assert "-33.8" in Path("s.json").read_text(encoding="utf-8")
 
 
+def test_steps_are_left_out_within_a_tolerance_and_that_is_told(run: Run, plan_file: Path) -> None:
+    words = ("--to", "geojson", *ORIGIN)
+    assert run("export", plan_file, *words, "-o", "all.json").exit_code == 0
+    # The plan itself spends all of its bound of 0.05.
+    thinned = ("--tolerance", "0.5", "--risk-bound", "0.1")
+    result = run("export", plan_file, *words, "-o", "few.json", *thinned)
+    assert result.exit_code == 0, result.stderr
+    few, whole = (json.loads(Path(f).read_text(encoding="utf-8")) for f in ("few.json", "all.json"))
+    assert "with a risk of at most" in few["steps"]
+    assert few["steps"] in " ".join(result.stdout.split())
+    counts = [
+        sum(len(f["properties"].get("times", ())) for f in content["features"])
+        for content in (few, whole)
+    ]
+    assert counts[0] < counts[1]
+
+
+def test_steps_of_a_plan_above_its_bound_all_stay(run: Run, plan_file: Path) -> None:
+    content = json.loads(plan_file.read_text(encoding="utf-8"))
+    claim(plan_file, scenario=content["scenario"] | {"risk_bound": 1e-9})
+    words = ("--to", "geojson", *ORIGIN, "--tolerance", "0.5")
+    result = run("export", plan_file, *words, "-o", "all.json")
+    assert result.exit_code == 0
+    assert "NOT certified" in json.loads(Path("all.json").read_text(encoding="utf-8"))["steps"]
+    assert "warning" in assert_one_line(result.stderr)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "expected"),
@@ -97,6 +124,13 @@ def test_southern_latitudes_can_be_typed(run: Run, plan_file: Path) -> None:
         (("--to", "kml", "-o", "x", "--origin", "95,0"), "latitude: must lie"),
         (("--to", "csv", "-o", "x", *ORIGIN), "--origin does not fit csv"),
         (("--to", "csv", "-o", "x", "--altitude", "3"), "--altitude does not fit csv"),
+        (("--to", "kml", "-o", "x", *ORIGIN, "--risk-bound", "0.1"), "needs --tolerance"),
+        (
+            ("--to", "kml", "-o", "x", *ORIGIN, "--tolerance", "1", "--risk-bound", "2"),
+            "--risk-bound must",
+        ),
+        (("--to", "csv", "-o", "x", "--tolerance", "1"), "--tolerance does not fit csv"),
+        (("--to", "kml", "-o", "x", *ORIGIN, "--tolerance", "0"), "--tolerance must be a number"),
         (("--to", "csv", "-o", "missing/x"), "missing"),
         (("--to", "csv"), "--output"),
         (("-o", "x"), "--to"),

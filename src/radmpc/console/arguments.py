@@ -35,10 +35,11 @@ __all__ = [
     "ExportFormat",
     "Film",
     "FlownFile",
-    "ForeignFile",
+    "ForeignFiles",
     "Jobs",
     "JudgedAvoidance",
     "JudgedFile",
+    "Layers",
     "LedgerFigure",
     "Logs",
     "Methods",
@@ -70,6 +71,7 @@ __all__ = [
     "SweepSeconds",
     "SweepTable",
     "Template",
+    "Tolerance",
     "Verbose",
     "View",
 ]
@@ -97,7 +99,18 @@ FlownFile = Annotated[
         autocompletion=complete_plan_or_flight,
     ),
 ]
-ForeignFile = Annotated[Path, typer.Argument(metavar="FILE", help="A problem in another format.")]
+ForeignFiles = Annotated[
+    list[Path],
+    typer.Argument(metavar="FILE...", help="A problem in another format; charts may be several."),
+]
+Layers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--layer",
+        metavar="NAME[=ROLE]",
+        help="Of charts, take only this layer, and what it stands for; may be given several times.",
+    ),
+]
 
 PlannerName = Annotated[
     str | None,
@@ -256,6 +269,13 @@ JudgedAvoidance = Annotated[
 PlaceOnEarth = Annotated[
     str | None,
     typer.Option("--origin", help="LAT,LON[,HEIGHT] of the plan's origin [degrees, m]."),
+]
+Tolerance = Annotated[
+    float | None,
+    typer.Option(
+        "--tolerance",
+        help="Leave out steps that straight legs pass within this distance [m], as certified.",
+    ),
 ]
 Altitude = Annotated[
     float | None,

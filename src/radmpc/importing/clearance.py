@@ -81,7 +81,7 @@ def free_paths(
     paths = []
     for v in problem.vehicles:
         straight = FreePath(0.0, target := _TARGET_CLEARANCE * v.radius)
-        path = straight if space is None else space.shortest_path(v, target)
+        path = straight if space is None else _route(v, space, target)
         if space is not None and (path is None or path.clearance < _LEAST_CLEARANCE * v.radius):
             widest = space.widest_radius(v)
             hint = f", of {_HULL_SHARE * widest:.2g} m it might" if widest > 0.0 else ""
@@ -95,6 +95,15 @@ def free_paths(
         waits = waiting_times(space, problem.vehicles, [path.clearance for path in paths])
         paths = [replace(path, waiting=wait) for path, wait in zip(paths, waits, strict=True)]
     return paths
+
+
+def _route(vehicle: ForeignVehicle, space: FreeSpace, target: float) -> FreePath | None:
+    """Return the path by way of all places that are visited, None if a leg has none."""
+    legs = [space.shortest_path(leg, target) for leg in vehicle.legs()]
+    found = [leg for leg in legs if leg is not None]
+    if len(found) < len(legs):
+        return None
+    return FreePath(sum(leg.detour for leg in found), min(leg.clearance for leg in found))
 
 
 def is_narrow(path: FreePath, vehicle: ForeignVehicle) -> bool:

@@ -16,6 +16,7 @@ from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.importing.rounding import rounded
 from radmpc.importing.timing import choose_steps
+from radmpc.importing.windows import arrival_steps, chosen_visits
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.scenario import Scenario, Workspace
@@ -103,7 +104,8 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
         workspace=workspace,
         obstacles=problem.obstacles,
         vehicles=tuple(
-            _vehicle(v, dt, noise) for v, noise in zip(problem.vehicles, noises, strict=True)
+            _vehicle(v, dt, horizon, noise)
+            for v, noise in zip(problem.vehicles, noises, strict=True)
         ),
         source={
             "format": problem.format,
@@ -209,10 +211,11 @@ def _workspace(
     return Workspace(lower, upper)
 
 
-def _vehicle(vehicle: ForeignVehicle, dt: float, noise: Noise) -> Vehicle:
+def _vehicle(vehicle: ForeignVehicle, dt: float, horizon: int, noise: Noise) -> Vehicle:
     """Return a vehicle of the scenario."""
     d = vehicle.start.size
     half = np.full(d, _GOAL_HALF_WIDTH * vehicle.radius)
+    within = arrival_steps(vehicle, dt, horizon)
     if vehicle.goal_half_width is not None:
         # The vehicle ends within the region, not only its mean.
         half = np.maximum(vehicle.goal_half_width - _BORDER_SIGMAS * noise.final, 0.0)
@@ -222,11 +225,12 @@ def _vehicle(vehicle: ForeignVehicle, dt: float, noise: Noise) -> Vehicle:
         name=vehicle.name,
         system=double_integrator(dt, d),
         start=np.concatenate([vehicle.start, vehicle.start_velocity]),
-        goal=Goal(rounded(vehicle.goal - half), rounded(vehicle.goal + half), speed),
+        goal=Goal(rounded(vehicle.goal - half), rounded(vehicle.goal + half), speed, within),
         radius=vehicle.radius,
         control_limit=np.full(d, vehicle.control_limit),
         speed_limit=np.full(d, vehicle.speed_limit),
         initial_covariance=noise.disturbance,
         disturbance_covariance=noise.disturbance,
         gain=noise.gain,
+        via=chosen_visits(vehicle, dt, horizon),
     )

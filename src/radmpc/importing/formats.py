@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import NoneType
+from typing import Any
 
 from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.importing.completion import ImportedScenario, overlay
 from radmpc.importing.dynobench import is_dynobench, read_dynobench
-from radmpc.importing.geo.geojson import geojson_document, is_geojson, read_geojson
-from radmpc.importing.geo.kml import is_kml, kml_document, kmz_refusal, read_kml
+from radmpc.importing.geo.charts import is_chart, read_charts
+from radmpc.importing.geo.geojson import geojson_document
+from radmpc.importing.geo.kml import kml_document, kmz_refusal
 from radmpc.importing.grid.movingai import is_movingai, map_refusal, read_movingai, scen_document
 from radmpc.importing.grid.problem import is_multi_robot_grid, read_multi_robot_grid
 from radmpc.importing.lsc import is_lsc, read_lsc
@@ -44,8 +46,6 @@ _IMPORTERS = (
     _Importer("s2m2", is_s2m2, read_s2m2),
     _Importer("libMultiRobotPlanning", is_multi_robot_grid, read_multi_robot_grid),
     _Importer("MovingAI", is_movingai, read_movingai),
-    _Importer("GeoJSON", is_geojson, read_geojson),
-    _Importer("KML", is_kml, read_kml),
 )
 _READERS: Mapping[str, Callable[[str | os.PathLike[str]], Document]] = {
     ".scen": scen_document,
@@ -62,15 +62,16 @@ _MOST_BYTES = 8 * 2**20
 
 
 def import_scenario(
-    path: str | os.PathLike[str], options: ImportOptions | None = None
+    path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    options: ImportOptions | None = None,
 ) -> ImportedScenario:
     """Return a scenario of a problem that another group published.
 
     Parameters
     ----------
-    path : path
+    path : path or sequence of paths
         The problem; its format is recognized by its content, of files in formats of their own
-        (``.scen``, ``.geojson``, ``.kml``) by their ending.
+        (``.scen``, ``.geojson``, ``.kml``) by their ending. Several are charts of one problem.
     options : ImportOptions or None
         What is not to be chosen by the importer.
 
@@ -86,20 +87,56 @@ def import_scenario(
     ArgumentTypeError
         If an argument is of another kind; the message says what to do instead.
     """
-    check_path(path)
+    paths: list[Any] = list(path) if isinstance(path, list | tuple) else [path]
+    for one in paths or [path]:
+        check_path(one)
     check_kind(options, (ImportOptions, NoneType), "options", "ImportOptions or None")
-    document = _read(path)
+    options = options or ImportOptions()
+    documents = [_read(one) for one in paths]
+    if all(is_chart(document.value) for document in documents):
+        return _of_charts(documents, options)
+    if len(documents) > 1:
+        other = next(one for one in documents if not is_chart(one.value))
+        text = "is no chart (GeoJSON, KML): only these are imported several at once"
+        raise FileFormatError(one_line(f"{other.name}: {text}"))
+    return _of_problem(documents[0], options)
+
+
+def _of_charts(documents: Sequence[Document], options: ImportOptions) -> ImportedScenario:
+    """Return the scenario of charts, with errors named by file and line."""
+    try:
+        imported = overlay(read_charts(documents, options.layer), options)
+    except ScenarioError as error:
+        if error.path and isinstance(error.path[0], int):
+            inner = ScenarioError(error.message, error.path[1:])
+            raise documents[error.path[0]].failure(inner) from error
+        if len(documents) == 1:
+            raise documents[0].failure(error) from error
+        raise FileFormatError(one_line(f"{_names(documents)}: {error}")) from error
+    _check_readable(imported, _names(documents))
+    return imported
+
+
+def _names(documents: Sequence[Document]) -> str:
+    """Return the names of several files for a message."""
+    return ", ".join(document.name for document in documents)
+
+
+def _of_problem(document: Document, options: ImportOptions) -> ImportedScenario:
+    """Return the scenario of a problem in a single file."""
+    if options.layer:
+        raise ScenarioError("is for charts, GeoJSON and KML", ("layer",))
     for importer in _IMPORTERS:
         if importer.recognizes(document.value):
             try:
-                imported = overlay(importer.read(document), options or ImportOptions())
+                imported = overlay(importer.read(document), options)
             except ScenarioError as error:
                 raise document.failure(error) from error
             _check_readable(imported, document.name)
             return imported
     if isinstance(document.value, Mapping) and document.value.get("format") == SCENARIO_FORMAT:
         raise FileFormatError(one_line(f"{document.name}: is a scenario already"))
-    known = ", ".join(importer.name for importer in _IMPORTERS)
+    known = ", ".join([*(importer.name for importer in _IMPORTERS), "GeoJSON", "KML"])
     raise FileFormatError(one_line(f"{document.name}: is of no format known here ({known})"))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from radmpc.arguments import field_integer, field_number, told
@@ -9,7 +10,10 @@ from radmpc.errors import ScenarioError
 from radmpc.io.ranges import check_range
 from radmpc.model.scenario import Avoidance
 
-__all__ = ["ImportOptions"]
+__all__ = ["LAYER_ROLES", "ImportOptions"]
+
+LAYER_ROLES = ("obstacle", "area", "start", "goal", "via", "origin")
+"""What a layer of a chart may stand for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +36,9 @@ class ImportOptions:
         Whether collisions count between steps.
     agents : int or None
         How many of the problem's vehicles are taken, the first ones.
+    layer : sequence of str
+        Layers of charts that are taken, by name; none takes all. ``"shore=obstacle"`` also says
+        what features are that state no role.
     """
 
     dt: float | None = None
@@ -41,6 +48,7 @@ class ImportOptions:
     radius: float | None = None
     avoidance: str | None = None
     agents: int | None = None
+    layer: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         """Refuse values that no scenario can have."""
@@ -51,6 +59,10 @@ class ImportOptions:
         for name in ("horizon", "agents"):
             if getattr(self, name) is not None:
                 field_integer(getattr(self, name), (name,))
+        layer = [self.layer] if isinstance(self.layer, str) else self.layer
+        if not isinstance(layer, Sequence) or not all(isinstance(n, str) and n for n in layer):
+            raise ScenarioError(f"must be names of layers, got {told(self.layer)}", ("layer",))
+        object.__setattr__(self, "layer", tuple(layer))
         if self.horizon is not None and not 1 <= self.horizon <= 1000:
             raise ScenarioError(f"must be 1 to 1000 steps, got {self.horizon}", ("horizon",))
         if self.agents is not None and self.agents < 1:

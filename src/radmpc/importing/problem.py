@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from radmpc.arrays import Vector, as_vector
@@ -13,13 +15,38 @@ from radmpc.io.ranges import check_range
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
 
-__all__ = ["ForeignModel", "ForeignProblem", "ForeignVehicle"]
+__all__ = ["ForeignModel", "ForeignProblem", "ForeignVehicle", "ForeignVisit", "Window"]
+
+Window = tuple[float, float]
+"""First and last moment since the start [s]; the last may be infinite."""
 
 
 class ForeignModel(BaseModel):
     """A mapping in a file of another group: what is not known here is ignored."""
 
     model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ForeignVisit:
+    """A place on the way.
+
+    Attributes
+    ----------
+    center : (d,) array
+        Middle of the box that is visited [m].
+    half_width : float
+        From there to its sides [m].
+    window : (float, float) or None
+        When [s]; None is any time.
+    speed : float or None
+        At most, per axis [m/s]; None leaves it free.
+    """
+
+    center: Vector
+    half_width: float
+    window: Window | None = None
+    speed: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +70,10 @@ class ForeignVehicle:
     goal_half_width : (d,) array or None
         Of the region around the goal that is as good as the goal itself [m]; None if only a point
         is stated.
+    via : tuple of ForeignVisit
+        Places to be visited, in order.
+    arrival : (float, float) or None
+        When it may arrive, to stay from then on [s]; None is at the end.
     """
 
     name: str
@@ -54,6 +85,8 @@ class ForeignVehicle:
     speed_limit: float
     control_limit: float
     goal_half_width: Vector | None = None
+    via: tuple[ForeignVisit, ...] = ()
+    arrival: Window | None = None
 
     def __post_init__(self) -> None:
         """Freeze the arrays, and refuse what would overflow."""
@@ -67,7 +100,34 @@ class ForeignVehicle:
             object.__setattr__(self, name, as_vector(getattr(self, name), d, (name,)))
 
     def minimum_time(self) -> float:
-        """Return the least time from start to goal with nothing in the way [s]."""
+        """Return the least time from start to goal with nothing in the way [s].
+
+        With places to visit, that with a stop at each, and no earlier than their windows.
+        """
+        if self.via:
+            windows = [*(visit.window for visit in self.via), self.arrival]
+            time = 0.0
+            for leg, window in zip(self.legs(), windows, strict=True):
+                time = max(time + leg.minimum_time(), 0.0 if window is None else window[0])
+            return time
+        early = 0.0 if self.arrival is None else self.arrival[0]
+        return max(early, self._straight_time())
+
+    def legs(self) -> tuple[ForeignVehicle, ...]:
+        """Return the ways from place to place, at rest where it visits; itself if nowhere."""
+        if not self.via:
+            return (self,)
+        stops = [visit.center for visit in self.via]
+        still = np.zeros(self.start.size)
+        ends = [(self.start, self.start_velocity), *((stop, still) for stop in stops)]
+        ends.append((self.goal, self.goal_velocity))
+        return tuple(
+            replace(self, start=a, start_velocity=u, goal=b, goal_velocity=v, via=(), arrival=None)
+            for (a, u), (b, v) in pairwise(ends)
+        )
+
+    def _straight_time(self) -> float:
+        """Return the least time from start to goal [s]."""
         return max(
             _axis_time(distance, v0, v1, self.speed_limit, self.control_limit)
             for distance, v0, v1 in zip(

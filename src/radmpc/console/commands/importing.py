@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +18,13 @@ from radmpc.io.native.scenario_file import save_scenario
 __all__ = ["run_import"]
 
 
-def run_import(source: Path, output: Path, options: Mapping[str, Any]) -> int:
+def run_import(sources: Sequence[Path], output: Path, options: Mapping[str, Any]) -> int:
     """Import a problem, write it, and print what had to be chosen.
 
     Parameters
     ----------
-    source : Path
-        The problem.
+    sources : sequence of Path
+        The problem; several are charts of one.
     output : Path
         Where the scenario goes.
     options : mapping
@@ -43,10 +43,11 @@ def run_import(source: Path, output: Path, options: Mapping[str, Any]) -> int:
         If the problem cannot be read, or the scenario not be written.
     """
     check_output(output)
-    check_separate(source, output)
+    for source in sources:
+        check_separate(source, output)
     with named_options(*options):
         chosen = importing.ImportOptions(**options)
-    imported = importing.import_scenario(source, chosen)
+    imported = importing.import_scenario(sources, chosen)
     with writing(output):
         save_scenario(imported.scenario, output)
     show(scenario_line(imported.scenario))

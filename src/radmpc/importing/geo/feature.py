@@ -29,7 +29,8 @@ SETTINGS: Mapping[str, tuple[str, str]] = {
 """Properties that describe a vehicle: what each sets, and its unit."""
 
 _MOVING = ("course", "position_deviation", "speed_deviation", "course_deviation")
-_KNOWN = ("name", "role", "kind", "vehicle", "height", *SETTINGS, *_MOVING)
+_VISITS = ("order", "half_width", "after", "before")
+_KNOWN = ("name", "role", "kind", "vehicle", "height", "layer", *SETTINGS, *_MOVING, *_VISITS)
 # What drawing programs add: colors, texts, times.
 _STYLES = re.compile(
     r"(stroke|fill|marker|style|icon|line|poly|label|balloon|_|@).*|title|description|comment|"
@@ -37,9 +38,9 @@ _STYLES = re.compile(
     r"altitudemode|draworder|created.*|updated.*|area|length|perimeter",
     re.IGNORECASE,
 )
-_NAMED = re.compile(r"(start|goal)[\s:_-]+(.+)", re.IGNORECASE)
+_NAMED = re.compile(r"(start|goal|via)[\s:_-]+(.+)", re.IGNORECASE)
 _ROLES = {
-    "Point": ("start", "goal", "origin", "obstacle"),
+    "Point": ("start", "goal", "via", "origin", "obstacle"),
     "LineString": ("obstacle",),
     "Polygon": ("obstacle", "area"),
 }
@@ -64,6 +65,8 @@ class Feature:
         As the file states them.
     path, shape_path, properties_path : tuple of str or int
         Where it stands in the file, its outline and its properties.
+    usual_role : str or None
+        What it stands for where it does not say, by its layer; None leaves that to its name.
     """
 
     kind: str
@@ -72,6 +75,7 @@ class Feature:
     path: Path
     shape_path: Path
     properties_path: Path
+    usual_role: str | None = None
 
     @property
     def name(self) -> str | None:
@@ -88,7 +92,7 @@ class Feature:
             If that is not stated, or unknown.
         """
         key = "kind" if "role" not in self.properties and "kind" in self.properties else "role"
-        role, allowed = self._text(key), _ROLES[self.kind]
+        role, allowed = self._text(key) or self.usual_role, _ROLES[self.kind]
         if role is None and self.kind == "LineString":
             # It may have been meant as a way, or as a border.
             raise ScenarioError(

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from radmpc.arrays import as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
-from radmpc.importing.geo.problem import geo_problem
-from radmpc.importing.problem import ForeignProblem
+from radmpc.importing.geo.layers import Layers
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import read_text, shown
 from radmpc.io.text.json_text import read_json
 
-__all__ = ["geojson_document", "is_geojson", "read_geojson"]
+__all__ = ["geojson_document", "geojson_features", "is_geojson"]
 
 _SHAPES = ("Point", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
 _TYPES = ("FeatureCollection", "Feature", "GeometryCollection", *_SHAPES)
@@ -38,8 +38,18 @@ def is_geojson(value: object) -> bool:
     return isinstance(value, Mapping) and value.get("type") in _TYPES
 
 
-def read_geojson(document: Document) -> ForeignProblem:
-    """Return the problem drawn in a GeoJSON file.
+def geojson_features(document: Document, layers: Layers, file: str) -> Iterator[Feature]:
+    """Yield what is drawn in a GeoJSON file.
+
+    Parameters
+    ----------
+    document : Document
+        The file.
+    layers : Layers
+        Those that are taken. A feature lies in one of the file's name, of that of the collection
+        (``name``) and of its own property ``layer``.
+    file : str
+        The file's name as a layer.
 
     Raises
     ------
@@ -56,14 +66,18 @@ def read_geojson(document: Document) -> ForeignProblem:
     features = value.get("features")
     if not isinstance(features, list):
         raise ScenarioError(f"must be a list, got {shown(features)}", ("features",))
-    drawn = [
-        feature for i, entry in enumerate(features) for feature in _features(entry, ("features", i))
-    ]
-    return geo_problem(document, "geojson", drawn)
+    outer = [name for name in (file, value.get("name")) if isinstance(name, str) and name]
+    for i, entry in enumerate(features):
+        properties = _properties(entry, ("features", i))
+        inner = properties.get("layer")
+        names = [*outer, inner] if isinstance(inner, str) and inner else outer
+        if layers.takes(names):
+            for feature in _features(entry, properties, ("features", i)):
+                yield replace(feature, usual_role=layers.role(names))
 
 
-def _features(entry: object, path: Path) -> Iterator[Feature]:
-    """Yield the point, lines or polygons of one feature."""
+def _properties(entry: object, path: Path) -> Mapping[str, object]:
+    """Return the properties of a feature, none if it has none."""
     if not isinstance(entry, Mapping) or entry.get("type") != "Feature":
         raise ScenarioError("must be a mapping with type 'Feature'", path)
     properties = entry.get("properties")
@@ -71,6 +85,13 @@ def _features(entry: object, path: Path) -> Iterator[Feature]:
         properties = {}
     if not isinstance(properties, Mapping):
         raise ScenarioError(f"must be a mapping, got {shown(properties)}", (*path, "properties"))
+    return properties
+
+
+def _features(
+    entry: Mapping[str, object], properties: Mapping[str, object], path: Path
+) -> Iterator[Feature]:
+    """Yield the point, lines or polygons of one feature."""
     geometry, inner = entry.get("geometry"), (*path, "geometry")
     if not isinstance(geometry, Mapping):
         raise ScenarioError(f"must be a mapping, got {shown(geometry)}", inner)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 
 from radmpc.arrays import Matrix, as_matrix
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.importing.geo.feature import Feature, Path, drawn_line, drawn_ring, read_position
 from radmpc.importing.geo.kml_xml import Placemark, Shape, read_placemarks
-from radmpc.importing.geo.problem import geo_problem
-from radmpc.importing.problem import ForeignProblem
+from radmpc.importing.geo.layers import Layers
 from radmpc.io.text.document import Document
 from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.lines import Place
 
-__all__ = ["is_kml", "kml_document", "kmz_refusal", "read_kml"]
+__all__ = ["is_kml", "kml_document", "kml_features", "kmz_refusal"]
 
 
 def kmz_refusal(path: str | os.PathLike[str]) -> FileFormatError:
@@ -45,8 +45,18 @@ def is_kml(value: object) -> bool:
     return isinstance(value, tuple) and all(isinstance(one, Placemark) for one in value)
 
 
-def read_kml(document: Document) -> ForeignProblem:
-    """Return the problem drawn in a KML file.
+def kml_features(document: Document, layers: Layers, file: str) -> Iterator[Feature]:
+    """Yield what is drawn in a KML file.
+
+    Parameters
+    ----------
+    document : Document
+        The file.
+    layers : Layers
+        Those that are taken. A Placemark lies in one of the file's name, of that of the document
+        and of those of its folders.
+    file : str
+        The file's name as a layer.
 
     Raises
     ------
@@ -54,12 +64,11 @@ def read_kml(document: Document) -> ForeignProblem:
         If something in it is missing or not known here; its path says where.
     """
     placemarks = document.value if isinstance(document.value, tuple) else ()
-    drawn = [
-        feature
-        for i, placemark in enumerate(placemarks)
-        for feature in _features(placemark, ("Placemark", i))
-    ]
-    return geo_problem(document, "kml", drawn)
+    for i, placemark in enumerate(placemarks):
+        names = (file, *placemark.layers)
+        if layers.takes(names):
+            for feature in _features(placemark, ("Placemark", i)):
+                yield replace(feature, usual_role=layers.role(names))
 
 
 def _features(placemark: Placemark, path: Path) -> Iterator[Feature]:

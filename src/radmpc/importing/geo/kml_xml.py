@@ -14,6 +14,7 @@ __all__ = ["Placemark", "Shape", "read_placemarks"]
 
 _OTHER_SHAPES = frozenset({"Model", "Track", "MultiTrack", "NetworkLink"})
 _SHAPES = frozenset({"Point", "LineString", "Polygon"})
+_FOLDERS = frozenset({"Document", "Folder"})
 _VALUES = frozenset({"value", "SimpleData"})
 _BOUNDARIES = ("outerBoundaryIs", "innerBoundaryIs")
 _WORD = re.compile(r"\S+")
@@ -55,6 +56,8 @@ class Placemark:
         Its name and extended data, by key.
     lines : dict
         The line on which each property stands, by key.
+    layers : tuple of str
+        Names of the folders that hold it, the outermost first, and of the document.
     shapes : list of Shape
         In the order of the file.
     """
@@ -62,6 +65,7 @@ class Placemark:
     line: int
     properties: dict[str, str] = field(default_factory=dict)
     lines: dict[str, int] = field(default_factory=dict)
+    layers: tuple[str, ...] = ()
     shapes: list[Shape] = field(default_factory=list)
 
 
@@ -103,6 +107,7 @@ class _Reader:
         self.parser.CharacterDataHandler = self._characters
         self.parser.StartDoctypeDeclHandler = self._doctype
         self._open: list[str] = []
+        self._folders: list[str] = []
         self._key = ""
         self._text: list[str] = []
         self._line = 1
@@ -128,7 +133,10 @@ class _Reader:
         self._line = self.parser.CurrentLineNumber
         self._text = []
         if tag == "Placemark":
-            self.placemarks.append(Placemark(self._line))
+            folders = tuple(name for name in self._folders if name)
+            self.placemarks.append(Placemark(self._line, layers=folders))
+        elif tag in _FOLDERS:
+            self._folders.append("")
         elif tag in {"Data", "SimpleData"}:
             self._key = attributes.get("name", "")
         elif tag in _SHAPES and "Placemark" in self._open:
@@ -144,6 +152,10 @@ class _Reader:
         tag, text = self._open.pop(), "".join(self._text)
         self._text = []
         if "Placemark" not in self._open:
+            if tag == "name" and self._open and self._open[-1] in _FOLDERS:
+                self._folders[-1] = text.strip()
+            elif tag in _FOLDERS:
+                self._folders.pop()
             return
         if tag == "name" and self._open[-1] == "Placemark":
             self._property("name", text)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path as FilePath
 
 import numpy as np
 
@@ -21,8 +20,8 @@ from radmpc.importing.geo.local_plane import (
     describe_losses,
 )
 from radmpc.importing.geo.moving import moving_obstacle
+from radmpc.importing.geo.visits import describe_visits, visits_of, window_of
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
-from radmpc.io.text.document import Document
 from radmpc.io.text.files import shown
 from radmpc.model.obstacle import Obstacle
 
@@ -36,23 +35,25 @@ _DIGITS = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Ends:
-    """Where a vehicle starts and ends, as drawn."""
+    """Where a vehicle starts and ends, and what it visits, as drawn."""
 
     start: Feature
     goal: Feature
+    via: tuple[Feature, ...] = ()
 
 
-def geo_problem(document: Document, name: str, features: Sequence[Feature]) -> ForeignProblem:
+def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
     """Return the problem that features on a map describe, in a local east-north plane.
 
     Parameters
     ----------
-    document : Document
-        Where they stand.
-    name : str
-        What its format is called.
     features : sequence of Feature
         Checked one by one.
+
+    Returns
+    -------
+    ForeignProblem
+        Still without the names of file and format.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def geo_problem(document: Document, name: str, features: Sequence[Feature]) -> F
     by_role: dict[str, list[Feature]] = {}
     for feature in features:
         by_role.setdefault(feature.role, []).append(feature)
-    ends = _ends(by_role.get("start", []), by_role.get("goal", []))
+    ends = _ends(by_role.get("start", []), by_role.get("goal", []), by_role.get("via", []))
     origin = _origin(features, by_role.get("origin", []))
     placed = Placed(origin)
     placed.check(features)
@@ -76,9 +77,9 @@ def geo_problem(document: Document, name: str, features: Sequence[Feature]) -> F
     if clashes:
         raise ScenarioError(f"names of obstacles must not be {clashes[0]!r}: the area's are")
     return ForeignProblem(
-        name=FilePath(document.name).stem,
-        format=name,
-        file=FilePath(document.name).name,
+        name="",
+        format="",
+        file="",
         vehicles=vehicles,
         obstacles=(*obstacles, *area.outside),
         workspace=area.workspace,
@@ -87,18 +88,23 @@ def geo_problem(document: Document, name: str, features: Sequence[Feature]) -> F
             "longitude": origin.longitude,
             "height": origin.height,
         },
-        reasons=describe_choices(
-            [both.start.settings() | both.goal.settings() for both in ends.values()],
-            origin,
-            "origin" in by_role,
-            area.told,
+        reasons=(
+            *describe_choices(
+                [both.start.settings() | both.goal.settings() for both in ends.values()],
+                origin,
+                "origin" in by_role,
+                area.told,
+            ),
+            *describe_visits(by_role.get("via", [])),
         ),
         warnings=describe_losses(features, placed),
     )
 
 
-def _ends(starts: Sequence[Feature], goals: Sequence[Feature]) -> dict[str, _Ends]:
-    """Return starts and goals by vehicle, in the order of the starts."""
+def _ends(
+    starts: Sequence[Feature], goals: Sequence[Feature], visits: Sequence[Feature]
+) -> dict[str, _Ends]:
+    """Return starts, goals and visits by vehicle, in the order of the starts."""
     by_kind: list[dict[str, Feature]] = []
     for kind, points in (("start", starts), ("goal", goals)):
         found: dict[str, Feature] = {}
@@ -119,7 +125,16 @@ def _ends(starts: Sequence[Feature], goals: Sequence[Feature]) -> dict[str, _End
                 )
     if not by_kind[0]:
         raise ScenarioError("needs at least one vehicle: Points with role 'start' and 'goal'")
-    return {key: _Ends(start, by_kind[1][key]) for key, start in by_kind[0].items()}
+    for visit in visits:
+        if visit.vehicle not in by_kind[0]:
+            raise ScenarioError(
+                f"must be a vehicle that starts somewhere, got {shown(visit.vehicle)}",
+                (*visit.properties_path, "vehicle"),
+            )
+    return {
+        key: _Ends(start, by_kind[1][key], tuple(one for one in visits if one.vehicle == key))
+        for key, start in by_kind[0].items()
+    }
 
 
 def _origin(features: Sequence[Feature], stated: Sequence[Feature]) -> Origin:
@@ -162,7 +177,10 @@ def _vehicle(name: str, ends: _Ends, placed: Placed, area: Area) -> ForeignVehic
                 (*ends.goal.properties_path, key),
             )
     start, goal = placed.point(ends.start), placed.point(ends.goal)
-    for point, feature in ((start, ends.start), (goal, ends.goal)):
+    radius = settings.get("radius", RADIUS)
+    via = visits_of(ends.via, placed, radius)
+    drawn = [(start, ends.start), (goal, ends.goal)]
+    for point, feature in [*drawn, *((placed.point(one), one) for one in ends.via)]:
         if not area.holds(point):
             raise ScenarioError(
                 f"must lie in the area, got {feature.rings[0][0, :2].tolist()}", feature.shape_path
@@ -173,9 +191,11 @@ def _vehicle(name: str, ends: _Ends, placed: Placed, area: Area) -> ForeignVehic
         goal=goal,
         start_velocity=np.zeros(2),
         goal_velocity=np.zeros(2),
-        radius=settings.get("radius", RADIUS),
+        radius=radius,
         speed_limit=settings.get("speed_limit", SPEED_LIMIT),
         control_limit=settings.get("control_limit", CONTROL_LIMIT),
+        via=via,
+        arrival=window_of(ends.goal),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import NoneType
@@ -21,13 +21,14 @@ from radmpc.io.export.qgc import write_qgc
 from radmpc.io.export.ros2 import write_mcap
 from radmpc.io.export.statements import timing_sentence
 from radmpc.io.export.table import write_table
-from radmpc.io.export.tracks import Track, tracks_of
+from radmpc.io.export.tracks import Track, thinned_tracks, tracks_of
 from radmpc.io.export.waypoints import write_waypoints
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 
 __all__ = [
     "FORMATS",
+    "ROUNDING",
     "ExportOptions",
     "Exported",
     "Origin",
@@ -50,6 +51,10 @@ _LOCAL = {"csv", "mcap"}  # no place on earth needed
 
 FORMATS = (*_SINGLE, *_FLEET)
 
+ROUNDING: Mapping[str, float] = {"qgc": 0.022, "waypoints": 0.022}
+"""By how much positions of a format may be off those of the plan [m], 1 mm where it is not listed:
+MAVLink rounds to 1.1 cm, and steps less than a centimeter from the last waypoint are left out."""
+
 
 @dataclass(frozen=True, slots=True)
 class ExportOptions:
@@ -63,11 +68,18 @@ class ExportOptions:
         Height of a 2-D plan above the origin [m]; None is 0.
     is_certified : bool or None
         Whether the plan holds within its bound; None takes the plan's own word.
+    steps : mapping or None
+        The steps that are written of each vehicle, by its name, the first and the last among them;
+        None is all. `radmpc.thin` finds some that are certified.
+    note : str or None
+        What the files say of that.
     """
 
     origin: Origin | None = None
     altitude: float | None = None
     is_certified: bool | None = None
+    steps: Mapping[str, Sequence[int]] | None = None
+    note: str | None = None
 
     def __post_init__(self) -> None:
         """Refuse options of another kind."""
@@ -77,6 +89,8 @@ class ExportOptions:
                 f"altitude must be a number of meters or None, got {told(self.altitude)}"
             )
         check_kind(self.is_certified, (bool, NoneType), "is_certified", "True, False or None")
+        check_kind(self.steps, (Mapping, NoneType), "steps", "a mapping of steps by name or None")
+        check_kind(self.note, (str, NoneType), "note", "text or None")
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,6 +225,10 @@ def save_exported(exported: Exported) -> None:
 def _job(plan: Plan, to: str, options: ExportOptions) -> Job:
     """Return what the exporter gets, the options checked."""
     tracks = tracks_of(plan)
+    if options.steps is not None:
+        if to == "csv":
+            raise ScenarioError("do not fit csv: its controls are for all steps", ("steps",))
+        tracks = thinned_tracks(tracks, options.steps)
     if options.altitude is not None:
         if plan.scenario.dimension == 3:
             raise ScenarioError("is for 2-D plans: this one has heights of its own", ("altitude",))
@@ -234,7 +252,7 @@ def _job(plan: Plan, to: str, options: ExportOptions) -> Job:
         certified = plan.risk.certified
         is_certified = certified is not None and certified <= plan.scenario.risk_bound
     placement = None if origin is None else Placement(origin, altitude)
-    return Job(plan, tracks, is_certified, placement, altitude)
+    return Job(plan, tracks, is_certified, placement, altitude, options.note)
 
 
 def _file_names(job: Job, target: Path) -> dict[str, Path]:

@@ -48,6 +48,7 @@ def write_geojson(job: Job) -> bytes:
         "altitude": "heights are in meters above the WGS84 ellipsoid",
         "time": "times are in seconds since the start of the mission",
         "origin": origin_sentence(job.place),
+        **({} if job.note is None else {"steps": job.note}),
         "features": features,
     }
     return write_json(content).encode()

@@ -28,6 +28,8 @@ class Job:
         Where the local frame lies on earth; None if nobody said.
     altitude : float
         Height of a 2-D plan above the origin [m].
+    note : str or None
+        What is to be said of steps that were left out.
     """
 
     plan: Plan
@@ -35,6 +37,7 @@ class Job:
     is_certified: bool
     placement: Placement | None = None
     altitude: float = 0.0
+    note: str | None = None
 
     @property
     def place(self) -> Placement:

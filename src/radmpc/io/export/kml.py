@@ -80,6 +80,7 @@ def _description(job: Job) -> str:
         "heights are in meters above ground, which stands for the height of the plan's origin",
         "times count from 1970-01-01T00:00:00Z, the start of the mission",
         origin_sentence(job.place),
+        *([] if job.note is None else [job.note]),
     )
     return "\n".join(sentences)
 

@@ -62,6 +62,7 @@ def write_qgc(job: Job, track: Track) -> bytes:
             "altitude": _DATUM,
             "origin": origin_sentence(job.place),
             "times": track.times.tolist(),
+            **({} if job.note is None else {"steps": job.note}),
         },
     }
     # As Qt writes it: keys in order, four blanks.

@@ -111,6 +111,8 @@ def _metadata(job: Job, topics: dict[str, str]) -> dict[str, str]:
     }
     if job.placement is not None:
         content["origin"] = origin_sentence(job.placement)
+    if job.note is not None:
+        content["steps"] = job.note
     return content
 
 

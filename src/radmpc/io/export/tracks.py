@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from radmpc.arguments import field_integer
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["Track", "check_duration", "tracks_of", "velocities_over_ground"]
+__all__ = ["Track", "check_duration", "thinned_tracks", "tracks_of", "velocities_over_ground"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,7 +25,7 @@ class Track:
     vehicle : Vehicle
         Whose track it is.
     times : (T+1,) array
-        Since the start of the mission [s].
+        Of all steps, or of those that are written, since the start of the mission [s].
     positions : (T+1, d) array
         Mean positions [m].
     velocities : (T+1, d) array or None
@@ -32,7 +34,7 @@ class Track:
     three_sigma : (T+1, d) array
         Three standard deviations of the position per axis [m].
     controls : (T, m) array
-        Nominal controls.
+        Nominal controls of all steps.
     """
 
     vehicle: Vehicle
@@ -75,6 +77,44 @@ def tracks_of(plan: Plan) -> tuple[Track, ...]:
         )
     pairs = zip(vehicles, plan.trajectories, strict=True)
     return tuple(_track(plan, i, vehicle, part) for i, (vehicle, part) in enumerate(pairs))
+
+
+def thinned_tracks(
+    tracks: Sequence[Track], steps: Mapping[str, Sequence[int]]
+) -> tuple[Track, ...]:
+    """Return tracks of some of their steps.
+
+    Parameters
+    ----------
+    tracks : sequence of Track
+        Of all steps.
+    steps : mapping
+        Those that stay, by the vehicle's name.
+
+    Raises
+    ------
+    ScenarioError
+        If a vehicle has none, or they do not lead from the first step to the last.
+    """
+    chosen = []
+    for track in tracks:
+        path, last = ("steps", track.name), len(track.times) - 1
+        if track.name not in steps:
+            raise ScenarioError("is required: the steps of this vehicle", path)
+        kept = np.array([field_integer(step, path) for step in steps[track.name]], dtype=np.int64)
+        if len(kept) < 2 or kept[0] != 0 or kept[-1] != last or np.any(np.diff(kept) <= 0):
+            got = kept.tolist()
+            raise ScenarioError(f"must rise from 0 to the horizon {last}, got {got}", path)
+        chosen.append(
+            replace(
+                track,
+                times=track.times[kept],
+                positions=track.positions[kept],
+                velocities=None if track.velocities is None else track.velocities[kept],
+                three_sigma=track.three_sigma[kept],
+            )
+        )
+    return tuple(chosen)
 
 
 def check_duration(plan: Plan, longest: float, what: str) -> None:

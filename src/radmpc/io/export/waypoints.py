@@ -6,6 +6,7 @@ from radmpc.io.export.job import Job
 from radmpc.io.export.mission import WAYPOINT, Item, mission_items
 from radmpc.io.export.statements import origin_sentence, risk_sentence, timing_sentence, title
 from radmpc.io.export.tracks import Track
+from radmpc.io.text.files import one_line
 
 __all__ = ["write_waypoints"]
 
@@ -41,6 +42,7 @@ def write_waypoints(job: Job, track: Track) -> bytes:
         title(job.plan, track.name),
         risk_sentence(job.plan, job.is_certified),
         timing_sentence(job.plan),
+        *([] if job.note is None else [one_line(job.note)]),
         _DATUM,
         origin_sentence(job.place),
     ]
