@@ -52,6 +52,16 @@ def crossing(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture(scope="session")
+def crossing_plan(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """What `plan -o` writes of the crossing."""
+    folder = tmp_path_factory.mktemp("crossing")
+    scenario, plan = folder / "crossing.yaml", folder / "crossing.plan.json"
+    scenario.write_text(CROSSING, encoding="utf-8")
+    assert CliRunner().invoke(app, ["plan", str(scenario), "-o", str(plan)]).exit_code == 0
+    return plan.read_bytes()
+
+
 @pytest.fixture
 def hopeless(tmp_path: Path) -> Path:
     """The same with too little time to get there."""

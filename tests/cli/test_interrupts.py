@@ -17,7 +17,7 @@ import pytest
 from radmpc.experiments.study import read_rows
 from radmpc.io.native.plan_file import load_plan
 
-from .conftest import CROSSING, Run
+from .conftest import CROSSING
 
 FOREIGN = Path(__file__).parents[2] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
 # [s] of a processor after the interpreter's own start, wherever the machine is busy with other
@@ -39,10 +39,11 @@ COMMANDS = {
 
 
 @pytest.fixture
-def folder(run: Run, tmp_path: Path) -> Path:
-    """A scenario and its plan."""
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, crossing_plan: bytes) -> Path:
+    """A scenario and its plan, where commands run."""
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "a.yaml").write_text(CROSSING, encoding="utf-8")
-    assert run("plan", "a.yaml", "-o", "a.json").exit_code == 0
+    (tmp_path / "a.json").write_bytes(crossing_plan)
     return tmp_path
 
 

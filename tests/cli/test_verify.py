@@ -14,10 +14,10 @@ KEYS += ["saturation_bound", "saturation_rate", "warnings"]
 
 
 @pytest.fixture
-def plan_file(run: Run, crossing: Path) -> Path:
+def plan_file(crossing: Path, crossing_plan: bytes) -> Path:
     """A certified plan."""
     path = crossing.with_name("crossing.plan.json")
-    assert run("plan", crossing, "-o", path).exit_code == 0
+    path.write_bytes(crossing_plan)
     return path
 
 
