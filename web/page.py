@@ -82,9 +82,7 @@ def _of_wheel() -> Node | None:
         return None
     root = Path(found.submodule_search_locations[0])
     nodes = [path for path in (root / "bin" / "node", root / "node.exe") if path.is_file()]
-    scripts = [
-        root / lib / "node_modules" / "npm" / "bin" / "npm-cli.js" for lib in ("lib", ".")
-    ]
+    scripts = [root / lib / "node_modules" / "npm" / "bin" / "npm-cli.js" for lib in ("lib", ".")]
     npm = [path for path in scripts if path.is_file()]
     return Node(nodes[0], (str(nodes[0]), str(npm[0]))) if nodes and npm else None
 
@@ -109,7 +107,9 @@ def _digest(files: Iterable[Path]) -> str:
 def _sources() -> Iterator[Path]:
     """Yield the files that the bundle is made of, and those that say how."""
     for folder, folders, names in os.walk(WEB):
-        folders[:] = [name for name in folders if name not in {"node_modules", "__pycache__", "out"}]
+        folders[:] = [
+            name for name in folders if name not in {"node_modules", "__pycache__", "out"}
+        ]
         for path in (Path(folder, name) for name in names):
             if path.suffix in _SOURCES or path.name == ".npmrc":
                 yield path
@@ -121,7 +121,9 @@ def _is_stamped(stamp: Path, digest: str) -> bool:
 
 def is_fresh() -> bool:
     """Whether the bundle is there and of the sources as they are."""
-    return (BUNDLE / "index.html").is_file() and _is_stamped(BUNDLE / "SOURCES", _digest(_sources()))
+    return (BUNDLE / "index.html").is_file() and _is_stamped(
+        BUNDLE / "SOURCES", _digest(_sources())
+    )
 
 
 def build(node: Node) -> None:

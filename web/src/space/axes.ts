@@ -10,8 +10,9 @@ import {
   Vector3,
 } from "three";
 
-import type { Box } from "../protocol.js";
-import { point, type Point, type SpaceTheme } from "./types.js";
+import type { Box } from "../protocol";
+import type { Colors } from "../scene/colors";
+import { point, type Point } from "./types";
 
 const MOST_NAMES = 24; // more would hide what they name
 
@@ -43,7 +44,7 @@ export class Axes {
   readonly #marks: { axis: number; value: number | null; label: Label }[] = [];
   readonly #names: readonly Label[];
 
-  constructor(host: HTMLElement, box: Box, names: readonly string[], theme: SpaceTheme) {
+  constructor(host: HTMLElement, box: Box, names: readonly string[], colors: Colors) {
     [this.#low, this.#high] = [point(box.min), point(box.max)];
     this.#layer.className = "space-labels";
     // What they say is told to who cannot see them by the list of things and the properties.
@@ -59,7 +60,7 @@ export class Axes {
     }
     const shown = names.length <= MOST_NAMES ? names : [];
     this.#names = shown.map((name) => this.#label(name, "space-name"));
-    this.group.add(this.#ground(theme));
+    this.group.add(this.#ground(colors));
   }
 
   dispose(): void {
@@ -68,7 +69,10 @@ export class Axes {
 
   /** Puts texts where their places are now. */
   place(camera: PerspectiveCamera, width: number, height: number, names: readonly Vector3[]): void {
-    this.#names.forEach((label, index) => (label.at = names[index] ?? label.at));
+    this.#names.forEach((label, index) => {
+      label.at = names[index] ?? label.at;
+      label.element.hidden = true;
+    });
     const center = this.#at(0.5, 0.5, 0.5);
     const nearX = camera.position.x < center.x ? 0 : 1;
     const nearY = camera.position.y < center.y ? 0 : 1;
@@ -84,7 +88,8 @@ export class Axes {
       else if (axis === 1) label.at = this.#at(nearX + (nearX ? out : -out), part, 0);
       else label.at = this.#beside(left ?? center, center, out, part);
     }
-    for (const label of this.#marks.map((mark) => mark.label).concat(this.#names)) {
+    const shown = names.length > 0 ? this.#names : [];
+    for (const label of this.#marks.map((mark) => mark.label).concat(shown)) {
       const { x, y, z } = label.at.clone().project(camera);
       const isSeen = z > -1 && z < 1 && Math.abs(x) < 1.02 && Math.abs(y) < 1.02;
       label.element.hidden = !isSeen;
@@ -115,13 +120,16 @@ export class Axes {
     return { element, at: new Vector3() };
   }
 
-  #ground(theme: SpaceTheme): LineSegments {
+  #ground(colors: Colors): LineSegments {
     const [[x0, y0, z], [x1, y1]] = [this.#low, this.#high];
     const places: number[] = [];
-    for (const x of ticks(x0, x1)) places.push(x, y0, z, x, y1, z);
-    for (const y of ticks(y0, y1)) places.push(x0, y, z, x1, y, z);
+    // Those of the edges are the workspace's already.
+    const inside = (low: number, high: number) =>
+      ticks(low, high).filter((value) => value > low && value < high);
+    for (const x of inside(x0, x1)) places.push(x, y0, z, x, y1, z);
+    for (const y of inside(y0, y1)) places.push(x0, y, z, x1, y, z);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new Float32BufferAttribute(places, 3));
-    return new LineSegments(geometry, new LineBasicMaterial({ color: theme.grid }));
+    return new LineSegments(geometry, new LineBasicMaterial({ color: colors.gridStrong }));
   }
 }

@@ -2,8 +2,8 @@
 
 import { PerspectiveCamera, Vector3 } from "three";
 
-import type { Box } from "../protocol.js";
-import { point } from "./types.js";
+import type { Box } from "../protocol";
+import { point } from "./types";
 
 const TURN = Math.PI / 36; // of a key, 5°
 const PER_PIXEL = 0.006; // of a drag [rad]
@@ -49,7 +49,7 @@ export class Orbit {
     this.#target.addVectors(low, high).multiplyScalar(0.5);
     this.#size = Math.max(low.distanceTo(high), 1e-3);
     const half = Math.min(1, this.camera.aspect) * Math.tan((FIELD * Math.PI) / 360);
-    this.#distance = (0.5 * this.#size) / Math.sin(Math.atan(half));
+    this.#distance = (0.45 * this.#size) / Math.sin(Math.atan(half));
     this.#place();
   }
 

@@ -13,8 +13,9 @@ import {
   MeshLambertMaterial,
 } from "three";
 
-import type { Box, ObstacleView, ScenarioView } from "../protocol.js";
-import { colorOf, point, type SpaceTheme } from "./types.js";
+import type { Box, ObstacleView } from "../protocol";
+import type { Colors } from "../scene/colors";
+import { point, type SpaceFrame } from "./types";
 
 const SHARPEST = 12; // angle between faces from which on their edge is drawn [°]
 
@@ -36,10 +37,11 @@ class Solid {
   readonly group = new Group();
   readonly #geometry = new BufferGeometry();
   readonly #rest: Float32Array;
+  readonly #edges: LineSegments<EdgesGeometry>;
 
   constructor(
     readonly obstacle: ObstacleView,
-    theme: SpaceTheme,
+    colors: Colors,
     isMarked: boolean,
   ) {
     this.#rest = new Float32Array(obstacle.corners.flatMap((corner) => point(corner)));
@@ -47,18 +49,18 @@ class Solid {
     this.#geometry.setIndex(obstacle.triangles.flat());
     this.#geometry.computeVertexNormals();
     const material = new MeshLambertMaterial({
-      color: theme.obstacle,
+      color: colors.obstacle,
       transparent: true,
       opacity: 0.45,
       depthWrite: false,
       side: DoubleSide,
       flatShading: true,
     });
-    const edges = new LineBasicMaterial({ color: isMarked ? theme.accent : theme.obstacleEdge });
-    this.group.add(
-      new Mesh(this.#geometry, material),
-      new LineSegments(new EdgesGeometry(this.#geometry, SHARPEST), edges),
+    this.#edges = new LineSegments(
+      new EdgesGeometry(this.#geometry, SHARPEST),
+      new LineBasicMaterial({ color: isMarked ? colors.accent : colors.obstacleEdge }),
     );
+    this.group.add(new Mesh(this.#geometry, material), this.#edges);
   }
 
   moveTo(time: number): void {
@@ -78,11 +80,8 @@ class Solid {
     }
     this.#geometry.setAttribute("position", new BufferAttribute(places, 3));
     this.#geometry.computeBoundingSphere();
-    const [, lines] = this.group.children;
-    if (lines instanceof LineSegments) {
-      lines.geometry.dispose();
-      lines.geometry = new EdgesGeometry(this.#geometry, SHARPEST);
-    }
+    this.#edges.geometry.dispose();
+    this.#edges.geometry = new EdgesGeometry(this.#geometry, SHARPEST);
   }
 }
 
@@ -91,14 +90,15 @@ export class Solids {
   readonly group = new Group();
   readonly #solids: readonly Solid[];
 
-  constructor(view: ScenarioView, theme: SpaceTheme, marked: readonly string[]) {
-    if (view.workspace) this.group.add(boxEdges(view.workspace, theme.muted));
+  constructor({ scenario: view, colors, vehicleColors, highlight }: SpaceFrame) {
+    const marked = highlight?.obstacles ?? [];
+    if (view.workspace) this.group.add(boxEdges(view.workspace, colors.muted));
     this.#solids = view.obstacles
       .filter((obstacle) => obstacle.triangles.length > 0)
-      .map((obstacle) => new Solid(obstacle, theme, marked.includes(obstacle.name)));
+      .map((obstacle) => new Solid(obstacle, colors, marked.includes(obstacle.name)));
     for (const solid of this.#solids) this.group.add(solid.group);
     view.vehicles.forEach((vehicle, index) => {
-      const color = colorOf(theme, index);
+      const color = vehicleColors[index] ?? colors.text;
       this.group.add(boxEdges(vehicle.goal.box, color, 0.8));
       for (const via of vehicle.via) this.group.add(boxEdges(via.box, color, 0.5));
     });

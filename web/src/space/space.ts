@@ -18,13 +18,13 @@ import {
   WebGLRenderer,
 } from "three";
 
-import { Axes } from "./axes.js";
-import { Orbit } from "./orbit.js";
-import { Solids } from "./solids.js";
-import { Fleet, riskMarks, trailLines } from "./tracks.js";
-import type { SpaceLook, SpaceScene, SpaceTheme } from "./types.js";
+import { Axes } from "./axes";
+import { Orbit } from "./orbit";
+import { Solids } from "./solids";
+import { flightLines, Fleet, riskMarks, trailLines } from "./tracks";
+import type { SpaceFrame } from "./types";
 
-export type { SpaceLook, SpaceScene, SpaceTheme } from "./types.js";
+export type { SpaceFrame } from "./types";
 
 const KEYS = "Arrows turn, Shift and arrows move, + and − zoom, 0 shows all.";
 
@@ -49,7 +49,7 @@ export class Space {
   readonly #orbit: Orbit;
   readonly #watch: ResizeObserver;
   #shown: { solids: Solids; fleet: Fleet; axes: Axes; more: Object3D[] } | null = null;
-  #told: { scene: SpaceScene; look: SpaceLook; theme: SpaceTheme } | null = null;
+  #frame: SpaceFrame | null = null;
   #request = 0;
 
   /** Fails where the browser has no WebGL. */
@@ -80,27 +80,24 @@ export class Space {
     return this.#orbit.direction;
   }
 
-  /** Shows a scene; the camera stays while it is the same one. */
-  show(scene: SpaceScene, look: SpaceLook, theme: SpaceTheme): void {
-    const last = this.#told;
-    this.#told = { scene, look, theme };
-    const isOther =
-      last?.theme !== theme ||
-      last.look.marked !== look.marked ||
-      last.scene.view !== scene.view ||
-      last.scene.plan !== scene.plan ||
-      last.scene.other !== scene.other;
-    if (isOther) this.#make();
-    if (last?.scene.view.name !== scene.view.name) this.fit();
-    if (isOther || last.look !== look || last.scene.trails !== scene.trails) this.#dress();
-    this.#shown?.fleet.moveTo(look);
-    this.#shown?.solids.moveTo(look.time);
+  /** Shows a frame; the camera stays while it is the same scene. */
+  show(frame: SpaceFrame): void {
+    const last = this.#frame;
+    this.#frame = frame;
+    const differs = (...keys: readonly (keyof SpaceFrame)[]) =>
+      last === null || keys.some((key) => last[key] !== frame[key]);
+    const isOther = differs("scenario", "plan", "compared", "colors", "highlight");
+    if (isOther) this.#make(frame);
+    if (isOther || differs("trails", "flight", "switches")) this.#dress(frame);
+    if (last?.scenario.name !== frame.scenario.name) this.fit();
+    this.#shown?.fleet.moveTo(frame);
+    this.#shown?.solids.moveTo(frame.time);
     this.#ask();
   }
 
   /** Shows all of the scene. */
   fit(): void {
-    const view = this.#told?.scene.view;
+    const view = this.#frame?.scenario;
     if (view) this.#orbit.fit(view.workspace ?? view.extent);
   }
 
@@ -122,29 +119,27 @@ export class Space {
   }
 
   /** Makes all that stays the same over time. */
-  #make(): void {
-    if (this.#told === null) return;
+  #make(frame: SpaceFrame): void {
     this.#clear();
-    const { scene, look, theme } = this.#told;
-    const { view } = scene;
-    const names = view.vehicles.map(({ name }) => name);
-    const solids = new Solids(view, theme, look.marked);
-    const fleet = new Fleet(view, scene.plan, scene.other, theme);
-    const axes = new Axes(this.#stage, view.workspace ?? view.extent, names, theme);
+    const { scenario, colors } = frame;
+    const names = scenario.vehicles.map(({ name }) => name);
+    const solids = new Solids(frame);
+    const fleet = new Fleet(frame);
+    const axes = new Axes(this.#stage, scenario.workspace ?? scenario.extent, names, colors);
     this.#shown = { solids, fleet, axes, more: [] };
-    this.#scene.background = new Color(theme.background);
+    this.#scene.background = new Color(colors.ground);
     this.#scene.add(solids.group, fleet.group, axes.group);
-    this.#stage.ariaLabel = `${view.name} in space, ${names.length} vehicles. ${KEYS}`;
+    this.#stage.ariaLabel = `${scenario.name} in space, ${names.length} vehicles. ${KEYS}`;
   }
 
   /** Makes the layers that come and go. */
-  #dress(): void {
-    if (this.#told === null || this.#shown === null) return;
-    const { scene, look, theme } = this.#told;
+  #dress({ plan, trails, flight, colors, vehicleColors, switches, highlight }: SpaceFrame): void {
+    if (this.#shown === null) return;
     for (const thing of this.#shown.more) release(thing);
     const more: Object3D[] = [];
-    if (scene.plan && look.risk) more.push(riskMarks(scene.plan, theme, look));
-    if (scene.trails && look.trails) more.push(trailLines(scene.trails, theme));
+    if (plan && switches.risk) more.push(riskMarks(plan, colors, highlight?.at ?? []));
+    if (trails && switches.trails) more.push(trailLines(trails, colors));
+    if (flight && switches.flight) more.push(flightLines(flight, vehicleColors));
     this.#shown.more = more;
     if (more.length > 0) this.#scene.add(...more);
   }
@@ -167,10 +162,12 @@ export class Space {
     const { camera } = this.#orbit;
     this.#renderer.render(this.#scene, camera);
     this.frames += 1;
-    if (this.#shown === null || this.#told === null) return;
+    if (this.#shown === null || this.#frame === null) return;
     const { fleet, axes } = this.#shown;
-    const { scene, look } = this.#told;
-    const places = scene.view.vehicles.map((_, index) => fleet.placeOf(index, look.time));
+    const { scenario, switches, time } = this.#frame;
+    const places = switches.names
+      ? scenario.vehicles.map((_, index) => fleet.placeOf(index, time))
+      : [];
     axes.place(camera, this.host.clientWidth, this.host.clientHeight, places);
   }
 }

@@ -15,8 +15,9 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
-import type { Ellipse, PlanView, ScenarioView, TrailsView } from "../protocol.js";
-import { colorOf, placeAt, point, type SpaceLook, type SpaceTheme } from "./types.js";
+import type { Ellipse, FlightState, PlanView, TrailsView } from "../protocol";
+import type { Colors } from "../scene/colors";
+import { placeAt, point, type SpaceFrame } from "./types";
 
 /** Many lines in their colors, some pixels wide, as one thing to draw. */
 function lines(
@@ -73,76 +74,94 @@ export class Fleet {
   readonly group = new Group();
   readonly #hulls: InstancedMesh;
   readonly #ellipsoids: InstancedMesh;
+  readonly #tracks: LineSegments2;
 
-  constructor(
-    readonly view: ScenarioView,
-    readonly plan: PlanView | null,
-    other: PlanView | null,
-    theme: SpaceTheme,
-  ) {
-    const colors = view.vehicles.map((_, index) => colorOf(theme, index));
-    this.#hulls = balls(colors, 1);
-    this.#ellipsoids = balls(colors, 0.28);
-    const tracks = (of: PlanView) =>
-      of.tracks.map(({ path }, index) => ({ path, color: colors[index] ?? theme.ink }));
-    if (plan) this.group.add(lines(tracks(plan), 2, 1));
-    if (other) this.group.add(lines(tracks(other), 1.5, 0.45));
-    this.group.add(this.#hulls, this.#ellipsoids);
+  constructor(readonly frame: SpaceFrame) {
+    const { scenario, plan, compared, colors, vehicleColors } = frame;
+    const own = scenario.vehicles.map((_, index) => vehicleColors[index] ?? colors.text);
+    this.#hulls = balls(own, 1);
+    this.#ellipsoids = balls(own, 0.28);
+    const tracks = (of: PlanView | null) =>
+      (of?.tracks ?? []).map(({ path }, index) => ({ path, color: own[index] ?? colors.text }));
+    this.#tracks = lines(tracks(plan), 2, 1);
+    this.group.add(this.#tracks, this.#hulls, this.#ellipsoids);
+    if (compared) this.group.add(lines(tracks(compared), 1.5, 0.45));
   }
 
   /** Where a vehicle's center is. */
   placeOf(index: number, time: number): Vector3 {
-    const track = this.plan?.tracks[index];
-    const place = track
-      ? placeAt(track.path, this.plan?.perStep ?? 1, time)
-      : point(this.view.vehicles[index]?.start ?? []);
+    const { plan, scenario } = this.frame;
+    const track = plan?.tracks[index];
+    const place = plan && track
+      ? placeAt(track.path, plan.perStep, time)
+      : point(scenario.vehicles[index]?.start ?? []);
     return new Vector3(...place);
   }
 
-  moveTo(look: SpaceLook): void {
-    const sigmas = this.plan?.sigmas ?? 0;
-    this.#hulls.visible = look.hulls || !this.plan;
-    this.#ellipsoids.visible = look.discs && this.plan !== null;
-    this.view.vehicles.forEach(({ radius, name }, index) => {
-      const at = this.placeOf(index, look.time);
-      const grown = radius * (look.marked.includes(name) ? 1.25 : 1);
+  /** Moves all to the time of a frame that differs from the first in no more than this. */
+  moveTo({ time, switches }: SpaceFrame): void {
+    const { plan, scenario, highlight } = this.frame;
+    this.#tracks.visible = switches.tracks;
+    this.#hulls.visible = switches.hulls || plan === null;
+    this.#ellipsoids.visible = switches.discs && plan !== null;
+    scenario.vehicles.forEach(({ radius, name }, index) => {
+      const at = this.placeOf(index, time);
+      const grown = radius * (highlight?.vehicles.includes(name) === true ? 1.25 : 1);
       const round = new Matrix4().makeScale(grown, grown, grown).setPosition(at);
-      const ellipses = this.plan?.tracks[index]?.ellipses;
-      const step = Math.min(Math.round(look.time), Math.max((ellipses?.length ?? 1) - 1, 0));
+      const ellipses = plan?.tracks[index]?.ellipses ?? [];
+      const step = Math.min(Math.round(time), Math.max(ellipses.length - 1, 0));
       this.#hulls.setMatrixAt(index, round);
-      this.#ellipsoids.setMatrixAt(index, ellipsoid(at, ellipses?.[step], sigmas, radius));
+      const disc = ellipsoid(at, ellipses[step], plan?.sigmas ?? 0, radius);
+      this.#ellipsoids.setMatrixAt(index, disc);
     });
     this.#hulls.instanceMatrix.needsUpdate = true;
     this.#ellipsoids.instanceMatrix.needsUpdate = true;
   }
 }
 
-/** Where a plan's risk is: a ball at each place, its volume the share of what is allowed. */
-export function riskMarks(plan: PlanView, theme: SpaceTheme, look: SpaceLook): InstancedMesh {
-  const size = plan.scenario.extent;
-  const [low, high] = [point(size.min), point(size.max)];
-  const largest = 0.04 * Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-  const bound = plan.summary.riskBound;
-  const lit = plan.ledger.filter(({ risk }) => risk > 1e-4 * bound);
+/** Balls that are seen through everything, each in its color. */
+function marks(of: readonly { at: Vector3; radius: number; color: string }[]): InstancedMesh {
   const material = new MeshBasicMaterial({ transparent: true, opacity: 0.7, depthTest: false });
-  const mesh = new InstancedMesh(new SphereGeometry(1, 12, 8), material, lit.length);
+  const mesh = new InstancedMesh(new SphereGeometry(1, 12, 8), material, of.length);
   mesh.frustumCulled = false;
-  lit.forEach((line, index) => {
-    const share = Math.cbrt(Math.min(line.risk / bound, 1));
-    const radius = Math.max(largest * share, 0.1 * largest);
-    mesh.setMatrixAt(
-      index,
-      new Matrix4().makeScale(radius, radius, radius).setPosition(new Vector3(...point(line.at))),
-    );
-    mesh.setColorAt(index, new Color(line === look.line ? theme.accent : theme.alert));
+  of.forEach(({ at, radius, color }, index) => {
+    mesh.setMatrixAt(index, new Matrix4().makeScale(radius, radius, radius).setPosition(at));
+    mesh.setColorAt(index, new Color(color));
   });
   return mesh;
 }
 
+/** Where a plan's risk is: a ball at each place, its volume the share of what is allowed. */
+export function riskMarks(plan: PlanView, colors: Colors, lit: readonly (readonly number[])[]): InstancedMesh {
+  const { extent } = plan.scenario;
+  const largest = 0.03 * new Vector3(...point(extent.min)).distanceTo(new Vector3(...point(extent.max)));
+  const bound = plan.summary.riskBound;
+  const radius = (risk: number) => largest * Math.max(Math.cbrt(Math.min(risk / bound, 1)), 0.1);
+  const places = plan.ledger
+    .filter(({ risk }) => risk > 1e-4 * bound)
+    .map(({ at, risk }) => ({ at: new Vector3(...point(at)), radius: radius(risk), color: colors.alert }));
+  const pointed = lit.map((at) => ({
+    at: new Vector3(...point(at)),
+    radius: 0.4 * largest,
+    color: colors.accent,
+  }));
+  return marks([...places, ...pointed]);
+}
+
 /** Simulated missions as thin lines, those that collide in the color of alarm. */
-export function trailLines(trails: TrailsView, theme: SpaceTheme): LineSegments2 {
+export function trailLines(trails: TrailsView, colors: Colors): LineSegments2 {
   const paths = trails.trails.flatMap(({ paths: ways, collision }) =>
-    ways.map((path) => ({ path, color: collision ? theme.alert : theme.muted })),
+    ways.map((path) => ({ path, color: collision ? colors.alert : colors.muted })),
   );
   return lines(paths, 1, 0.35);
+}
+
+/** Where vehicles were measured in a flight, up to its last tick. */
+export function flightLines(flight: FlightState, vehicleColors: readonly string[]): LineSegments2 {
+  const count = flight.ticks[0]?.states.length ?? 0;
+  const paths = Array.from({ length: count }, (_, index) => ({
+    path: flight.ticks.map((tick) => (tick.states[index] ?? []).slice(0, 3)),
+    color: vehicleColors[index] ?? "#888888",
+  }));
+  return lines(paths, 3, 0.8);
 }

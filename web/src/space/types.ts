@@ -1,43 +1,19 @@
-/** What the view in space is told, in protocol's values and plain colors. */
+/** What the view in space is told: what the map's layers are, less what is flat. */
 
-import type { LedgerLine, PlanView, ScenarioView, TrailsView } from "../protocol.js";
+import type { Frame } from "../scene/frame";
 
-/** What there is to see. */
-export interface SpaceScene {
-  readonly view: ScenarioView;
-  readonly plan: PlanView | null;
-  /** A second plan, drawn faintly beside the first. */
-  readonly other: PlanView | null;
-  readonly trails: TrailsView | null;
-}
-
-/** When and how it is looked at. */
-export interface SpaceLook {
-  /** In steps; halves are between two. */
-  readonly time: number;
-  readonly discs: boolean;
-  readonly hulls: boolean;
-  readonly risk: boolean;
-  readonly trails: boolean;
-  /** Names of vehicles and obstacles to stand out. */
-  readonly marked: readonly string[];
-  /** A line of the ledger that is pointed at elsewhere. */
-  readonly line: LedgerLine | null;
-}
-
-/** Colors, as CSS writes them. */
-export interface SpaceTheme {
-  readonly background: string;
-  readonly ink: string;
-  readonly muted: string;
-  readonly grid: string;
-  readonly obstacle: string;
-  readonly obstacleEdge: string;
-  readonly accent: string;
-  readonly alert: string;
-  /** Of vehicles, in turn. */
-  readonly vehicles: readonly string[];
-}
+export type SpaceFrame = Pick<
+  Frame,
+  | "time"
+  | "colors"
+  | "vehicleColors"
+  | "plan"
+  | "compared"
+  | "trails"
+  | "flight"
+  | "highlight"
+  | "switches"
+> & { readonly scenario: NonNullable<Frame["scenario"]> };
 
 /** Three coordinates [m]. */
 export type Point = readonly [number, number, number];
@@ -45,11 +21,6 @@ export type Point = readonly [number, number, number];
 /** A place as three coordinates, whatever the list has. */
 export function point(at: readonly number[]): Point {
   return [at[0] ?? 0, at[1] ?? 0, at[2] ?? 0];
-}
-
-/** The color of a vehicle by its place in the scenario. */
-export function colorOf(theme: SpaceTheme, index: number): string {
-  return theme.vehicles[index % theme.vehicles.length] ?? theme.ink;
 }
 
 /** A place on a list of places of which there are `perStep` for each step. */
