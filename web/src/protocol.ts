@@ -3,7 +3,14 @@
  *
  * The page calls, the server answers each call once and tells of events unasked. The Python side is
  * `src/radmpc/serving/protocol.py`; `tests/serving` holds the two against each other.
+ *
+ * The page itself is public; the socket is at `SOCKET`, with the token of the page's address
+ * (`http://127.0.0.1:PORT/#token=…`, or `?token=…`) as its query `token`. A server that turns a token
+ * down closes with `REFUSED`, and the page does not try again.
  */
+
+export const SOCKET = "/socket";
+export const REFUSED = 4401;
 
 /** A place in a document: keys and indices from its root. */
 export type Path = readonly (string | number)[];

@@ -1,0 +1,152 @@
+/** What an operator can ask the server for; what it refuses is told in a notice. */
+
+import { batch } from "@preact/signals";
+import { call, connect, listen, onOpen } from "./connection";
+import type { Change, DocumentState, Event, PlanView, SearchState } from "./protocol";
+import { accept, document } from "./state/document";
+import { comparedId, shownId, trails, views } from "./state/plans";
+import { selected } from "./state/selection";
+import { complain, hello } from "./state/session";
+
+/** Say hello, and take up the document that was shown before a reload or a loss. */
+async function greet(): Promise<void> {
+  hello.value = await call("hello", {});
+  const wanted = document.peek()?.document ?? sessionStorage.getItem("document");
+  const known = hello.value.documents.find((candidate) => candidate.document === wanted);
+  const id = known?.document ?? hello.value.document;
+  if (id !== null) show(await call("state", { document: id }));
+}
+
+/** Put a document on the page. */
+export function show(state: DocumentState): void {
+  batch(() => {
+    if (document.peek()?.document !== state.document) {
+      selected.value = null;
+      comparedId.value = null;
+      shownId.value = null;
+    }
+    accept(state);
+  });
+  sessionStorage.setItem("document", state.document);
+}
+
+/** Run a call for its effect; what it is refused for is told. */
+export async function attempt<T>(promise: Promise<T>): Promise<T | null> {
+  try {
+    return await promise;
+  } catch (error) {
+    complain(error);
+    return null;
+  }
+}
+
+/** Change the document: one step of undo, named by `label`. */
+export async function change(changes: readonly Change[], label: string): Promise<boolean> {
+  const state = document.peek();
+  if (state === null) return false;
+  const { document: id, revision } = state;
+  const next = await attempt(call("change", { document: id, revision, changes, label }));
+  if (next !== null) accept(next);
+  return next !== null;
+}
+
+export async function undo(): Promise<void> {
+  const state = document.peek();
+  if (state?.canUndo !== true) return;
+  const next = await attempt(call("undo", { document: state.document, revision: state.revision }));
+  if (next !== null) accept(next);
+}
+
+export async function redo(): Promise<void> {
+  const state = document.peek();
+  if (state?.canRedo !== true) return;
+  const next = await attempt(call("redo", { document: state.document, revision: state.revision }));
+  if (next !== null) accept(next);
+}
+
+/** Show a plan on the map. */
+export async function showPlan(plan: string | null): Promise<void> {
+  if (plan !== null) await loadPlan(plan);
+  shownId.value = plan;
+}
+
+/** Compare the plan shown with another. */
+export async function comparePlan(plan: string | null): Promise<void> {
+  if (plan !== null) await loadPlan(plan);
+  comparedId.value = plan;
+}
+
+async function loadPlan(plan: string): Promise<PlanView | null> {
+  const known = views.peek().get(plan);
+  if (known !== undefined) return known;
+  const view = await attempt(call("view", { plan }));
+  if (view !== null) views.value = new Map(views.peek()).set(plan, view);
+  return view;
+}
+
+/** Simulate missions of a plan. */
+export async function simulate(plan: string, flights: number, seed: number): Promise<void> {
+  const view = await attempt(call("simulate", { plan, flights, seed }));
+  if (view !== null) trails.value = new Map(trails.peek()).set(plan, view);
+}
+
+function withSearch(state: DocumentState, search: SearchState): DocumentState {
+  const others = state.searches.filter((other) => other.search !== search.search);
+  return { ...state, searches: [...others, search] };
+}
+
+function hear(event: Event): void {
+  const state = document.peek();
+  if (state === null) return;
+  switch (event.event) {
+    case "document":
+      if (event.state.document === state.document) accept(event.state);
+      break;
+    case "search":
+      if (event.state.document === state.document) document.value = withSearch(state, event.state);
+      break;
+    case "plan":
+      if (event.document === state.document) hearPlan(state, event);
+      break;
+    case "flight":
+      if (event.state.document === state.document) {
+        const others = state.flights.filter((other) => other.flight !== event.state.flight);
+        document.value = { ...state, flights: [...others, event.state] };
+      }
+      break;
+    case "tick": {
+      const flights = state.flights.map((flight) =>
+        flight.flight === event.flight
+          ? { ...flight, step: event.tick.step, ticks: [...flight.ticks, event.tick] }
+          : flight,
+      );
+      document.value = { ...state, flights };
+      break;
+    }
+  }
+}
+
+/** A plan that a search found is shown at once, where its search is the one watched. */
+function hearPlan(state: DocumentState, event: Extract<Event, { event: "plan" }>): void {
+  const others = state.plans.filter((other) => other.plan !== event.summary.plan);
+  document.value = { ...state, plans: [...others, event.summary] };
+  if (event.search !== null) void showPlan(event.summary.plan);
+}
+
+/** The token of the address, which does not stay there: a reload finds it in the session. */
+function takeToken(): string {
+  const fragment = new URLSearchParams(location.hash.slice(1));
+  const query = new URLSearchParams(location.search);
+  const told = fragment.get("token") ?? query.get("token");
+  if (told === null) return sessionStorage.getItem("token") ?? "";
+  sessionStorage.setItem("token", told);
+  history.replaceState(null, "", location.pathname);
+  return told;
+}
+
+/** Connect, and stay connected. */
+export function start(): void {
+  listen(hear);
+  onOpen(() => void attempt(greet()));
+  connect(takeToken());
+}

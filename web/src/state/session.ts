@@ -1,0 +1,30 @@
+/** What the server said at the start, and short notices to the operator. */
+
+import { signal } from "@preact/signals";
+import { CallError } from "../connection";
+import type { Hello } from "../protocol";
+
+export const hello = signal<Hello | null>(null);
+
+/** One line that something went wrong, or was done; shown until the next one or a click. */
+export interface Notice {
+  readonly text: string;
+  readonly isError: boolean;
+}
+
+export const notice = signal<Notice | null>(null);
+
+/** Side panels. */
+export type Tab = "plan" | "risk" | "flight" | "scene";
+
+export const tab = signal<Tab>("scene");
+
+export function tell(text: string): void {
+  notice.value = { text, isError: false };
+}
+
+/** Tell what a call was refused for. */
+export function complain(error: unknown): void {
+  const text = error instanceof CallError || error instanceof Error ? error.message : String(error);
+  notice.value = { text, isError: true };
+}
