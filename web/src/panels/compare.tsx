@@ -4,7 +4,7 @@ import { useMemo, useState } from "preact/hooks";
 import type { PlanView } from "../protocol";
 import { Block, Button } from "./controls";
 import { differences, type Difference } from "./difference";
-import { cost, meters, percent, percentUp, signedCost, signedPercent } from "./format";
+import { bound, cost, meters, percentUp, signedCost, signedPercent } from "./format";
 import { rove } from "./roving";
 
 /** Vehicles that are listed at first. */
@@ -40,10 +40,17 @@ export function Compare(props: CompareProps) {
       }
     >
       <Numbers plan={plan} other={other} />
+      {found.length > 0 && (
+        <p class="p-columns p-difference" aria-hidden="true">
+          <span>vehicle</span>
+          <span>apart, at most</span>
+          <span>at</span>
+        </p>
+      )}
       <ul class="p-differences" onKeyDown={rove} onMouseLeave={() => props.onPoint(null)}>
         {listed.map((one, i) => (
           <li key={one.name}>
-            <button type="button" class="p-entry p-difference" data-entry tabIndex={i === 0 ? 0 : -1} onMouseEnter={() => props.onPoint(one)} onFocus={() => props.onPoint(one)} onBlur={() => props.onPoint(null)} onClick={() => props.onGo(one)}>
+            <button type="button" class="p-entry p-difference" data-entry tabIndex={i === 0 ? 0 : -1} onMouseEnter={() => props.onPoint(one)} onFocus={() => props.onPoint(one)} onBlur={() => props.onPoint(null)} aria-label={`${one.name}, at most ${meters(one.distance)} apart, at ${one.time.toFixed(1)} s`} onClick={() => props.onGo(one)}>
               <span class="p-name">{one.name}</span>
               <span class="p-risk">{meters(one.distance)}</span>
               <span class="p-share">{`${one.time.toFixed(1)} s`}</span>
@@ -54,7 +61,7 @@ export function Compare(props: CompareProps) {
       {found.length > listed.length && (
         <Button kind="quiet" onClick={() => setAll(true)}>{`${found.length - listed.length} more vehicles`}</Button>
       )}
-      {found.length > 0 && <p class="p-note">Largest distance between both at the same time, and when. On the map the other plan is dashed.</p>}
+      {found.length > 0 && <p class="p-note">Distances are at the same time. On the map the other plan is dashed.</p>}
     </Block>
   );
 }
@@ -65,7 +72,7 @@ function Numbers({ plan, other }: { plan: PlanView; other: PlanView }) {
   const rows: readonly (readonly [string, string, string, string])[] = [
     ["Cost", cost(one.cost), cost(two.cost), one.cost === null || two.cost === null ? "" : signedCost(two.cost - one.cost)],
     ["Risk ≤", percentUp(one.certified), percentUp(two.certified), one.certified === null || two.certified === null ? "" : signedPercent(two.certified - one.certified)],
-    ["Δ", percent(one.riskBound), percent(two.riskBound), one.riskBound === two.riskBound ? "same" : signedPercent(two.riskBound - one.riskBound)],
+    ["Δ", bound(one.riskBound), bound(two.riskBound), one.riskBound === two.riskBound ? "same" : signedPercent(two.riskBound - one.riskBound)],
     ["Sets", String(plan.sets.length), String(other.sets.length), ""],
   ];
   return (

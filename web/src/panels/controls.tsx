@@ -44,11 +44,11 @@ export function Button({ children, onClick, kind = "plain", disabled = false, la
 }
 
 /** Names and numbers side by side. */
-export function Facts(props: { rows: readonly (readonly [name: string, value: ComponentChildren])[] }) {
+export function Facts(props: { rows: readonly (readonly [name: string, value: ComponentChildren, look?: "wide"])[] }) {
   return (
     <dl class="p-facts">
-      {props.rows.map(([name, value]) => (
-        <div key={name}>
+      {props.rows.map(([name, value, look]) => (
+        <div key={name} class={look === "wide" ? "p-wide" : undefined}>
           <dt>{name}</dt>
           <dd>{value}</dd>
         </div>

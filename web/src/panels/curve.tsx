@@ -53,7 +53,7 @@ export function Curve(props: CurveProps) {
     };
     // What the lines are made of decides how the curve is built; their points come below.
   }, [props.lines, props.height, props.at]);
-  return <div class="p-curve" ref={host} role="img" aria-label={props.label} style={{ height: props.height }} />;
+  return <div class="p-curve" ref={host} role="img" aria-label={props.label} style={{ height: `${props.height}px` }} />;
 }
 
 /** One x for all lines: uPlot wants a common one; holes are `undefined`, which lines pass over. */
@@ -82,7 +82,7 @@ function options(element: HTMLElement, props: CurveProps): uPlot.Options {
       y: { range: (_, low, high) => yRange(low, high, props.fromZero === true) },
     },
     axes: [
-      { ...axis, grid: { show: false }, size: 20, gap: 2, values: (_, ticks) => ticks.map((x, i) => withUnit(x, i === ticks.length - 1 ? props.xUnit : "")) },
+      { ...axis, grid: { show: false }, size: 24, gap: 6, values: (_, ticks) => ticks.map((x, i) => withUnit(x, i === ticks.length - 1 ? props.xUnit : "")) },
       { ...axis, grid, size: 54, gap: 4, space: 24, values: (_, ticks) => ticks.map(props.format) },
     ],
     series: [{}, ...props.lines.map((line) => seriesOf(line, color(line.color)))],

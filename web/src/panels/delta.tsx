@@ -2,7 +2,7 @@
 
 import { useMemo, useRef } from "preact/hooks";
 import { Block, Button, NumberField } from "./controls";
-import { cost, counted, percent, signedCost } from "./format";
+import { bound, cost, counted, signedCost } from "./format";
 import { atMost, estimated, priced, type PricePoint } from "./price";
 import { useWidth } from "./width";
 
@@ -36,13 +36,13 @@ export function Delta(props: DeltaProps) {
   const isMoved = Math.abs(Math.log(riskBound / ofScenario)) > 1e-6;
   const here = priced(points, riskBound);
   return (
-    <Block title="Risk bound Δ" aside={<span class="p-value">{percent(riskBound)}</span>}>
+    <Block title="Risk bound Δ" aside={<span class="p-value">{bound(riskBound)}</span>}>
       <div class="p-delta" ref={host}>
         {points.length > 0 && width > 0 && <PriceCurve {...props} width={width} />}
         <input
           type="range"
           aria-label="Risk bound Δ, logarithmic"
-          aria-valuetext={`${percent(riskBound)}${here === null ? "" : `, cost ${words(here.kind)} ${cost(here.cost)}`}`}
+          aria-valuetext={`${bound(riskBound)}${here === null ? "" : `, cost ${words(here.kind)} ${cost(here.cost)}`}`}
           min={LOW}
           max={HIGH}
           step={0.005}
@@ -54,10 +54,10 @@ export function Delta(props: DeltaProps) {
       <p class="p-note">{price(props)}</p>
       <div class="p-actions">
         <NumberField label="Δ" unit="%" value={Number((riskBound * 100).toPrecision(6))} min={1e-7} max={49.9} onChange={(value) => onChange((value ?? 1) / 100)} />
-        {isMoved && <Button onClick={() => props.onWrite(riskBound)}>Write to scenario</Button>}
+        {isMoved && <Button onClick={() => props.onWrite(riskBound)}>Set in scenario</Button>}
         {isMoved && (
           <Button kind="quiet" onClick={() => onChange(ofScenario)}>
-            {`Back to ${percent(ofScenario)}`}
+            {`Back to ${bound(ofScenario)}`}
           </Button>
         )}
       </div>
@@ -77,13 +77,13 @@ function words(kind: "found" | "estimated" | "at most"): string {
 function price({ points, riskBound, shown }: DeltaProps): string {
   const here = priced(points, riskBound);
   if (points.length === 0) return "Plans that hold show here what another Δ would cost.";
-  if (here === null) return `No plan tells what ${percent(riskBound)} would cost.`;
+  if (here === null) return `No plan tells what ${bound(riskBound)} would cost.`;
   const from = points.find((point) => point.plan === shown);
   const change = from === undefined || from.riskBound === riskBound ? "" : `, ${signedCost(here.cost - from.cost)} against the plan shown`;
   const source = here.kind === "estimated" ? `, from ${counted(points.length, "plan")} and their shadow prices` : "";
   const sure = atMost(points, riskBound);
   const most = here.kind === "estimated" && sure !== null ? `; at most ${cost(sure)} for sure` : "";
-  return `Cost at ${percent(riskBound)}: ${words(here.kind)} ${cost(here.cost)}${change}${source}${most}.`;
+  return `Cost at ${bound(riskBound)}: ${words(here.kind)} ${cost(here.cost)}${change}${source}${most}.`;
 }
 
 /** Place of a bound along the slider [px]. */
@@ -110,9 +110,9 @@ function PriceCurve(props: DeltaProps & { width: number }) {
           type="button"
           class="p-dot"
           aria-pressed={point.plan === shown}
-          aria-label={`Show the plan of cost ${cost(point.cost)} at Δ = ${percent(point.riskBound)}`}
-          title={`${cost(point.cost)} at ${percent(point.riskBound)}`}
-          style={{ left: place(point.riskBound, width), top: drawn.y(point.cost) }}
+          aria-label={`Show the plan of cost ${cost(point.cost)} at Δ = ${bound(point.riskBound)}`}
+          title={`${cost(point.cost)} at ${bound(point.riskBound)}`}
+          style={{ left: `${place(point.riskBound, width)}px`, top: `${drawn.y(point.cost)}px` }}
           onClick={() => props.onShow(point.plan)}
         />
       ))}
@@ -138,14 +138,14 @@ function curveOf(points: readonly PricePoint[], width: number) {
   return { guess, sure: sure === "" ? "" : `${sure}H${width - INSET}`, y, most };
 }
 
-const DECADES = [-6, -5, -4, -3, -2, -1] as const;
+const DECADES = [-6, -4, -3, -2, -1] as const;
 
 function Ticks() {
   return (
     <div class="p-ticks" aria-hidden="true">
       {DECADES.map((power) => (
         <span key={power} style={{ left: `calc(${INSET}px + (100% - ${2 * INSET}px) * ${(power - LOW) / (HIGH - LOW)})` }}>
-          {percent(10 ** power, 1)}
+          {bound(10 ** power)}
         </span>
       ))}
     </div>

@@ -5,7 +5,7 @@ import type { FlightState, PlanSummary, TickView } from "../protocol";
 import { accountLines, alarmed, replans, tickAt, tickLines, tickTimes } from "./account";
 import { Block, Button, Empty, Facts, NumberField } from "./controls";
 import { Curve, Key } from "./curve";
-import { counted, percent } from "./format";
+import { bound, counted, percent } from "./format";
 import { Speaker } from "./speaking";
 
 /** Mission seconds per second of the wall; 0 is as fast as it goes. */
@@ -141,18 +141,18 @@ function Account({ flight, dt, time }: FlightProps & { flight: FlightState }) {
   const last = flight.ticks.at(-1);
   if (last === undefined) return <Empty>No tick yet.</Empty>;
   const planned = counted(replans(flight).length, "new plan");
-  const label = `Account of Δ over ${counted(flight.ticks.length, "tick")}: ${percent(last.left)} left of ${percent(flight.riskBound)}, ${planned}`;
+  const label = `Account of Δ over ${counted(flight.ticks.length, "tick")}: ${percent(last.left)} left of ${bound(flight.riskBound)}, ${planned}`;
   return (
     <>
       <Facts
         rows={[
           ["Left of Δ", percent(last.left)],
           ["Spent", percent(last.spent)],
-          ["Δ", percent(flight.riskBound)],
+          ["Δ", bound(flight.riskBound)],
           ["New plans", String(replans(flight).length)],
         ]}
       />
-      <Curve label={label} lines={lines} height={120} xUnit="s" xTo={flight.steps * dt} fromZero format={(value) => percent(value)} at={time * dt} />
+      <Curve label={label} lines={lines} height={120} xUnit="s" xTo={flight.steps * dt} fromZero format={bound} at={time * dt} />
       <Key lines={lines} />
     </>
   );

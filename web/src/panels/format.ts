@@ -26,8 +26,18 @@ export function percentUp(probability: number | null, digits = 3): string {
 function inPercent(probability: number | null, digits: number, rounding: (x: number) => number): string {
   if (probability === null || !Number.isFinite(probability)) return NOTHING;
   if (probability === 0) return "0 %";
-  if (Math.abs(probability) < 1e-7) return `${(probability * 100).toExponential(0)} %`;
+  if (Math.abs(probability) < 1e-8) return "< 10⁻⁶ %";
   return `${plain(probability * 100, digits, rounding)} %`;
+}
+
+/** A risk bound, which people chose, without zeros at its end: `0.5 %`. */
+export function bound(probability: number): string {
+  return `${trimmed(probability * 100, 4)} %`;
+}
+
+/** A number without zeros at its end, as curves have it beside them. */
+export function trimmed(value: number, digits = 5): string {
+  return String(Number(value.toPrecision(digits))).replace("-", "−");
 }
 
 /** A share of something in whole percent: `21 %`, and `< 1 %` rather than `0 %`. */

@@ -3,7 +3,7 @@
 import { useId, useState } from "preact/hooks";
 import type { Hello, PlanSummary } from "../protocol";
 import { Block, Button, Empty } from "./controls";
-import { cost, counted, percent, percentUp } from "./format";
+import { bound, cost, counted, percentUp } from "./format";
 
 /** Plans listed at first: the newest, and those chosen. */
 const FIRST = 8;
@@ -75,16 +75,16 @@ function Row(props: PlansProps & { plan: PlanSummary; name: string }) {
     <tr class={`${isShown ? "p-chosen" : ""} ${isOld ? "p-old" : ""}`} title={about}>
       <th scope="row">
         <label>
-          <input type="radio" name={name} checked={isShown} aria-label={`Show: cost ${what}, Δ ${percent(plan.riskBound)}, ${verdict(plan)}, ${about}`} onChange={() => props.onShow(plan.plan)} />
+          <input type="radio" name={name} checked={isShown} aria-label={`Show: cost ${what}, Δ ${bound(plan.riskBound)}, ${verdict(plan)}, ${about}`} onChange={() => props.onShow(plan.plan)} />
           {plan.cost === null ? "none" : what}
         </label>
       </th>
       <td>{percentUp(plan.certified)}</td>
-      <td>{percent(plan.riskBound)}</td>
+      <td>{bound(plan.riskBound)}</td>
       <td class={plan.holds ? "p-holds" : "p-fails"}>{verdict(plan)}</td>
       <td>
         {!isShown && shown !== null && plan.cost !== null && (
-          <Button kind="quiet" pressed={isCompared} label={`Compare with cost ${what} at Δ ${percent(plan.riskBound)}`} onClick={() => props.onCompare(isCompared ? null : plan.plan)}>
+          <Button kind="quiet" pressed={isCompared} label={`Compare with cost ${what} at Δ ${bound(plan.riskBound)}`} onClick={() => props.onCompare(isCompared ? null : plan.plan)}>
             vs
           </Button>
         )}

@@ -3,12 +3,13 @@
 import { useMemo, useState } from "preact/hooks";
 import type { LedgerLine, PlanView } from "../protocol";
 import { Block, Button, Empty, Facts } from "./controls";
-import { percent, percentUp, share } from "./format";
+import { bound as deltaText, percent, percentUp, share } from "./format";
 import { between, CAUSE_WORDS, grouped, sum, type Cause, type CauseGroup, type Hazard } from "./ledger";
 import { rove } from "./roving";
 
-/** Hazards of a cause that are listed at first. */
+/** Hazards of a cause that are listed at first, and the share of Δ from which on they are. */
 const FIRST = 12;
+const WORTH = 1e-3;
 
 export interface RiskProps {
   readonly plan: PlanView | null;
@@ -42,8 +43,8 @@ function Ledger(props: RiskProps & { plan: PlanView }) {
     <Block title="Risk" aside={<span class={plan.summary.holds ? "p-holds" : "p-fails"}>{plan.summary.holds ? "holds" : "over Δ"}</span>}>
       <Facts
         rows={[
-          ["Certified risk ≤", percentUp(plan.summary.certified)],
-          ["Δ", percent(bound)],
+          ["Risk ≤", percentUp(plan.summary.certified)],
+          ["Δ", deltaText(bound)],
           ["Left of Δ", percent(plan.left)],
           ["Saturation ≤", percentUp(plan.saturation)],
         ]}
@@ -62,6 +63,14 @@ function Ledger(props: RiskProps & { plan: PlanView }) {
         {vehicle !== null && <span class="p-note">{`${percentUp(shown)} of risk in which ${vehicle} takes part`}</span>}
       </div>
       {groups.length === 0 && <Empty>{vehicle === null ? "Nothing is at risk." : `${vehicle} risks nothing.`}</Empty>}
+      {groups.length > 0 && (
+        <p class="p-columns p-hazard" aria-hidden="true">
+          <span>most at step</span>
+          <span />
+          <span>risk ≤</span>
+          <span>of Δ</span>
+        </p>
+      )}
       <div onKeyDown={rove} onMouseLeave={() => props.onPoint(null)}>
         {groups.map((group, i) => (
           <Group key={group.cause} group={group} bound={bound} isFirst={i === 0} dt={plan.scenario.dt} {...props} />
@@ -97,7 +106,8 @@ interface GroupProps extends RiskProps {
 function Group(props: GroupProps) {
   const { group, bound } = props;
   const [all, setAll] = useState(false);
-  const hazards = all ? group.hazards : group.hazards.slice(0, FIRST);
+  const worth = Math.max(1, group.hazards.filter((hazard) => hazard.risk >= WORTH * bound).length);
+  const hazards = all ? group.hazards : group.hazards.slice(0, Math.min(worth, FIRST));
   const rest = group.hazards.slice(hazards.length);
   return (
     <div class="p-group" role="group" aria-label={`${CAUSE_WORDS[group.cause]}, ${share(group.risk / bound)} of Δ`}>

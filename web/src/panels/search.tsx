@@ -4,7 +4,7 @@ import { useMemo } from "preact/hooks";
 import type { Hello, SearchState } from "../protocol";
 import { Block, Button, Choice, Facts, NumberField } from "./controls";
 import { Curve, Key, type Line } from "./curve";
-import { cost, count, counted, gap, percent, seconds } from "./format";
+import { bound, cost, count, counted, gap, seconds, trimmed } from "./format";
 import { Speaker } from "./speaking";
 
 /** What the next search is asked for. */
@@ -53,7 +53,7 @@ export function Search(props: SearchProps) {
       <div class="p-actions">
         {!isActive && (
           <Button kind="main" onClick={props.onPlan} disabled={props.refusal !== null}>
-            {`Plan at Δ = ${percent(props.riskBound)}`}
+            {`Plan at Δ = ${bound(props.riskBound)}`}
           </Button>
         )}
         {search?.state === "running" && <Button onClick={props.onPause}>Pause</Button>}
@@ -106,8 +106,9 @@ function Progress(props: { search: SearchState; moments: readonly Moment[] }) {
           ["Cost", cost(search.cost)],
           ["Lower bound", cost(search.bound)],
           ["Gap", gap(search.gap)],
-          ["Time", `${seconds(search.seconds)} of ${seconds(search.limit)}`],
           ["Plans found", count(search.found)],
+          ["Time", seconds(search.seconds)],
+          ["Limit", seconds(search.limit)],
         ]}
       />
       <Course moments={moments} />
@@ -124,7 +125,7 @@ function Course(props: { moments: readonly Moment[] }) {
   const label = `Cost and lower bound over ${seconds(last?.seconds ?? 0)}: cost ${cost(last?.cost ?? null)}, bound ${cost(last?.bound ?? null)}`;
   return (
     <>
-      <Curve label={label} lines={lines} height={110} xUnit="s" format={cost} />
+      <Curve label={label} lines={lines} height={110} xUnit="s" format={(value) => trimmed(value)} />
       <Key lines={lines} />
     </>
   );

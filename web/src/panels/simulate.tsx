@@ -43,7 +43,7 @@ function Outcome({ trails, plan }: { trails: TrailsView; plan: PlanSummary }) {
         rows={[
           ["Collide", `${count(trails.collisions)} of ${count(trails.flights)}`],
           ["Rate", percent(trails.collisions / trails.flights)],
-          ["95 % interval", `${percent(low)} to ${percent(high)}`],
+          ["95 % interval", `${percent(low)} to ${percent(high)}`, "wide"],
           ["Certified ≤", percentUp(plan.certified)],
         ]}
       />
