@@ -38,22 +38,34 @@ export function stay(step: number | null): void {
 
 export function pointAtLines(lines: readonly LedgerLine[] | null): void {
   const [peak] = lines ?? [];
-  if (lines === null || peak === undefined) return release();
+  if (lines === null || peak === undefined) {
+    release();
+    return;
+  }
   const obstacles = peak.cause === "obstacle" && peak.other !== null ? [peak.other] : [];
   point({ vehicles: vehiclesOf(peak), obstacles, at: lines.map((line) => line.at) }, peak.step);
 }
 
 export function pointAtRemark(remark: Remark | null): void {
-  if (remark === null) return release();
+  if (remark === null) {
+    release();
+    return;
+  }
   point({ vehicles: remark.vehicles, obstacles: [], at: remark.at === null ? [] : [remark.at] }, null);
 }
 
 export function pointAtVehicles(vehicles: readonly string[] | null): void {
-  if (vehicles === null) return release();
+  if (vehicles === null) {
+    release();
+    return;
+  }
   point({ vehicles, obstacles: [], at: [] }, null);
 }
 
 export function pointAtDifference(difference: Difference | null): void {
-  if (difference === null) return release();
+  if (difference === null) {
+    release();
+    return;
+  }
   point({ vehicles: [difference.name], obstacles: [], at: [difference.here, difference.there] }, difference.step);
 }
