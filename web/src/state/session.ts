@@ -28,3 +28,5 @@ export function complain(error: unknown): void {
   const text = error instanceof CallError || error instanceof Error ? error.message : String(error);
   notice.value = { text, isError: true };
 }
+
+export const helpIsOpen = signal(false);
