@@ -15,6 +15,7 @@ from radmpc.console.flying_commands import add_flying
 from radmpc.console.output import show, show_json
 from radmpc.console.running.deferring import defer
 from radmpc.console.running.guard import Code, GuardedCommands
+from radmpc.console.serving_commands import add_serving
 from radmpc.version import __version__
 
 __all__ = ["app", "main"]
@@ -242,6 +243,7 @@ def import_file(
 
 
 add_flying(app)
+add_serving(app)
 
 
 @app.command()

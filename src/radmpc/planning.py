@@ -16,14 +16,14 @@ import scipy
 from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
 from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentTypeError, ScenarioError
-from radmpc.model.dynamics import rollout
 from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
-from radmpc.model.vehicle import Vehicle
 from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
+from radmpc.planners.planner import nobody
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
+from radmpc.planners.trajectories import cost_of, trajectories_of
 from radmpc.planners.verdict import Verdict
 from radmpc.planners.wording import limit_clause
 from radmpc.referee import Certificate, certify
@@ -44,6 +44,7 @@ def plan(
     progress: Callable[[str, int, int | None], None] | None = None,
     stop: Callable[[], bool] | None = None,
     found: Callable[[float, float | None], None] | None = None,
+    improved: Callable[[Plan], None] | None = None,
 ) -> Result:
     """Plan a fleet, and have the plan judged by the referee.
 
@@ -67,6 +68,10 @@ def plan(
     found : callable or None
         Called by `certified`, now and then, with the cost of the best plan so far and a lower
         bound on the cost, None without one.
+    improved : callable or None
+        Given by `certified` every plan that is the best so far while it looks for better ones,
+        judged by the referee; its time counts. None costs nothing. The last one is the result's,
+        or dearer.
 
     Returns
     -------
@@ -94,16 +99,20 @@ def plan(
     record.check_visits(scenario)
     _check_options(rng, time_limit, executor, progress, stop)
     check_callable(found, "found")
+    check_callable(improved, "improved")
     seed = 0 if rng is None else int(rng) if isinstance(rng, int | np.integer) else None
     generator = rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed)
     time_limit = seconds_granted(record, time_limit)
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
     judge = partial(_verdict, scenario, record)
-    run = Run(generator, limits, executor, progress or _silent, judge, found or _silent_best)
+    hand_on = nobody if improved is None else _Improving(scenario, record, seed, improved, begun)
+    run = Run(
+        generator, limits, executor, progress or _silent, judge, found or _silent_best, hand_on
+    )
     draft = _with_limits(record.decomposition.plan(scenario, record, run), limits)
     judging = time.perf_counter()
-    trajectories = _trajectories(scenario, draft.controls)
+    trajectories = trajectories_of(scenario, draft.controls)
     unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
     certificate = certify(unjudged) if trajectories else None
     ended = time.perf_counter()
@@ -169,11 +178,48 @@ def _silent_best(cost: float, bound: float | None) -> None:
 
 def _verdict(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
     """Return the referee's verdict on controls, for planners to ask for while they search."""
-    trajectories = _trajectories(scenario, controls)
+    trajectories = trajectories_of(scenario, controls)
     everyone = (tuple(range(scenario.num_vehicles)),)
     draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
     said = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
     return Verdict(said.certified, said.ledger)
+
+
+class _Improving:
+    """Hands on a plan that is cheaper than all before it, with its certificate."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        planner: Planner,
+        seed: int | None,
+        improved: Callable[[Plan], None],
+        begun: float,
+    ) -> None:
+        self._of, self._seed = (scenario, planner), seed
+        self._improved, self._begun = improved, begun
+        self._known: tuple[Matrix, ...] = ()
+        self._least = float("inf")
+
+    def __call__(self, controls: tuple[Matrix, ...]) -> None:
+        """Judge a plan and hand it on, unless it is known, dearer, or risks too much."""
+        if controls is self._known or not controls:
+            return
+        self._known = controls
+        scenario, planner = self._of
+        trajectories = trajectories_of(scenario, controls)
+        if cost_of(scenario, trajectories) >= self._least:
+            return
+        everyone = (tuple(range(scenario.num_vehicles)),)
+        draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
+        unjudged = _plan(scenario, planner, self._seed, draft, trajectories, None, {})
+        said = certify(unjudged)
+        if not said.holds:
+            return
+        seconds = {"total": time.perf_counter() - self._begun}
+        judged = _plan(scenario, planner, self._seed, draft, trajectories, said, seconds)
+        self._least = float("inf") if judged.cost is None else judged.cost
+        self._improved(judged)
 
 
 def _with_limits(draft: Draft, limits: Limits) -> Draft:
@@ -185,24 +231,6 @@ def _with_limits(draft: Draft, limits: Limits) -> Draft:
     if draft.status is Status.LIMIT and not explanation:
         explanation = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
     return replace(draft, stopped_by=stopped_by, explanation=explanation)
-
-
-def _trajectories(
-    scenario: Scenario, controls_of_all: tuple[Matrix, ...]
-) -> tuple[Trajectory, ...]:
-    """Return what follows from the controls."""
-    if not controls_of_all:
-        return ()
-    return tuple(
-        Trajectory(
-            name=vehicle.name,
-            controls=controls,
-            means=rollout(vehicle.system, vehicle.start, controls, vehicle.drift),
-            covariances=vehicle.covariances(scenario.horizon),
-            gain=vehicle.gain,
-        )
-        for vehicle, controls in zip(scenario.vehicles, controls_of_all, strict=True)
-    )
 
 
 def _plan(
@@ -224,7 +252,7 @@ def _plan(
             draft.price,
             certificate.saturation,
         )
-    cost = _cost(scenario, trajectories) if trajectories else None
+    cost = cost_of(scenario, trajectories) if trajectories else None
     bound, on_any = draft.lower_bound, draft.certified_lower_bound
     # The same cost, summed in another order, differs by rounding.
     if cost is not None and bound is not None:
@@ -248,28 +276,6 @@ def _plan(
         stopped_by=draft.stopped_by,
         certified_lower_bound=on_any,
     )
-
-
-def _cost(scenario: Scenario, trajectories: tuple[Trajectory, ...]) -> float:
-    """Return ``Σ weight · ‖u‖₁``, and what the times until arrival cost where these are free."""
-    pairs = list(zip(scenario.vehicles, trajectories, strict=True))
-    efforts = [
-        vehicle.cost_weight * float(np.abs(trajectory.controls).sum())
-        for vehicle, trajectory in pairs
-    ]
-    cost = float(np.sum(efforts))
-    if scenario.time_weight > 0.0:
-        steps = [_arrival(v, t.means) for v, t in pairs if v.goal.within is not None]
-        cost += scenario.time_weight * scenario.dt * sum(steps)
-    return cost
-
-
-def _arrival(vehicle: Vehicle, means: Matrix) -> int:
-    """Return the step at which a vehicle arrives, the last of its window where it is late."""
-    velocity = vehicle.system.velocity
-    speeds = None if velocity is None else means[:, list(velocity)]
-    step = vehicle.goal.arrival(means[:, list(vehicle.system.position)], speeds)
-    return vehicle.goal.window(len(means) - 1)[1] if step is None else step
 
 
 @cache

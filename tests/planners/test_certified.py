@@ -137,6 +137,23 @@ def test_the_best_plan_so_far_is_told_while_planning():
         plan(paper(3, 0), "certified", found=3)
 
 
+def test_better_plans_are_handed_out_with_their_certificates():
+    plans = []
+    alone = plan(paper(3, 0), "certified")
+    result = plan(paper(3, 0), "certified", improved=plans.append)
+    costs = [one.cost for one in plans]
+    assert costs == sorted(costs, reverse=True)
+    assert len(set(costs)) == len(costs)
+    assert costs[-1] == result.cost == alone.cost
+    for one in plans:
+        assert one.risk.certified == certify(one).certified
+        assert one.risk.certified <= one.scenario.risk_bound
+    for ours, theirs in zip(result.plan.trajectories, alone.plan.trajectories, strict=True):
+        np.testing.assert_array_equal(ours.controls, theirs.controls)
+    with pytest.raises(ArgumentTypeError, match="improved must be a function or None, got 3"):
+        plan(paper(3, 0), "certified", improved=3)
+
+
 @pytest.mark.slow
 def test_a_limit_returns_a_certified_plan_or_none_with_a_reason():
     early, later = plan_asked(circle(8), 3), plan_asked(paper(2, 0), 2)

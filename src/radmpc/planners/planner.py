@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from radmpc.arguments import is_number, told
+from radmpc.arrays import Matrix
 from radmpc.errors import ScenarioError
 from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
@@ -18,13 +19,21 @@ from radmpc.planners.policies.policy import Family, Policy
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.solution import Limits, Solver
 
-__all__ = ["Decomposition", "Planner", "Progress", "Run"]
+__all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]
 
 Progress = Callable[[str, int, int | None], None]
 """Told the stage, its parts done, and how many there are, if that is known."""
 
 Found = Callable[[float, float | None], None]
 """Told the cost of the best plan so far, and a lower bound on the cost, None without one."""
+
+Improved = Callable[[tuple[Matrix, ...]], None]
+"""Given every vehicle's controls in a plan that is certified and the best so far."""
+
+
+def nobody(controls: tuple[Matrix, ...]) -> None:
+    """Take a plan without handing it on."""
+    del controls
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +54,8 @@ class Run:
         What the referee says of every vehicle's controls, in the scenario's order.
     found : callable
         Told the cost of the best plan so far, and a lower bound or None.
+    improved : callable
+        Given the controls of the best plan so far, now and then, also the same twice.
     """
 
     rng: np.random.Generator
@@ -53,6 +64,7 @@ class Run:
     progress: Progress
     judge: Judge
     found: Found
+    improved: Improved = nobody
 
 
 class Decomposition(ABC):

@@ -57,12 +57,15 @@ class Concern:
         One line.
     is_fatal : bool
         Whether no plan can be within Δ.
+    horizon : int or None
+        Steps that it recommends as the horizon.
     """
 
     kind: Kind
     vehicles: tuple[str, ...]
     text: str
     is_fatal: bool
+    horizon: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +84,8 @@ class _Found:
         How bad it is, among those of its kind.
     is_fatal : bool
         Whether no plan can be within Δ.
+    horizon : int or None
+        Steps that it recommends as the horizon.
     """
 
     kind: Kind
@@ -88,6 +93,7 @@ class _Found:
     text: str
     weight: float
     is_fatal: bool = False
+    horizon: int | None = None
 
 
 def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
@@ -175,16 +181,16 @@ def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterato
     whole = seen.least_steps
     kept = f", {whole} without feedback" if whole is not None and whole < least else ""
     head = f"goal {least} steps away at least{kept}, horizon {seconds}"
+    more = max(ceil(_ROOMY * least), horizon + 1)
     if least > horizon:
         text = f"{head}: lengthen it to {least} or more, or raise speed_limit or control_limit"
     else:
-        more = max(ceil(_ROOMY * least), horizon + 1)
         left = horizon - least
         text = (
             f"{head}: {'none is' if left == 0 else f'only {left} are' if left > 1 else 'only 1 is'}"
             f" left for ways around obstacles and others; lengthen it to about {more}"
         )
-    yield _Found("time", seen.name, text, least / horizon, is_fatal=least > horizon)
+    yield _Found("time", seen.name, text, least / horizon, least > horizon, more)
 
 
 def _narrow(scenario: Scenario, seen: VehicleOutlook, place: Narrowest) -> Iterator[_Found]:
@@ -265,7 +271,8 @@ def _grouped(found: Sequence[_Found]) -> Iterator[Concern]:
     for (kind, is_fatal), group in groups.items():
         if len(group) < _GROUPED:
             for one in group:
-                yield Concern(kind, (one.name,), f"Vehicle {one.name!r}: {one.text}", is_fatal)
+                text = f"Vehicle {one.name!r}: {one.text}"
+                yield Concern(kind, (one.name,), text, is_fatal, one.horizon)
             continue
         ranked = sorted(group, key=lambda one: -one.weight)
         names = ", ".join(repr(one.name) for one in ranked[:_NAMED])
@@ -274,4 +281,5 @@ def _grouped(found: Sequence[_Found]) -> Iterator[Concern]:
         is_same = len({one.text for one in group}) == 1
         who = "" if is_same else f"; the worst, {ranked[0].name!r}"
         everyone = tuple(one.name for one in group)
-        yield Concern(kind, everyone, f"Vehicles {names}{more}{who}: {ranked[0].text}", is_fatal)
+        text = f"Vehicles {names}{more}{who}: {ranked[0].text}"
+        yield Concern(kind, everyone, text, is_fatal, ranked[0].horizon)

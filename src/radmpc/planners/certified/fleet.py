@@ -25,6 +25,7 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.programs import SetPrograms
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.endpoint_risk import EndpointHazard, start_hazards
+from radmpc.planners.planner import Improved, nobody
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
@@ -56,6 +57,8 @@ class Fleet:
         Told how many sets are searched, of how many.
     found : callable
         Told the cost of the best plan so far, and its lower bound; -inf where nothing is proven.
+    improved : callable
+        Given the controls of every better plan.
     executor : Executor or None
         Where sets are searched; None searches here.
     programs : SetPrograms
@@ -77,6 +80,7 @@ class Fleet:
     limits: Limits
     progress: Callable[[int, int], None]
     found: Callable[[float, float], None]
+    improved: Improved
     executor: Executor | None
     programs: SetPrograms
     unit: float
@@ -94,6 +98,7 @@ class Fleet:
         *,
         progress: Callable[[int, int], None] = _silent,
         found: Callable[[float, float], None] = _silent,
+        improved: Improved = nobody,
         executor: Executor | None = None,
         is_costless: bool = False,
         hazards: Hazards | None = None,
@@ -102,7 +107,7 @@ class Fleet:
 
         Parameters
         ----------
-        scenario, gap, limits, progress, found, executor
+        scenario, gap, limits, progress, found, improved, executor
             As in `Fleet`.
         is_costless : bool
             Whether effort counts for nothing, so that at a unit price of 1 only risk is minimized.
@@ -134,6 +139,7 @@ class Fleet:
             limits,
             progress,
             found,
+            improved,
             executor,
             programs,
             unit,

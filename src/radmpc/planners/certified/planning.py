@@ -89,6 +89,8 @@ class Certified(Decomposition):
             state = close_gap(result.search.within, state)
         cost = min(first.cost, state.incumbent.cost)
         run.found(cost, _finite(min(reported_bound(fleet, state, planner.gap), cost)))
+        best = first if first.cost < state.incumbent.cost else state.incumbent
+        run.improved(best.controls)
         run.progress("improving", 0, 1)
         improving = fleet.with_limits(_but_for_proof(run.limits, time.perf_counter() - begun))
         state = _improved(improving, state, first, run)
@@ -202,7 +204,12 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
         from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         begun = at_good_visits(hazards)
-    task = Task(begun, run.judge, begin, planner.gap, bound, lambda cost: run.found(cost, None))
+
+    def found_first(incumbent: FleetIncumbent) -> None:
+        run.found(incumbent.cost, None)
+        run.improved(incumbent.controls)
+
+    task = Task(begun, run.judge, begin, planner.gap, bound, found_first)
     first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng)
     fleet = Fleet.of(
         scenario,
@@ -211,6 +218,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
         hazards=hazards,
         progress=lambda done, total: run.progress("sets", done, total),
         found=lambda cost, bound: run.found(min(first.cost, cost), _finite(bound)),
+        improved=run.improved,
         executor=run.executor,
     )
     search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)

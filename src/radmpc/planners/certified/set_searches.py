@@ -90,6 +90,7 @@ def solve_sets(
         fleet.progress(done, total)
         if state.has_plan:
             fleet.found(state.incumbent.cost, reported_bound(fleet, state, fleet.gap))
+            fleet.improved(state.incumbent.controls)
 
     searches, parts = [], _known_parts(state, unit_price)
     for members in sets:

@@ -111,13 +111,13 @@ def _turned(
 
 
 def _told_once(task: Task) -> Task:
-    """Return the same task that tells a cost only if it is the least so far."""
+    """Return the same task that hands on a plan only if it is the cheapest so far."""
     costs = [np.inf]
 
-    def found(cost: float) -> None:
-        if cost < costs[-1]:
-            costs.append(cost)
-            task.found(cost)
+    def found(incumbent: FleetIncumbent) -> None:
+        if incumbent.cost < costs[-1]:
+            costs.append(incumbent.cost)
+            task.found(incumbent)
 
     return replace(task, found=found)
 

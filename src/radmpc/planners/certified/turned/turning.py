@@ -143,7 +143,8 @@ def plan_by_turning(
 def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
     """Return what turning is asked of a fleet, visits at the steps of given controls."""
     hazards = fleet.programs.hazards.visiting(controls)
-    return Task(hazards, judge, fleet.limits, fleet.gap, fleet.scenario.risk_bound)
+    found = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
+    return Task(hazards, judge, fleet.limits, fleet.gap, fleet.scenario.risk_bound, found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,7 +164,7 @@ class Task:
     risk_bound : float
         Δ [-].
     found : callable
-        Told the cost of every better plan.
+        Given every better plan.
     """
 
     hazards: Hazards
@@ -171,7 +172,7 @@ class Task:
     limits: Limits
     gap: float
     risk_bound: float
-    found: Callable[[float], None] = lambda cost: None
+    found: Callable[[FleetIncumbent], None] = lambda incumbent: None
 
 
 @dataclass(slots=True, eq=False)
@@ -295,5 +296,5 @@ class Turning:
                 sets=self.sets,
                 turned_price=price,
             )
-            self.task.found(cost)
+            self.task.found(self.incumbent)
         return certified

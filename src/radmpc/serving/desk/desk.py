@@ -1,0 +1,308 @@
+"""The desk: everything that is open on a server, whichever page looks at it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from radmpc.model.plan import Plan
+from radmpc.serving.desk.flight import Flight
+from radmpc.serving.desk.kept import KeptPlan
+from radmpc.serving.desk.opening import Opened
+from radmpc.serving.desk.search import Search
+from radmpc.serving.documents.document import Document
+from radmpc.serving.failures import CallError, refused
+from radmpc.serving.folder import Folder
+from radmpc.serving.processes.crew import Crew
+from radmpc.serving.protocol import DocumentState, TickView
+from radmpc.serving.work.asking import Asked, Ended
+
+__all__ = ["Desk", "Tell"]
+
+_Thing = TypeVar("_Thing")
+
+Tell = Callable[[Mapping[str, Any]], None]
+"""Takes an event, for every page."""
+
+_MOST_DOCUMENTS, _MOST_SEARCHES, _MOST_FLIGHTS = 20, 4, 2
+"""Documents that are open, and searches and flights at once."""
+
+_MOST_PASSED = 12
+"""Plans kept of one search besides the one it ends with."""
+
+_MOST_KEPT, _MOST_ENDED = 200, 40
+"""Plans, and ended searches and flights, that a document keeps."""
+
+_CONCERNS_PAUSE = 0.15
+"""Seconds without a change before a document is looked at [s]."""
+
+_CONCERNS_SECONDS = 60.0
+"""Seconds that this may take [s]."""
+
+
+class Desk:
+    """Documents, plans, searches and flights, and who does the work.
+
+    Parameters
+    ----------
+    folder : Folder
+        Where files are.
+    tell : callable
+        Takes events.
+    """
+
+    def __init__(self, folder: Folder, tell: Tell) -> None:
+        self.folder, self.tell = folder, tell
+        self.crew = Crew()
+        self.documents: dict[str, Document] = {}
+        self.plans: dict[str, KeptPlan] = {}
+        self.searches: dict[str, Search] = {}
+        self.flights: dict[str, Flight] = {}
+        self.first: str | None = None
+        self.opening: asyncio.Task[None] | None = None
+        self._last: dict[str, int] = {}
+        self._looking: dict[str, asyncio.Task[None]] = {}
+
+    def document(self, number: str) -> Document:
+        """Return a document.
+
+        Raises
+        ------
+        CallError
+            If it is not open.
+        """
+        return _known(self.documents, number, "document")
+
+    def plan(self, number: str) -> KeptPlan:
+        """Return a plan that is kept; see `document`."""
+        return _known(self.plans, number, "plan")
+
+    def search(self, number: str) -> Search:
+        """Return a search; see `document`."""
+        return _known(self.searches, number, "search")
+
+    def flight(self, number: str) -> Flight:
+        """Return a flight; see `document`."""
+        return _known(self.flights, number, "flight")
+
+    def state(self, document: Document) -> DocumentState:
+        """Return what pages are told of a document."""
+        number = document.number
+        return {
+            "document": number,
+            "revision": document.revision,
+            "content": document.content,
+            "view": document.view,
+            "remarks": document.remarks,
+            "canUndo": document.can_undo,
+            "canRedo": document.can_redo,
+            "file": document.file,
+            "isSaved": document.is_saved,
+            "plans": [p.summary for p in self.plans.values() if p.document == number],
+            "searches": [s.state for s in self.searches.values() if s.document == number],
+            "flights": [f.state for f in self.flights.values() if f.document == number],
+        }
+
+    async def add(self, opened: Opened, file: str | None) -> Document:
+        """Put what a file holds on the desk.
+
+        Parameters
+        ----------
+        opened : Opened
+            What it holds.
+        file : str or None
+            Where; None was not in the folder.
+
+        Raises
+        ------
+        CallError
+            If too many documents are open.
+        """
+        if len(self.documents) >= _MOST_DOCUMENTS:
+            raise CallError("limit", f"{_MOST_DOCUMENTS} documents are open: close one")
+        kept = file if opened.is_scenario else None
+        document = Document(self._number("d"), opened.content, kept, opened.origin)
+        await document.read()
+        self.documents[document.number] = document
+        self.first = self.first or document.number
+        if opened.plan is not None:
+            kept_plan = KeptPlan.of(self._number("p"), document.number, opened.plan, 0)
+            self.plans[kept_plan.number] = kept_plan
+            if opened.ticks is not None:
+                self._add_flown(document, kept_plan, opened)
+        self.crew.prepare()
+        self.look_at(document)
+        return document
+
+    def close(self, document: Document) -> None:
+        """Take a document off the desk, and all that is of it."""
+        number = document.number
+        for search in [s for s in self.searches.values() if s.document == number]:
+            search.stop()
+            del self.searches[search.number]
+        for flight in [f for f in self.flights.values() if f.document == number]:
+            flight.stop()
+            del self.flights[flight.number]
+        for plan in [p for p in self.plans.values() if p.document == number]:
+            del self.plans[plan.number]
+        del self.documents[number]
+        if self.first == number:
+            self.first = next(iter(self.documents), None)
+
+    def tell_document(self, document: Document) -> None:
+        """Tell every page what a document is now."""
+        self.tell({"event": "document", "state": self.state(document)})
+
+    def look_at(self, document: Document) -> None:
+        """Have a document looked at before it is planned, once it rests."""
+        before = self._looking.pop(document.number, None)
+        if before is not None:
+            before.cancel()
+        if document.reading.scenario is not None:
+            task = asyncio.get_running_loop().create_task(self._look(document))
+            self._looking[document.number] = task
+
+    def begin_search(self, document: Document, asked: Asked) -> Search:
+        """Begin to plan a document.
+
+        Raises
+        ------
+        CallError
+            If something is wrong with it, or too many searches are under way.
+        """
+        if document.reading.scenario is None:
+            remark = document.remarks[0] if document.remarks else None
+            text = remark["text"] if remark else "it is no scenario yet"
+            raise refused(text, remark["path"] if remark else None)
+        if sum(not search.is_over for search in self.searches.values()) >= _MOST_SEARCHES:
+            raise CallError("limit", f"{_MOST_SEARCHES} searches are under way: stop one")
+        search = Search(
+            self._number("s"),
+            document.number,
+            document.revision,
+            asked,
+            changed=self._search_changed,
+            improved=self._improved,
+        )
+        _forget(self.searches, document.number, _MOST_ENDED)
+        self.searches[search.number] = search
+        search.begin(self.crew)
+        return search
+
+    def begin_flight(self, kept: KeptPlan, args: tuple[object, ...]) -> Flight:
+        """Begin to fly a plan.
+
+        Raises
+        ------
+        CallError
+            If it has no trajectories, or too many flights are under way.
+        """
+        if not kept.plan.trajectories:
+            raise refused("there is nothing to fly: no plan was found")
+        if sum(not flight.is_over for flight in self.flights.values()) >= _MOST_FLIGHTS:
+            raise CallError("limit", f"{_MOST_FLIGHTS} flights are under way: stop one")
+        scenario = kept.plan.scenario
+        flight = Flight(
+            self._number("f"), kept.document, kept.number, scenario.horizon, scenario.risk_bound
+        )
+        _forget(self.flights, kept.document, _MOST_ENDED)
+        self.flights[flight.number] = flight
+        flight.begin(
+            self.crew, (kept.plan, *args), changed=self._flight_changed, ticked=self._ticked
+        )
+        return flight
+
+    def end(self) -> None:
+        """End whatever is under way."""
+        for task in self._looking.values():
+            task.cancel()
+        self.crew.end()
+
+    def _number(self, kind: str) -> str:
+        """Return a new name for a thing."""
+        self._last[kind] = self._last.get(kind, 0) + 1
+        return f"{kind}{self._last[kind]}"
+
+    def _add_flown(self, document: Document, kept: KeptPlan, opened: Opened) -> None:
+        """Put a flight that was read from its file on the desk."""
+        scenario = kept.plan.scenario
+        flight = Flight(
+            self._number("f"),
+            document.number,
+            kept.number,
+            scenario.horizon,
+            scenario.risk_bound,
+            ticks=opened.ticks or (),
+            told="read from its file",
+        )
+        self.flights[flight.number] = flight
+
+    async def _look(self, document: Document) -> None:
+        """Look at a document, and tell what was seen unless it has changed meanwhile."""
+        await asyncio.sleep(_CONCERNS_PAUSE)
+        revision, content = document.revision, document.content
+        try:
+            seen = await self.crew.run("concerns", content, seconds=_CONCERNS_SECONDS)
+        except CallError:
+            return  # it is a help, and planning says the same later
+        if document.revision == revision and document.number in self.documents:
+            self._looking.pop(document.number, None)
+            document.concerns = tuple(seen)
+            self.tell_document(document)
+
+    def _search_changed(self, search: Search) -> None:
+        """Tell every page how a search stands."""
+        if search.number in self.searches:
+            self.tell({"event": "search", "state": search.state})
+
+    def _improved(self, search: Search, plan: Plan, ended: Ended | None) -> None:
+        """Keep a plan that a search has found."""
+        if search.document not in self.documents:
+            return
+        kept = KeptPlan.of(
+            self._number("p"),
+            search.document,
+            plan,
+            search.revision,
+            remarks=() if ended is None else ended.remarks,
+            search=search.number,
+            is_final=ended is not None,
+        )
+        self._forget_plans(search)
+        self.plans[kept.number] = kept
+        event = {"event": "plan", "document": kept.document, "summary": kept.summary}
+        self.tell({**event, "search": search.number})
+
+    def _forget_plans(self, search: Search) -> None:
+        """Make room: the oldest plans that a search has passed, then the oldest of all."""
+        passed = [p for p in self.plans.values() if p.search == search.number and not p.is_final]
+        for plan in passed[: max(0, len(passed) - _MOST_PASSED)]:
+            del self.plans[plan.number]
+        of_document = [p for p in self.plans.values() if p.document == search.document]
+        for plan in of_document[: max(0, len(of_document) - _MOST_KEPT)]:
+            del self.plans[plan.number]
+
+    def _flight_changed(self, flight: Flight) -> None:
+        """Tell every page how a flight stands."""
+        if flight.number in self.flights:
+            self.tell({"event": "flight", "state": flight.state})
+
+    def _ticked(self, flight: Flight, tick: TickView) -> None:
+        """Tell every page of a tick."""
+        if flight.number in self.flights:
+            self.tell({"event": "tick", "flight": flight.number, "tick": tick})
+
+
+def _known(things: Mapping[str, _Thing], number: str, kind: str) -> _Thing:
+    """Return a thing by its name."""
+    if number not in things:
+        raise CallError("gone", f"there is no {kind} {number} any more")
+    return things[number]
+
+
+def _forget(things: dict[str, Any], document: str, most: int) -> None:
+    """Forget the oldest of a document's things that are over."""
+    over = [n for n, thing in things.items() if thing.document == document and thing.is_over]
+    for number in over[: max(0, len(over) - most)]:
+        del things[number]

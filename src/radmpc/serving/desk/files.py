@@ -1,0 +1,227 @@
+"""The calls that read and write files."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import io
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from radmpc.io.text.yaml_text import read_yaml
+from radmpc.model.plan import Plan
+from radmpc.serving.desk import arguments as given
+from radmpc.serving.desk.desk import Desk
+from radmpc.serving.desk.opening import Opened, is_chart, read_file
+from radmpc.serving.documents import templates as kinds
+from radmpc.serving.documents.document import Document
+from radmpc.serving.documents.text import Origin, text_of
+from radmpc.serving.failures import refused
+from radmpc.serving.folder import CHARTS, FLIGHTS, SCENARIOS
+from radmpc.serving.protocol import Named
+
+__all__ = [
+    "begun",
+    "dropped",
+    "exported",
+    "exports",
+    "flight_options",
+    "listed",
+    "opened",
+    "plan_saved",
+    "saved",
+    "templates",
+]
+
+Args = Mapping[str, Any]
+
+_OPENED = (*SCENARIOS, *FLIGHTS, *CHARTS)
+
+_MOST_DROPPED = 4 * 2**20
+"""Letters of a file that is dropped on the page."""
+
+_IMPORT_SECONDS = 60.0
+"""Seconds that a chart may take [s]."""
+
+_EXPORTS = {
+    "geojson": "GeoJSON: paths, goals and obstacles on a map",
+    "kml": "KML: the same for Google Earth, with times",
+    "csv": "Table: every vehicle at every step",
+    "mcap": "MCAP: ROS 2 paths and markers",
+    "qgc": "QGroundControl: a mission for each vehicle",
+    "waypoints": "Waypoints: a mission for each vehicle, as MAVLink text",
+}
+
+
+def templates() -> list[Named]:
+    """Return the scenarios to begin with."""
+    return kinds.templates()
+
+
+def exports() -> list[Named]:
+    """Return the formats that plans are written in."""
+    return [{"name": name, "text": text} for name, text in _EXPORTS.items()]
+
+
+async def listed(desk: Desk, args: Args) -> object:
+    """Return the files of the folder."""
+    del args
+    return await asyncio.to_thread(desk.folder.files)
+
+
+async def begun(desk: Desk, args: Args) -> object:
+    """Begin from a template, or from nothing."""
+    kind = given.option(args, "template")
+    if kind is None:
+        opened = Opened(kinds.empty())
+    else:
+        text = kinds.template(kind)
+        value, _ = read_yaml(text, kind)
+        if not isinstance(value, dict):
+            raise refused("a template must be a mapping")
+        opened = Opened(value, Origin(text))
+    return desk.state(await desk.add(opened, None))
+
+
+async def opened(desk: Desk, args: Args) -> object:
+    """Open a file of the folder; one that is open already is shown as it is."""
+    path = given.text(args, "path")
+    place = desk.folder.readable(path, *_OPENED)
+    name = desk.folder.name_of(place)
+    for document in desk.documents.values():
+        if document.file == name:
+            return desk.state(document)
+    return desk.state(await _added(desk, place, name))
+
+
+async def dropped(desk: Desk, args: Args) -> object:
+    """Open a file that was dropped on the page: what it holds, wherever it was."""
+    name = PurePosixPath(given.text(args, "name").replace("\\", "/")).name
+    content = given.text(args, "content", _MOST_DROPPED)
+    if not name.lower().endswith(_OPENED):
+        raise refused(f"{name}: must end in {', '.join(_OPENED)}")
+    into = None if args.get("into") is None else desk.document(given.text(args, "into"))
+    with tempfile.TemporaryDirectory(prefix="radmpc-") as folder:
+        place = Path(folder, f"dropped{PurePosixPath(name.lower()).suffix}")
+        await asyncio.to_thread(place.write_text, content, encoding="utf-8")
+        if into is None:
+            return desk.state(await _added(desk, place, name, is_kept=False))
+        return await _merged(desk, into, place, name)
+
+
+async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) -> Document:
+    """Put a file on the desk, whichever it is."""
+    if is_chart(name):
+        seconds = _IMPORT_SECONDS
+        content = await desk.crew.run("import", str(place), name, seconds=seconds)
+        return await desk.add(Opened(content), None)
+    found = await asyncio.to_thread(read_file, place, name)
+    if found.plan is not None and found.plan.trajectories:
+        judged = await desk.crew.run("judge", found.plan, seconds=_IMPORT_SECONDS)
+        found = Opened(found.content, found.origin, found.is_scenario, judged, found.ticks)
+    return await desk.add(found, name if is_kept else None)
+
+
+async def _merged(desk: Desk, document: Document, place: Path, name: str) -> object:
+    """Add the obstacles of a chart, or of another scenario, to a document."""
+    if is_chart(name):
+        seconds = _IMPORT_SECONDS
+        content = await desk.crew.run("import", str(place), name, seconds=seconds)
+    else:
+        content = (await asyncio.to_thread(read_file, place, name)).content
+    ours = document.content.get("obstacles")
+    entries = list(ours) if isinstance(ours, list) else []
+    taken = {entry.get("name") for entry in entries if isinstance(entry, dict)}
+    for entry in content.get("obstacles") or []:
+        fresh, count = str(entry.get("name", "obstacle")), 1
+        while fresh in taken:
+            count += 1
+            fresh = f"{entry.get('name', 'obstacle')} {count}"
+        taken.add(fresh)
+        entries.append({**entry, "name": fresh})
+    await document.change(document.revision, [{"path": ["obstacles"], "value": entries}])
+    desk.tell_document(document)
+    desk.look_at(document)
+    return desk.state(document)
+
+
+async def saved(desk: Desk, args: Args) -> object:
+    """Write a document to a file of the folder, with the comments that it was read with."""
+    document = desk.document(given.text(args, "document"))
+    path = given.text(args, "path")
+    is_its_own = document.file == path
+    overwrite = given.flag(args, "overwrite") or is_its_own
+    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite)
+    async with document.lock:
+        content = document.content
+        suffix = place.suffix.lower()
+        text = await asyncio.to_thread(text_of, content, suffix, document.origin)
+        await asyncio.to_thread(desk.folder.write, place, text)
+        document.saved_as(desk.folder.name_of(place), content)
+        if suffix != ".json":
+            document.origin = Origin(text)
+    desk.tell_document(document)
+    return desk.state(document)
+
+
+async def plan_saved(desk: Desk, args: Args) -> object:
+    """Write a plan to a file of the folder."""
+    kept = desk.plan(given.text(args, "plan"))
+    overwrite = given.flag(args, "overwrite")
+    place = desk.folder.writable(given.text(args, "path"), ".json", overwrite=overwrite)
+    text = await asyncio.to_thread(_plan_text, kept.plan)
+    await asyncio.to_thread(desk.folder.write, place, text)
+    return None
+
+
+def _plan_text(plan: Plan) -> str:
+    """Return a plan as its file has it."""
+    from radmpc.io.native.plan_file import encode_plan  # noqa: PLC0415 - after the first answer
+    from radmpc.io.text.json_text import write_json  # noqa: PLC0415 - likewise
+
+    return write_json(encode_plan(plan))
+
+
+async def exported(desk: Desk, args: Args) -> object:
+    """Return a plan in another format: one file, or several in an archive."""
+    kept = desk.plan(given.text(args, "plan"))
+    kind = given.text(args, "format")
+    if kind not in _EXPORTS:
+        raise refused(f"format must be one of {', '.join(_EXPORTS)}")
+    name, content = await asyncio.to_thread(_export, kept.plan, kind)
+    return {"name": name, "base64": base64.b64encode(content).decode("ascii")}
+
+
+def _export(plan: Plan, kind: str) -> tuple[str, bytes]:
+    """Return the name and the content of an export."""
+    from radmpc.io.export.exporting import export_plan  # noqa: PLC0415 - few are asked for
+    from radmpc.io.export.names import file_part  # noqa: PLC0415 - likewise
+
+    suffix = {"qgc": "plan"}.get(kind, kind)
+    stem = file_part(plan.scenario.name) or "plan"
+    made = export_plan(plan, kind, f"{stem}.{suffix}")
+    files = {path.name: content for path, content in made.files.items()}
+    if len(files) == 1:
+        return next(iter(files.items()))
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, content in files.items():
+            packed.writestr(name, content)
+    return f"{stem}.{kind}.zip", archive.getvalue()
+
+
+def flight_options(desk: Desk, options: Mapping[str, Any]) -> dict[str, object]:
+    """Return how a plan is flown: a log's place within the folder, all else as it is."""
+    found = dict(options)
+    for key in ("with", "replan", "log"):
+        given.option(options, key)
+    log = found.pop("log", None)
+    overwrite = bool(found.pop("overwrite", False))
+    if log is not None:
+        found["log"] = str(desk.folder.writable(log, *FLIGHTS, overwrite=overwrite))
+    if found.get("deadline") is not None:
+        found["deadline"] = given.number(options, "deadline", 0.0, 60.0)
+    return found

@@ -1,0 +1,68 @@
+"""Plans that the server keeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from radmpc.model.plan import Plan
+from radmpc.serving.protocol import PlanSummary, PlanView, Remark, TrailsView
+from radmpc.serving.views.plan import plan_summary, plan_view
+
+__all__ = ["KeptPlan"]
+
+
+@dataclass(slots=True, eq=False)
+class KeptPlan:
+    """A plan, and what was made of it.
+
+    Attributes
+    ----------
+    number : str
+        By which pages name it.
+    document : str
+        The document that it is of.
+    plan : Plan
+        Also one without trajectories.
+    summary : PlanSummary
+        The same in few words.
+    remarks : tuple of Remark
+        Why there is no better one.
+    search : str or None
+        Which search found it; None was read from a file.
+    is_final : bool
+        Whether it is what a search ended with.
+    trails : dict
+        Simulated missions by how many and by seed.
+    """
+
+    number: str
+    document: str
+    plan: Plan
+    summary: PlanSummary
+    remarks: tuple[Remark, ...] = ()
+    search: str | None = None
+    is_final: bool = True
+    trails: dict[tuple[int, int], TrailsView] = field(default_factory=dict)
+    _view: PlanView | None = None
+
+    @classmethod
+    def of(
+        cls,
+        number: str,
+        document: str,
+        plan: Plan,
+        revision: int,
+        *,
+        remarks: tuple[Remark, ...] = (),
+        search: str | None = None,
+        is_final: bool = True,
+    ) -> KeptPlan:
+        """Return a plan to keep; see the attributes."""
+        summary = plan_summary(plan, number, revision)
+        return cls(number, document, plan, summary, remarks, search, is_final)
+
+    def view(self) -> PlanView:
+        """Return the plan as pages draw it; made once."""
+        if self._view is None:
+            self._view = plan_view(self.plan, self.summary, None, self.remarks)
+        return self._view

@@ -1,0 +1,1 @@
+"""Documents: scenarios as their files have them, changed, undone, checked and saved."""

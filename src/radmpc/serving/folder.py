@@ -1,0 +1,167 @@
+"""The folder that the page may read and write: nothing outside it, only files of known kinds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+from radmpc.atomic import write_text
+from radmpc.serving.failures import refused
+from radmpc.serving.protocol import FileEntry
+
+__all__ = ["CHARTS", "FLIGHTS", "SCENARIOS", "Folder"]
+
+SCENARIOS = (".yaml", ".yml", ".json")
+FLIGHTS = (".jsonl",)
+CHARTS = (".geojson", ".kml", ".scen")
+
+_LONGEST = 300
+"""Letters of a path."""
+
+_MOST_FILES, _DEEPEST, _MOST_SEEN = 1000, 5, 20_000
+"""Files that are listed, levels of folders, and entries looked at."""
+
+FileKind = Literal["scenario", "plan", "flight", "chart"]
+
+_FORMATS: tuple[FileKind, ...] = ("plan", "flight", "scenario")
+"""As files name them; a plan holds a scenario, too."""
+
+_HEAD = 400
+"""Bytes in which a file says what it is."""
+
+
+class Folder:
+    """A folder, and nothing else of the disk.
+
+    Parameters
+    ----------
+    root : Path
+        There is one.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root.resolve()
+
+    def readable(self, path: object, *suffixes: str) -> Path:
+        """Return the file at a path that the page names.
+
+        Parameters
+        ----------
+        path : str
+            Relative, with ``/``.
+        *suffixes : str
+            Endings that are allowed.
+
+        Raises
+        ------
+        CallError
+            If it leads out of the folder, also by a link, ends otherwise, or there is no such file.
+        """
+        place = self._inside(path, suffixes)
+        if not place.is_file():
+            raise refused(f"{path}: there is no such file")
+        return place
+
+    def writable(self, path: object, *suffixes: str, overwrite: bool = False) -> Path:
+        """Return where a file may be written; see `readable`.
+
+        Parameters
+        ----------
+        path : str
+            Relative, with ``/``.
+        *suffixes : str
+            Endings that are allowed.
+        overwrite : bool
+            Whether a file that is there may be replaced.
+
+        Raises
+        ------
+        CallError
+            As in `readable`; if its folder is not there, or a file is and is to stay.
+        """
+        place = self._inside(path, suffixes)
+        if not place.parent.is_dir():
+            raise refused(f"{path}: there is no such folder")
+        if place.exists() and (not overwrite or not place.is_file()):
+            raise refused(f"{path}: it is there already")
+        return place
+
+    def name_of(self, place: Path) -> str:
+        """Return the path by which the page names a file of the folder."""
+        return place.relative_to(self.root).as_posix()
+
+    def write(self, place: Path, text: str) -> None:
+        """Write a file whole or not at all.
+
+        Raises
+        ------
+        CallError
+            In the words of the system, without places outside the folder.
+        """
+        try:
+            write_text(place, text)
+        except OSError as error:
+            reason = error.strerror or type(error).__name__
+            raise refused(f"{self.name_of(place)}: {reason}") from error
+
+    def files(self) -> list[FileEntry]:
+        """Return the files that the page can open, in order."""
+        found: list[FileEntry] = []
+        for place in self._walk():
+            kind = _kind(place)
+            if kind is not None and len(found) < _MOST_FILES:
+                size = place.stat().st_size
+                found.append({"path": self.name_of(place), "kind": kind, "bytes": size})
+        return sorted(found, key=lambda entry: entry["path"])
+
+    def _inside(self, path: object, suffixes: tuple[str, ...]) -> Path:
+        """Return a place within the folder, links followed."""
+        if not isinstance(path, str) or not 0 < len(path) <= _LONGEST or not path.isprintable():
+            raise refused(f"a path must be text of at most {_LONGEST} letters")
+        parts = path.split("/")
+        is_plain = all(part and not part.startswith(".") for part in parts)
+        if not is_plain or "\\" in path or ":" in path:
+            raise refused("a path must lead into the folder, without '..' and hidden names")
+        if not path.lower().endswith(suffixes):
+            raise refused(f"{path}: must end in {', '.join(suffixes)}")
+        place = Path(os.path.realpath(self.root.joinpath(*parts)))
+        if not place.is_relative_to(self.root) or not place.name.lower().endswith(suffixes):
+            raise refused("a path must lead into the folder, without '..' and hidden names")
+        return place
+
+    def _walk(self) -> Iterator[Path]:
+        """Yield the files of the folder, none that is hidden or a link."""
+        seen = 0
+        for folder, folders, names in os.walk(self.root):
+            depth = len(Path(folder).relative_to(self.root).parts)
+            hidden = {"node_modules", "__pycache__"}
+            folders[:] = sorted(f for f in folders if f[0] != "." and f not in hidden)
+            if depth >= _DEEPEST:
+                folders[:] = []
+            for name in sorted(names):
+                seen += 1
+                if seen > _MOST_SEEN:
+                    return
+                place = Path(folder, name)
+                if name[0] != "." and not place.is_symlink():
+                    yield place
+
+
+def _kind(place: Path) -> FileKind | None:
+    """Return what a file is, by its ending and its first lines."""
+    suffix = place.suffix.lower()
+    if suffix in CHARTS:
+        return "chart"
+    if suffix not in SCENARIOS and suffix not in FLIGHTS:
+        return None
+    try:
+        with place.open("rb") as file:
+            head = file.read(_HEAD).decode("utf-8", "replace")
+            if suffix not in FLIGHTS and "radmpc/" not in head:
+                # A long comment may stand before it.
+                head += file.read(20 * _HEAD).decode("utf-8", "replace")
+    except OSError:
+        return None
+    return next((kind for kind in _FORMATS if f"radmpc/{kind}/" in head), None)

@@ -1,0 +1,1 @@
+"""Processes that do what takes long, as the server sees them."""

@@ -1,0 +1,151 @@
+"""A server from its start to its end."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from radmpc.errors import RadmpcError
+
+__all__ = ["Serving", "ServingError", "check_extra", "listening", "serve"]
+
+_NEEDED = ("starlette", "uvicorn", "websockets")
+
+_GRACE = 1
+"""Seconds that pages get to say goodbye [s]."""
+
+
+class ServingError(RadmpcError):
+    """A server that cannot start."""
+
+
+@dataclass(frozen=True, slots=True)
+class Serving:
+    """What is served.
+
+    Attributes
+    ----------
+    folder : Path
+        Where files are read and written.
+    file : str or None
+        What is opened first, relative to it.
+    """
+
+    folder: Path
+    file: str | None = None
+
+
+def check_extra() -> None:
+    """Refuse to start without the packages of the extra.
+
+    Raises
+    ------
+    ServingError
+        With what installs them.
+    """
+    from importlib.util import find_spec  # noqa: PLC0415 - asked once
+
+    missing = [name for name in _NEEDED if find_spec(name) is None]
+    if missing:
+        what = " and ".join(missing)
+        raise ServingError(f"radmpc serve needs {what}: pip install 'radmpc[serve]'")
+
+
+def listening(port: int) -> socket.socket:
+    """Return a socket that listens on this machine alone.
+
+    Parameters
+    ----------
+    port : int
+        0 is any that is free.
+
+    Raises
+    ------
+    ServingError
+        If the port is taken, or not allowed.
+    """
+    try:
+        return socket.create_server(("127.0.0.1", port))
+    except OSError as error:
+        raise ServingError(f"port {port}: {error.strerror or error}") from error
+
+
+def serve(serving: Serving, port: socket.socket, said: Callable[[str], None]) -> None:
+    """Serve until Ctrl-C.
+
+    Parameters
+    ----------
+    serving : Serving
+        What.
+    port : socket
+        That listens.
+    said : callable
+        Told the address once pages are answered.
+    """
+    asyncio.run(_served(serving, port, said))
+
+
+async def _served(serving: Serving, port: socket.socket, said: Callable[[str], None]) -> None:
+    """Serve until a signal."""
+    import uvicorn  # noqa: PLC0415 - an extra
+
+    from radmpc.serving.desk.desk import Desk  # noqa: PLC0415 - needs it
+    from radmpc.serving.desk.start import open_first  # noqa: PLC0415 - likewise
+    from radmpc.serving.folder import Folder  # noqa: PLC0415 - likewise
+    from radmpc.serving.web.app import application  # noqa: PLC0415 - likewise
+    from radmpc.serving.web.guard import Guard  # noqa: PLC0415 - likewise
+    from radmpc.serving.web.socket import MOST_BYTES, Pages  # noqa: PLC0415 - likewise
+
+    guard, pages = Guard(), Pages()
+    guard.port = port.getsockname()[1]
+    desk = Desk(Folder(serving.folder), pages.tell)
+
+    def started() -> None:
+        said(f"http://127.0.0.1:{guard.port}/#token={guard.token}")
+
+    config = uvicorn.Config(
+        application(desk, pages, guard, started=started),
+        log_level="critical",
+        access_log=False,
+        server_header=False,
+        http="h11",
+        ws="websockets-sansio",
+        ws_max_size=MOST_BYTES,
+        timeout_graceful_shutdown=_GRACE,
+        limit_concurrency=200,
+    )
+
+    class Server(uvicorn.Server):
+        """A server that leaves signals to us: its own way ends with a traceback."""
+
+        @contextmanager
+        def capture_signals(self) -> Iterator[None]:
+            yield
+
+    server = Server(config)
+
+    def end() -> None:
+        # A second signal does not wait for pages.
+        server.force_exit = server.should_exit
+        server.should_exit = True
+
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, end)
+    if serving.file is not None:
+        # After the first answer: a large file takes seconds.
+        desk.opening = loop.create_task(open_first(desk, serving.file))
+        desk.opening.add_done_callback(lambda task: task.exception() and end())
+    try:
+        await server.serve(sockets=[port])
+    finally:
+        desk.end()
+    if desk.opening is not None and desk.opening.done() and not desk.opening.cancelled():
+        failure = desk.opening.exception()
+        if failure is not None:
+            raise failure

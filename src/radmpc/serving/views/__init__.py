@@ -1,0 +1,1 @@
+"""What the page draws, made from values of the model."""

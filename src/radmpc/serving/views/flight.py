@@ -1,0 +1,47 @@
+"""Ticks of a flight."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.io.flight.record import TickRow
+from radmpc.model.scenario import Scenario
+from radmpc.serving.protocol import TickView
+from radmpc.serving.views.numbers import Rounding, extent_of
+
+__all__ = ["tick_view"]
+
+
+def tick_view(row: TickRow, scenario: Scenario, risk_bound: float) -> TickView:
+    """Return a tick as the page shows it.
+
+    Parameters
+    ----------
+    row : TickRow
+        As its file has it.
+    scenario : Scenario
+        What is flown.
+    risk_bound : float
+        Δ at the start [-].
+
+    Returns
+    -------
+    TickView
+        Empty states where nothing was measured. What is left is what the account holds, the
+        conditional risk of what is flown and the bank; a lucky moment gives some back.
+    """
+    rounding = Rounding.of(*extent_of(scenario))
+    left = row.tail + row.bank
+    states = [rounding.point(np.asarray(state)) for state in row.states or ()]
+    hits = [f"{touch.vehicle} hits {touch.other or 'the border'}" for touch in row.contacts]
+    alarms = [*hits, *row.alarms]
+    return {
+        "step": row.step,
+        "states": states,
+        "left": float(f"{left:.5g}"),
+        "spent": float(f"{risk_bound - left:.5g}"),
+        "decision": row.reason,
+        "isReplan": row.leg is not None,
+        "milliseconds": round(1e3 * row.seconds, 2),
+        "alarm": "; ".join(alarms) or None,
+    }

@@ -1,0 +1,163 @@
+"""The socket of one page: calls in, answers and events out."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from radmpc.serving.desk.calls import answer
+from radmpc.serving.desk.desk import Desk
+from radmpc.serving.failures import CallError
+from radmpc.serving.web.guard import Rate
+
+__all__ = ["MOST_BYTES", "Pages", "dumped"]
+
+MOST_BYTES = 24 * 2**20
+"""Size of a message from a page: four million letters, each spelled out in six [bytes]."""
+
+_MOST_PAGES = 16
+"""Pages at once."""
+
+_PER_SECOND, _AT_ONCE = 60.0, 240.0
+"""Calls of one page: more than a hand that drags makes."""
+
+_MOST_OPEN = 32
+"""Calls of one page that wait for their answers."""
+
+_MOST_QUEUED = 512
+"""Messages that wait for a page to read them; a page that reads no more is let go."""
+
+_TOO_SLOW, _TOO_MANY = 1013, 1013
+
+
+def dumped(message: Mapping[str, Any]) -> str:
+    """Return a message as text."""
+    return json.dumps(message, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+
+
+class _Page:
+    """A page that looks."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        self.socket = socket
+        self.queue: asyncio.Queue[str] = asyncio.Queue(_MOST_QUEUED)
+        self.rate = Rate(_PER_SECOND, _AT_ONCE)
+        self.calls: set[asyncio.Task[None]] = set()
+        self.is_slow = asyncio.Event()
+
+    def put(self, text: str) -> None:
+        """Have a message sent, unless the page does not read."""
+        try:
+            self.queue.put_nowait(text)
+        except asyncio.QueueFull:
+            self.is_slow.set()
+
+
+class Pages:
+    """All pages of a server."""
+
+    def __init__(self) -> None:
+        self._pages: set[_Page] = set()
+
+    def tell(self, event: Mapping[str, Any]) -> None:
+        """Tell every page of an event."""
+        if self._pages:
+            text = dumped(event)
+            for page in self._pages:
+                page.put(text)
+
+    async def serve(self, socket: WebSocket, desk: Desk) -> None:
+        """Answer a page until it leaves.
+
+        Parameters
+        ----------
+        socket : WebSocket
+            Accepted.
+        desk : Desk
+            What it works on.
+        """
+        if len(self._pages) >= _MOST_PAGES:
+            await socket.close(_TOO_MANY, "too many pages")
+            return
+        page = _Page(socket)
+        self._pages.add(page)
+        tasks = [
+            asyncio.create_task(_receive(page, desk)),
+            asyncio.create_task(_send(page)),
+            asyncio.create_task(page.is_slow.wait()),
+        ]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self._pages.discard(page)
+            for task in (*tasks, *page.calls):
+                task.cancel()
+            await asyncio.gather(*tasks, *page.calls, return_exceptions=True)
+        if page.is_slow.is_set():
+            await socket.close(_TOO_SLOW, "too slow")
+
+
+async def _send(page: _Page) -> None:
+    """Send what is to be sent, in order."""
+    while True:
+        await page.socket.send_text(await page.queue.get())
+
+
+async def _receive(page: _Page, desk: Desk) -> None:
+    """Take calls, each answered in its own time."""
+    while True:
+        try:
+            text = await page.socket.receive_text()
+        except (WebSocketDisconnect, KeyError):  # KeyError: bytes, which no page of ours sends
+            return
+        number, name, args = _parsed(text)
+        if number is None:
+            return
+        if not page.rate.takes() or len(page.calls) >= _MOST_OPEN:
+            failure = CallError("limit", "too many calls: wait a moment").failure
+            page.put(dumped({"id": number, "failure": failure}))
+            continue
+        task = asyncio.create_task(_answered(page, desk, number, name, args))
+        page.calls.add(task)
+        task.add_done_callback(page.calls.discard)
+
+
+def _parsed(text: str) -> tuple[int | None, object, object]:
+    """Return a call's number, name and arguments; no number where it is none."""
+    try:
+        call = json.loads(text, parse_constant=_refuse)
+    except (ValueError, RecursionError):
+        return None, None, None
+    if not isinstance(call, dict):
+        return None, None, None
+    number = call.get("id")
+    if isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53:
+        return None, None, None
+    return number, call.get("call"), call.get("args")
+
+
+def _refuse(word: str) -> float:
+    """Refuse what is no number in JSON."""
+    raise ValueError(word)
+
+
+async def _answered(page: _Page, desk: Desk, number: int, name: object, args: object) -> None:
+    """Answer one call."""
+    message: Mapping[str, Any]
+    try:
+        message = {"id": number, "result": await answer(desk, name, args)}
+    except CallError as error:
+        message = {"id": number, "failure": error.failure}
+    except Exception as error:
+        what = f"internal error: {type(error).__name__}"
+        message = {"id": number, "failure": CallError("internal", what).failure}
+    send: Callable[[str], None] = page.put
+    try:
+        send(dumped(message))
+    except ValueError:  # a number that is none
+        failure = CallError("internal", "internal error: the answer is no JSON").failure
+        send(dumped({"id": number, "failure": failure}))

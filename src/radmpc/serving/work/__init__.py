@@ -1,0 +1,1 @@
+"""What worker processes do: plan, fly, simulate, look for causes. Only they load solvers."""

@@ -1,0 +1,91 @@
+"""What a search is asked, and how it ends: what goes between server and worker."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from radmpc.arguments import told
+from radmpc.errors import ScenarioError
+from radmpc.model.plan import Plan
+from radmpc.serving.protocol import Remark
+
+if TYPE_CHECKING:
+    from radmpc.planners.planner import Planner
+
+__all__ = ["Asked", "Ended", "asked_planner", "check_planner"]
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a search is asked.
+
+    Attributes
+    ----------
+    content : mapping
+        The document.
+    planner : str
+        A preset.
+    seconds : float
+        Time limit [s].
+    gap : float or None
+        Relative gap; None is the preset's.
+    risk_bound : float or None
+        Δ in place of the document's.
+    """
+
+    content: Mapping[str, object]
+    planner: str
+    seconds: float
+    gap: float | None = None
+    risk_bound: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ended:
+    """How a search ended.
+
+    Attributes
+    ----------
+    plan : Plan
+        Also without trajectories.
+    remarks : tuple of Remark
+        Why there is none, or none within Δ, at the places it is about.
+    """
+
+    plan: Plan
+    remarks: tuple[Remark, ...]
+
+
+_NAME = re.compile(r"\s*([a-z-]+)\s*(?:\([^()]{0,30}\)\s*)?")
+
+
+def check_planner(name: str) -> None:
+    """Refuse a planner that there is none of, before any solver is loaded.
+
+    Raises
+    ------
+    ScenarioError
+        With the names that there are.
+    """
+    from radmpc.planners.presets import PRESETS  # noqa: PLC0415 - after the first answer
+
+    match = _NAME.fullmatch(name)
+    if match is None or match[1] not in PRESETS:
+        raise ScenarioError(f"planner must be one of {', '.join(PRESETS)}, got {told(name)}")
+
+
+def asked_planner(asked: Asked) -> Planner:
+    """Return the planner that is asked for.
+
+    Raises
+    ------
+    ScenarioError
+        If there is none of that name, or the gap is none.
+    """
+    from radmpc.planners.presets import parse_planner  # noqa: PLC0415 - after the first answer
+
+    known = parse_planner(asked.planner)
+    return known if asked.gap is None else replace(known, gap=asked.gap)
