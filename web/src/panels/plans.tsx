@@ -56,7 +56,7 @@ export function Plans(props: PlansProps) {
       )}
       {hidden > 0 && (
         <Button kind="quiet" onClick={() => setAll(true)}>
-          {`${counted(hidden, "earlier plan")}`}
+          {counted(hidden, "earlier plan")}
         </Button>
       )}
       {shown !== null && plans.some((plan) => plan.plan === shown) && <Files key={props.path} {...props} plan={shown} />}
