@@ -8,7 +8,9 @@ import { Dialogs } from "./files/dialogs";
 import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
 import { FlatMap } from "./scene/map";
+import { SpaceMap } from "./space/wiring";
 import { document as opened } from "./state/document";
+import { drawn } from "./state/playback";
 import { hello, notice, tab, type Tab } from "./state/session";
 import { Toolbar } from "./toolbar";
 
@@ -40,7 +42,7 @@ export function Shell() {
       <Toolbar />
       <LineState />
       <main class="map">
-        <FlatMap />
+        {drawn.value?.dimension === 3 ? <SpaceMap /> : <FlatMap />}
         <Welcome />
       </main>
       <Side />

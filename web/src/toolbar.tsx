@@ -9,6 +9,7 @@ import { Icon, type IconName } from "./icons";
 import { fit, zoom } from "./scene/viewport";
 import { document } from "./state/document";
 import { flip, switches, type Switches } from "./state/layers";
+import { drawn } from "./state/playback";
 import { helpIsOpen } from "./state/session";
 import { flipTheme, theme } from "./state/theme";
 
@@ -60,6 +61,7 @@ function IconButton({ icon, label, keys, isOff = false, isPressed, act }: Button
 
 export function Toolbar() {
   const state = document.value;
+  const isInSpace = drawn.value?.dimension === 3;
   return (
     <header class="toolbar">
       <div class="group file">
@@ -78,7 +80,7 @@ export function Toolbar() {
             icon={name}
             label={label}
             keys={key}
-            isOff={state === null}
+            isOff={state === null || (isInSpace && name !== "select")}
             isPressed={tool.value === name}
             act={() => choose(name)}
           />
