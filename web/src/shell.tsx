@@ -7,10 +7,8 @@ import { announcement } from "./edit/tools";
 import { Dialogs } from "./files/dialogs";
 import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
-import { FlatMap } from "./scene/map";
-import { SpaceMap } from "./space/wiring";
+import { Scene } from "./scene/scene";
 import { document as opened } from "./state/document";
-import { drawn } from "./state/playback";
 import { hello, notice, tab, type Tab } from "./state/session";
 import { Toolbar } from "./toolbar";
 
@@ -42,7 +40,7 @@ export function Shell() {
       <Toolbar />
       <LineState />
       <main class="map">
-        {drawn.value?.dimension === 3 ? <SpaceMap /> : <FlatMap />}
+        <Scene />
         <Welcome />
       </main>
       <Side />

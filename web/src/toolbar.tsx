@@ -9,7 +9,6 @@ import { Icon, type IconName } from "./icons";
 import { fit, zoom } from "./scene/viewport";
 import { document } from "./state/document";
 import { flip, switches, type Switches } from "./state/layers";
-import { drawn } from "./state/playback";
 import { helpIsOpen } from "./state/session";
 import { flipTheme, theme } from "./state/theme";
 
@@ -61,7 +60,6 @@ function IconButton({ icon, label, keys, isOff = false, isPressed, act }: Button
 
 export function Toolbar() {
   const state = document.value;
-  const isInSpace = drawn.value?.dimension === 3;
   return (
     <header class="toolbar">
       <div class="group file">
@@ -69,18 +67,18 @@ export function Toolbar() {
         <IconButton icon="save" label="Save" keys="Ctrl+S" isOff={state === null} act={() => void save()} />
         <DocumentName />
       </div>
-      <div class="group">
+      <div class="group history">
         <IconButton icon="undo" label="Undo" keys="Ctrl+Z" isOff={state?.canUndo !== true} act={() => void settle().then(undo)} />
         <IconButton icon="redo" label="Redo" keys="Ctrl+Shift+Z" isOff={state?.canRedo !== true} act={() => void settle().then(redo)} />
       </div>
-      <div class="group" role="group" aria-label="Tools">
+      <div class="group tools" role="group" aria-label="Tools">
         {TOOLS.map(([name, label, key]) => (
           <IconButton
             key={name}
             icon={name}
             label={label}
             keys={key}
-            isOff={state === null || (isInSpace && name !== "select")}
+            isOff={state === null}
             isPressed={tool.value === name}
             act={() => choose(name)}
           />
@@ -88,8 +86,10 @@ export function Toolbar() {
       </div>
       <span class="spring" aria-hidden="true" />
       <div class="group">
-        <IconButton icon="minus" label="Zoom out" keys="−" act={() => zoom(0.8)} />
-        <IconButton icon="plus" label="Zoom in" keys="+" act={() => zoom(1.25)} />
+        <span class="zoom">
+          <IconButton icon="minus" label="Zoom out" keys="−" act={() => zoom(0.8)} />
+          <IconButton icon="plus" label="Zoom in" keys="+" act={() => zoom(1.25)} />
+        </span>
         <IconButton icon="fit" label="Show all" keys="F" act={fit} />
         <LayerMenu />
         <IconButton icon="theme" label={theme.value === "dark" ? "Light colors" : "Dark colors"} act={flipTheme} />

@@ -112,7 +112,7 @@ function pointed(lines: readonly LedgerLine[]): Highlight {
   const obstacle = first?.cause === "obstacle" ? first.other : null;
   return {
     vehicles: first === undefined ? [] : vehiclesOf(first),
-    obstacles: obstacle === null || obstacle === undefined ? [] : [obstacle],
+    obstacles: obstacle === null ? [] : [obstacle],
     at: lines.map((line) => line.at),
   };
 }
