@@ -7,7 +7,7 @@ import { announcement } from "./edit/tools";
 import { Dialogs } from "./files/dialogs";
 import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
-import { FlatMap } from "./scene/map";
+import { Scene } from "./scene/scene";
 import { document as opened } from "./state/document";
 import { hello, notice, tab, type Tab } from "./state/session";
 import { Toolbar } from "./toolbar";
@@ -40,7 +40,7 @@ export function Shell() {
       <Toolbar />
       <LineState />
       <main class="map">
-        <FlatMap />
+        <Scene />
         <Welcome />
       </main>
       <Side />

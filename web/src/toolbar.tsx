@@ -67,11 +67,11 @@ export function Toolbar() {
         <IconButton icon="save" label="Save" keys="Ctrl+S" isOff={state === null} act={() => void save()} />
         <DocumentName />
       </div>
-      <div class="group">
+      <div class="group history">
         <IconButton icon="undo" label="Undo" keys="Ctrl+Z" isOff={state?.canUndo !== true} act={() => void settle().then(undo)} />
         <IconButton icon="redo" label="Redo" keys="Ctrl+Shift+Z" isOff={state?.canRedo !== true} act={() => void settle().then(redo)} />
       </div>
-      <div class="group" role="group" aria-label="Tools">
+      <div class="group tools" role="group" aria-label="Tools">
         {TOOLS.map(([name, label, key]) => (
           <IconButton
             key={name}
@@ -86,8 +86,10 @@ export function Toolbar() {
       </div>
       <span class="spring" aria-hidden="true" />
       <div class="group">
-        <IconButton icon="minus" label="Zoom out" keys="−" act={() => zoom(0.8)} />
-        <IconButton icon="plus" label="Zoom in" keys="+" act={() => zoom(1.25)} />
+        <span class="zoom">
+          <IconButton icon="minus" label="Zoom out" keys="−" act={() => zoom(0.8)} />
+          <IconButton icon="plus" label="Zoom in" keys="+" act={() => zoom(1.25)} />
+        </span>
         <IconButton icon="fit" label="Show all" keys="F" act={fit} />
         <LayerMenu />
         <IconButton icon="theme" label={theme.value === "dark" ? "Light colors" : "Dark colors"} act={flipTheme} />

@@ -29,9 +29,9 @@ export function Properties() {
           </button>
         )}
       </header>
-      {groups.map((group) => (
+      {groups.map((group, i) => (
         <fieldset key={group.title}>
-          <legend class={groups.length > 1 ? "" : "unseen"}>{group.title}</legend>
+          <legend class={i > 0 ? "" : "unseen"}>{group.title}</legend>
           {group.rows.map((row) => (
             <FieldRow key={row.path.join(".") + row.label} row={row} content={state.content} />
           ))}

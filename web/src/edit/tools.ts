@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { selected } from "../state/selection";
-import { tell } from "../state/session";
+import { isFromAbove, tell } from "../state/session";
 import { addObstacle, addVehicle, addWaypoint } from "./create";
 
 export type Tool = "select" | "vehicle" | "waypoint" | "polygon" | "box" | "line";
@@ -44,6 +44,7 @@ export function choose(name: Tool): void {
     return;
   }
   tool.value = name;
+  if (name !== "select") isFromAbove.value = true;
   draft.value = name === "select" ? null : { tool: name, points: [], cursor: null };
 }
 

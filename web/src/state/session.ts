@@ -30,3 +30,6 @@ export function complain(error: unknown): void {
 }
 
 export const helpIsOpen = signal(false);
+
+/** Whether a scene in space is looked at from above, which is how it is edited. */
+export const isFromAbove = signal(false);
