@@ -140,7 +140,7 @@ async def _served(serving: Serving, port: socket.socket, said: Callable[[str], N
     if serving.file is not None:
         # After the first answer: a large file takes seconds.
         desk.opening = loop.create_task(open_first(desk, serving.file))
-        desk.opening.add_done_callback(lambda task: task.exception() and end())
+        desk.opening.add_done_callback(lambda task: end() if task.exception() else None)
     try:
         await server.serve(sockets=[port])
     finally:

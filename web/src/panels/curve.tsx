@@ -48,9 +48,12 @@ export function Curve(props: CurveProps) {
     sizes.observe(element);
     const theme = new MutationObserver(build);
     theme.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    const preferred = window.matchMedia("(prefers-color-scheme: dark)");
+    preferred.addEventListener("change", build);
     return () => {
       sizes.disconnect();
       theme.disconnect();
+      preferred.removeEventListener("change", build);
       plot.current?.destroy();
       plot.current = null;
     };
@@ -73,9 +76,8 @@ function data(lines: readonly Line[]): uPlot.AlignedData {
 
 function options(element: HTMLElement, latest: { readonly current: CurveProps }): uPlot.Options {
   const props = latest.current;
-  const style = getComputedStyle(element);
-  const color = (name: string) => style.getPropertyValue(name).trim();
-  const axis = { stroke: color("--muted"), font: `11px ${color("--font")}`, ticks: { show: false } };
+  const color = (name: string) => colorOf(element, name);
+  const axis = { stroke: color("--muted"), font: `11px ${getComputedStyle(element).fontFamily}`, ticks: { show: false } };
   const text = color("--text");
   const grid = { stroke: color("--line"), width: 1 };
   return {
@@ -95,6 +97,16 @@ function options(element: HTMLElement, latest: { readonly current: CurveProps })
     series: [{}, ...props.lines.map((line) => seriesOf(line, color(line.color)))],
     hooks: { draw: [(plot) => drawPresent(plot, latest.current.at ?? null, text)] },
   };
+}
+
+/** A color of the theme as `rgb(…)`: a custom property alone may still be a choice by theme. */
+function colorOf(element: HTMLElement, name: string): string {
+  const probe = document.createElement("span");
+  probe.style.color = `var(${name})`;
+  element.append(probe);
+  const { color } = getComputedStyle(probe);
+  probe.remove();
+  return color;
 }
 
 function withUnit(value: number, unit: string): string {
@@ -117,7 +129,7 @@ function seriesOf(line: Line, color: string): uPlot.Series {
     width: isDots ? 0 : 1.5,
     spanGaps: true,
     points: { show: isDots, size: 6, fill: color, stroke: color },
-    ...(line.look === "area" ? { fill: `${color}40` } : {}),
+    ...(line.look === "area" ? { fill: color.replace("rgb(", "rgba(").replace(")", ", 0.25)") } : {}),
     ...(line.look === "steps" || line.look === "area" ? { paths: stepped } : {}),
     ...(isDots ? { paths: () => null } : {}),
     ...(line.dashed === true ? { dash: [4, 3] } : {}),

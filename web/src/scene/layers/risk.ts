@@ -17,9 +17,6 @@ const MOST = 400;
 const WHOLE = 26;
 const LEAST = 3;
 
-/** Labels at a time: more would cover each other. */
-const MAX_LABELS = 3;
-
 /** A place where some of Δ is spent. */
 export interface RiskMark {
   readonly line: LedgerLine;
@@ -80,8 +77,10 @@ export const drawRisk: Layer = (ctx, frame) => {
   drawMarks(ctx, frame, now, 0.6);
   if (highlight === null) return;
   const pointed = marks.filter((mark) => isPointedAt(mark, frame));
-  drawRings(ctx, frame, pointed);
-  for (const mark of pointed.slice(0, MAX_LABELS)) drawLabel(ctx, frame, mark);
+  drawMarks(ctx, frame, pointed, 0.9);
+  // One label: those of neighboring steps would cover each other.
+  const [label] = pointed;
+  if (label !== undefined) drawLabel(ctx, frame, label);
 };
 
 /** Whether a panel points at the mark's place, and at all of its vehicles. */
@@ -108,14 +107,6 @@ function drawMarks(ctx: CanvasRenderingContext2D, frame: Frame, marks: readonly 
     ctx.stroke();
   }
   ctx.globalAlpha = 1;
-}
-
-function drawRings(ctx: CanvasRenderingContext2D, { camera, colors }: Frame, marks: readonly RiskMark[]): void {
-  ctx.beginPath();
-  for (const mark of marks) addSign(ctx, mark.line.cause, camera.px(mark.x), camera.py(mark.y), radiusOf(mark) + 3);
-  ctx.strokeStyle = colors.text;
-  ctx.lineWidth = 2;
-  ctx.stroke();
 }
 
 function drawLabel(ctx: CanvasRenderingContext2D, { camera, colors }: Frame, mark: RiskMark): void {
