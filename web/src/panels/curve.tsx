@@ -28,31 +28,39 @@ interface CurveProps {
   readonly at?: number | null;
 }
 
-/** Height follows from `height`, width from the surroundings; drawn again when the theme changes. */
+/** Height follows from `height`, width from the surroundings; built again when the theme changes. */
 export function Curve(props: CurveProps) {
   const host = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot | null>(null);
   const latest = useRef(props);
   latest.current = props;
+  const looks = props.lines.map((line) => `${line.name} ${line.look}`).join("\n");
   useEffect(() => {
     const element = host.current;
     if (element === null) return undefined;
-    let plot: uPlot | null = null;
-    const draw = () => {
-      plot?.destroy();
-      plot = null;
-      if (element.clientWidth > 0) plot = new uPlot(options(element, latest.current), data(latest.current.lines), element);
+    const build = () => {
+      plot.current?.destroy();
+      plot.current = null;
+      if (element.clientWidth === 0) return;
+      plot.current = new uPlot(options(element, latest), data(latest.current.lines), element);
     };
-    const sizes = new ResizeObserver(draw);
+    const sizes = new ResizeObserver(build);
     sizes.observe(element);
-    const theme = new MutationObserver(draw);
+    const theme = new MutationObserver(build);
     theme.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    const preferred = window.matchMedia("(prefers-color-scheme: dark)");
+    preferred.addEventListener("change", build);
     return () => {
       sizes.disconnect();
       theme.disconnect();
-      plot?.destroy();
+      preferred.removeEventListener("change", build);
+      plot.current?.destroy();
+      plot.current = null;
     };
-    // What the lines are made of decides how the curve is built; their points come below.
-  }, [props.lines, props.height, props.at]);
+  }, [looks, props.height]);
+  useEffect(() => plot.current?.setData(data(props.lines)), [props.lines]);
+  // The present moves with every frame: only it is drawn again.
+  useEffect(() => plot.current?.redraw(false), [props.at]);
   return <div class="p-curve" ref={host} role="img" aria-label={props.label} style={{ height: `${props.height}px` }} />;
 }
 
@@ -66,10 +74,11 @@ function data(lines: readonly Line[]): uPlot.AlignedData {
   return [xs, ...ys];
 }
 
-function options(element: HTMLElement, props: CurveProps): uPlot.Options {
-  const style = getComputedStyle(element);
-  const color = (name: string) => style.getPropertyValue(name).trim();
-  const axis = { stroke: color("--muted"), font: `11px ${color("--font")}`, ticks: { show: false } };
+function options(element: HTMLElement, latest: { readonly current: CurveProps }): uPlot.Options {
+  const props = latest.current;
+  const color = (name: string) => colorOf(element, name);
+  const axis = { stroke: color("--muted"), font: `11px ${getComputedStyle(element).fontFamily}`, ticks: { show: false } };
+  const text = color("--text");
   const grid = { stroke: color("--line"), width: 1 };
   return {
     width: element.clientWidth,
@@ -78,7 +87,7 @@ function options(element: HTMLElement, props: CurveProps): uPlot.Options {
     legend: { show: false },
     cursor: { show: false },
     scales: {
-      x: { time: false, range: (_, low, high) => [Math.min(low, 0), Math.max(high, props.xTo ?? 0, low + 1e-9)] },
+      x: { time: false, range: (_, low, high) => [Math.min(low, 0), Math.max(high, latest.current.xTo ?? 0, low + 1e-9)] },
       y: { range: (_, low, high) => yRange(low, high, props.fromZero === true) },
     },
     axes: [
@@ -86,8 +95,18 @@ function options(element: HTMLElement, props: CurveProps): uPlot.Options {
       { ...axis, grid, size: 54, gap: 4, space: 24, values: (_, ticks) => ticks.map(props.format) },
     ],
     series: [{}, ...props.lines.map((line) => seriesOf(line, color(line.color)))],
-    hooks: { draw: [(plot) => drawPresent(plot, props.at ?? null, color("--text"))] },
+    hooks: { draw: [(plot) => drawPresent(plot, latest.current.at ?? null, text)] },
   };
+}
+
+/** A color of the theme as `rgb(…)`: a custom property alone may still be a choice by theme. */
+function colorOf(element: HTMLElement, name: string): string {
+  const probe = document.createElement("span");
+  probe.style.color = `var(${name})`;
+  element.append(probe);
+  const { color } = getComputedStyle(probe);
+  probe.remove();
+  return color;
 }
 
 function withUnit(value: number, unit: string): string {
@@ -110,7 +129,7 @@ function seriesOf(line: Line, color: string): uPlot.Series {
     width: isDots ? 0 : 1.5,
     spanGaps: true,
     points: { show: isDots, size: 6, fill: color, stroke: color },
-    ...(line.look === "area" ? { fill: `${color}40` } : {}),
+    ...(line.look === "area" ? { fill: color.replace("rgb(", "rgba(").replace(")", ", 0.25)") } : {}),
     ...(line.look === "steps" || line.look === "area" ? { paths: stepped } : {}),
     ...(isDots ? { paths: () => null } : {}),
     ...(line.dashed === true ? { dash: [4, 3] } : {}),

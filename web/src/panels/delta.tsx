@@ -1,6 +1,6 @@
 /** The risk bound as a slider, with what plans cost along it. */
 
-import { useMemo, useRef } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 import { Block, Button, NumberField } from "./controls";
 import { bound, cost, counted, signedCost } from "./format";
 import { atMost, estimated, priced, type PricePoint } from "./price";
@@ -31,8 +31,7 @@ export interface DeltaProps {
 
 export function Delta(props: DeltaProps) {
   const { riskBound, ofScenario, points, onChange } = props;
-  const host = useRef<HTMLDivElement>(null);
-  const width = useWidth(host);
+  const [host, width] = useWidth();
   const isMoved = Math.abs(Math.log(riskBound / ofScenario)) > 1e-6;
   const here = priced(points, riskBound);
   return (
@@ -116,7 +115,7 @@ function PriceCurve(props: DeltaProps & { width: number }) {
           onClick={() => props.onShow(point.plan)}
         />
       ))}
-      <span class="p-most">{cost(drawn.most)}</span>
+      {drawn.most > drawn.least && <span class="p-most">{cost(drawn.most)}</span>}
     </div>
   );
 }
@@ -131,11 +130,12 @@ function curveOf(points: readonly PricePoint[], width: number) {
   const costs = [...points.map((point) => point.cost), ...guesses.map(([, value]) => value)];
   const least = Math.min(...costs);
   const most = Math.max(...costs);
-  const y = (value: number) => HEIGHT - 6 - ((value - least) / Math.max(most - least, 1e-9)) * (HEIGHT - 14);
+  // A single cost stands in the middle.
+  const y = (value: number) => HEIGHT - 6 - (most > least ? (value - least) / (most - least) : 0.5) * (HEIGHT - 14);
   const guess = guesses.map(([x, value], i) => `${i === 0 ? "M" : "L"}${place(x, width).toFixed(1)} ${y(value).toFixed(1)}`).join("");
   const stairs = [...points].sort((a, b) => a.certified - b.certified);
   const sure = stairs.map((point, i) => `${i === 0 ? "M" : "H"}${place(point.certified, width).toFixed(1)} ${i === 0 ? "" : "V"}${y(point.cost).toFixed(1)}`).join("");
-  return { guess, sure: sure === "" ? "" : `${sure}H${width - INSET}`, y, most };
+  return { guess, sure: sure === "" ? "" : `${sure}H${width - INSET}`, y, least, most };
 }
 
 const DECADES = [-6, -4, -3, -2, -1] as const;

@@ -120,7 +120,7 @@ function Progress(props: { search: SearchState; moments: readonly Moment[] }) {
 function Course(props: { moments: readonly Moment[] }) {
   const { moments } = props;
   const lines = useMemo(() => courseLines(moments), [moments]);
-  if (lines.length === 0 || moments.length < 2) return null;
+  if (lines.length === 0) return null;
   const last = moments.at(-1);
   const label = `Cost and lower bound over ${seconds(last?.seconds ?? 0)}: cost ${cost(last?.cost ?? null)}, bound ${cost(last?.bound ?? null)}`;
   return (
@@ -141,5 +141,5 @@ function courseLines(moments: readonly Moment[]): readonly Line[] {
     { name: "cost", points: pick("cost"), color: "--accent", look: "steps" },
     { name: "lower bound", points: pick("bound"), color: "--muted", look: "steps", dashed: true },
   ];
-  return lines.filter((line) => line.points.length > 0);
+  return lines.filter((line) => line.points.length > 1);
 }

@@ -1,7 +1,7 @@
 /** Time: scrubber, play, and where in time risk is spent. */
 
 import { memo } from "./memo";
-import { useMemo, useRef } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 import { percent } from "./format";
 import { CAUSES, type Cause } from "./ledger";
 import { useWidth } from "./width";
@@ -32,8 +32,7 @@ export interface TimelineProps {
 
 export function Timeline(props: TimelineProps) {
   const { time, horizon, dt, isPlaying } = props;
-  const host = useRef<HTMLDivElement>(null);
-  const width = useWidth(host);
+  const [host, width] = useWidth();
   if (horizon === 0) return <p class="p-empty">There is no time before there is a scenario.</p>;
   return (
     <div class="p-timeline" role="group" aria-label="Time" onKeyDown={(event) => void timelineKey(event, props)}>

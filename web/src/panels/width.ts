@@ -1,17 +1,17 @@
 /** How wide an element is on the screen. */
 
-import type { RefObject } from "preact";
-import { useEffect, useState } from "preact/hooks";
+import { useCallback, useRef, useState } from "preact/hooks";
 
-/** Width of an element [px], 0 until it is known. */
-export function useWidth(ref: RefObject<HTMLElement | null>): number {
+/** A reference for an element, whenever it comes to be, and its width [px], 0 until it is known. */
+export function useWidth(): readonly [ref: (element: HTMLElement | null) => void, width: number] {
   const [width, setWidth] = useState(0);
-  useEffect(() => {
-    const element = ref.current;
-    if (element === null) return undefined;
-    const sizes = new ResizeObserver(() => setWidth(element.clientWidth));
-    sizes.observe(element);
-    return () => sizes.disconnect();
-  }, [ref]);
-  return width;
+  const sizes = useRef<ResizeObserver | null>(null);
+  const ref = useCallback((element: HTMLElement | null) => {
+    sizes.current?.disconnect();
+    sizes.current = null;
+    if (element === null) return;
+    sizes.current = new ResizeObserver(() => setWidth(element.clientWidth));
+    sizes.current.observe(element);
+  }, []);
+  return [ref, width];
 }

@@ -3,15 +3,21 @@
 import { useComputed } from "@preact/signals";
 import { goalAt, nameOf, obstacleAt, vehicleAt } from "../edit/things";
 import type { ScenarioView } from "../protocol";
+import { switches } from "../state/layers";
+import { shown } from "../state/plans";
 import { drawn } from "../state/playback";
 import { hovered, type Thing } from "../state/selection";
 import { num } from "./geometry";
+import { markAt, markText } from "./layers/risk";
 import { pointer } from "./pointer";
+import { camera } from "./viewport";
 
 export function Tip() {
   const text = useComputed(() => {
     const scenario = drawn.value;
     const thing = hovered.value;
+    const risk = riskUnder();
+    if (risk !== null) return risk;
     return scenario === null || thing === null || thing.kind === "workspace" ? null : wordsOf(scenario, thing);
   }).value;
   const at = pointer.value;
@@ -21,6 +27,15 @@ export function Tip() {
       {text}
     </p>
   );
+}
+
+/** Cause, step and share of the risk under the pointer. */
+function riskUnder(): string | null {
+  const at = pointer.value;
+  const plan = shown.value;
+  if (at === null || plan === null || !switches.value.risk) return null;
+  const mark = markAt(plan, camera.value, at.px, at.py);
+  return mark === null ? null : markText(mark);
 }
 
 function wordsOf(scenario: ScenarioView, thing: Thing): string {

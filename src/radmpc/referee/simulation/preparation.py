@@ -21,8 +21,15 @@ from radmpc.referee.simulation.watch import OBSTACLE, PAIR, Watch, watch_list
 __all__ = ["prepare"]
 
 
-def prepare(plan: Plan) -> Flight:
+def prepare(plan: Plan, *, everyone: bool = False) -> Flight:
     """Return a plan ready to be flown.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    everyone : bool
+        Whether vehicles are drawn, too, that come near nothing: counts do without them.
 
     Raises
     ------
@@ -46,6 +53,8 @@ def prepare(plan: Plan) -> Flight:
     everything = [*watched.usual, *watched.wide]
     involved = [w.first for w in everything] + [w.other[w.kinds == PAIR] for w in everything]
     needed = np.unique(np.concatenate([*involved, np.flatnonzero(loose)]))
+    if everyone:
+        needed = np.arange(scenario.num_vehicles)
     met = [w.other[w.kinds == OBSTACLE] for w in everything]
     sampler = Sampler.of(motion, needed, np.unique(np.concatenate(met)))
     cut = cutoffs(scenario, motion, loose, controls, sampler)

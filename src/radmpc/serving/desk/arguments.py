@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -56,10 +55,9 @@ def number(args: Mapping[str, Any], key: str, least: float, most: float) -> floa
         If it is none.
     """
     value = args.get(key)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or not least <= value <= most:
-        raise refused(f"{key} must be a number from {least:g} to {most:g}")
-    return float(value)
+    if isinstance(value, int | float) and not isinstance(value, bool) and least <= value <= most:
+        return float(value)
+    raise refused(f"{key} must be a number from {least:g} to {most:g}")
 
 
 def flag(args: Mapping[str, Any], key: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from radmpc.serving.failures import CallError
 from radmpc.serving.processes.crew import Crew
@@ -63,12 +63,14 @@ class Flight:
     @property
     def state(self) -> FlightState:
         """What pages are told."""
-        ended = "failed" if self._has_failed else "ended"
+        state: Literal["running", "ended", "failed"] = "running"
+        if self._is_over:
+            state = "failed" if self._has_failed else "ended"
         return {
             "flight": self.number,
             "document": self.document,
             "plan": self.plan,
-            "state": ended if self._is_over else "running",
+            "state": state,
             "step": self.ticks[-1]["step"] if self.ticks else 0,
             "steps": self.steps,
             "riskBound": self.risk_bound,

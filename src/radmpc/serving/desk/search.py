@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 from radmpc.model.plan import Plan
 from radmpc.serving.failures import CallError
@@ -57,13 +57,15 @@ class Search:
         self._changed, self._improved = changed, improved
         self._worker: Worker | None = None
         self._is_over, self._has_failed, self._is_stopped = False, False, False
-        self._stage, self._told = "starting", None
+        self._stage = "starting"
+        self._told: str | None = None
         self._cost: float | None = None
         self._bound: float | None = None
         self._found = 0
         self._has_news = False
-        self._begun = time.monotonic()
-        self._held, self._held_since = 0.0, None
+        self._begun: float | None = None
+        self._held = 0.0
+        self._held_since: float | None = None
         self._ended: float | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -75,6 +77,8 @@ class Search:
     @property
     def seconds(self) -> float:
         """How long it has searched, pauses not counted [s]."""
+        if self._begun is None:
+            return 0.0  # the process is still loading
         now = self._ended or self._held_since or time.monotonic()
         return now - self._begun - self._held
 
@@ -84,13 +88,17 @@ class Search:
         gap = None
         if self._cost is not None and self._bound is not None:
             gap = max(self._cost - self._bound, 0.0) / self._cost if self._cost > 0.0 else 0.0
-        running = "paused" if self._held_since is not None else "running"
+        state: Literal["running", "paused", "ended", "failed"] = "running"
+        if self._is_over:
+            state = "failed" if self._has_failed else "ended"
+        elif self._held_since is not None:
+            state = "paused"
         return {
             "search": self.number,
             "document": self.document,
             "revision": self.revision,
             "planner": self.asked.planner,
-            "state": ("failed" if self._has_failed else "ended") if self._is_over else running,
+            "state": state,
             "seconds": round(self.seconds, 2),
             "limit": self.asked.seconds,
             "stage": self._stage,
@@ -179,7 +187,9 @@ class Search:
 
     def _take(self, kind: str, news: Any) -> None:
         """Take news of the worker."""
-        if kind == "progress":
+        if kind == "begun":
+            self._begun = time.monotonic() - self._held
+        elif kind == "progress":
             stage, done, total = news
             self._stage = f"{stage} {done}/{total}" if total and total > 1 else str(stage)
         elif kind == "found":

@@ -9,7 +9,7 @@ import numpy as np
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.preflight import Concern, Narrowest, Outlook, concerns_of, outlook_of
-from radmpc.serving.protocol import Content, Cure, Path, Remark
+from radmpc.serving.protocol import Change, Content, Cure, Path, Remark
 from radmpc.serving.work.control import Control
 
 __all__ = ["concern_remarks", "concerns_of_content", "horizon_cure", "risk_bound_cure"]
@@ -115,7 +115,7 @@ def _cures(concern: Concern, scenario: Scenario, content: Content, whom: list[in
 
 def feedback_changes(
     content: Content, scenario: Scenario, whom: list[int], weight: float = 1.0
-) -> list[dict[str, object]]:
+) -> list[Change]:
     """Return changes that put a regulator to some vehicles: in the defaults where all are meant."""
     regulator = {"lqr": {"Q": 1.0, "R": weight}}
     stated = [i for i, entry in enumerate(content["vehicles"]) if "feedback" in entry]

@@ -22,6 +22,7 @@ JOBS = {
     "why": "radmpc.serving.work.cures:why_not",
     "simulate": "radmpc.serving.work.trails:trails_of",
     "fly": "radmpc.serving.work.flying:fly_plan",
+    "judge": "radmpc.serving.work.judging:judged",
     "import": "radmpc.serving.work.charts:read_chart",
 }
 """What a worker can be asked for, and where it is."""

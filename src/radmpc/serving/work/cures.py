@@ -1,0 +1,157 @@
+"""Why not, and what helps: each cure is planned before it is a button."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from radmpc.errors import ScenarioError
+from radmpc.io.native.decoding import decode_scenario
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.planning import plan
+from radmpc.preflight import concerns_of, outlook_of
+from radmpc.serving.documents.content import changed
+from radmpc.serving.protocol import Content, Cure, Remark
+from radmpc.serving.work.concerns import (
+    concern_remarks,
+    feedback_changes,
+    horizon_cure,
+    risk_bound_cure,
+)
+from radmpc.serving.work.control import Control
+from radmpc.serving.work.reasons import remarks_of
+
+__all__ = ["why_not"]
+
+_FIRST_SECONDS = 12.0
+"""Seconds to plan the document as it is, explanation included [s]."""
+
+_CURE_SECONDS = 5.0
+"""Seconds that each cure is given to lead to a plan [s]."""
+
+_LONGER = (1.25, 1.6, 2.2)
+"""Multiples of the horizon that are tried [-]."""
+
+_MORE_RISK = (2.0, 4.0)
+"""Multiples of Δ that are tried [-]."""
+
+_SOFT = (1.0, 10.0, 100.0)
+"""Weights R of the control that are tried for a regulator, with Q = 1 [-]."""
+
+_MOST_RISK = 0.25
+"""Δ above which nobody wants a plan [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """A kind of cure, and candidates for it: the mildest first."""
+
+    kind: str
+    cures: tuple[Cure, ...]
+
+
+def why_not(control: Control, content: Content) -> list[Remark]:
+    """Say what stands in the way of a plan, and what was tried and helps.
+
+    Parameters
+    ----------
+    control : Control
+        Asked whether to end.
+    content : mapping
+        The document, which is a scenario.
+
+    Returns
+    -------
+    list of Remark
+        Where there is a plan, what to know before planning.
+    """
+    scenario = decode_scenario(content)
+    found: list[Plan] = []
+    result = plan(
+        scenario,
+        time_limit=_FIRST_SECONDS,
+        improved=found.append,
+        stop=lambda: bool(found) or control.is_stopped(),
+    )
+    if found or result.is_certified:
+        return concern_remarks(outlook_of(scenario), content)
+    remarks = list(remarks_of(result.record))
+    tried = {_key(cure) for remark in remarks for cure in remark["cures"]}
+    cures: list[Cure] = []
+    failed: list[str] = []
+    for trial in _trials(scenario, content):
+        if control.is_stopped():
+            break
+        worked = next((cure for cure in trial.cures if _works(control, content, cure)), None)
+        if worked is None:
+            failed.append(trial.kind)
+        elif _key(worked) not in tried:
+            cures.append(worked)
+    if remarks:
+        remarks[0] = {**remarks[0], "cures": [*remarks[0]["cures"], *cures]}
+    if failed and not cures:
+        text = f"Tried in vain: {', '.join(failed)}."
+        remarks.append(
+            {
+                "severity": "warning",
+                "text": text,
+                "path": [],
+                "vehicles": [],
+                "at": None,
+                "cures": [],
+            }
+        )
+    return remarks
+
+
+def _trials(scenario: Scenario, content: Content) -> Iterator[_Trial]:
+    """Yield what may help, the cheapest to carry out first."""
+    horizon = scenario.horizon
+    advised = [c.horizon for c in concerns_of(outlook_of(scenario)) if c.horizon is not None]
+    longer = sorted({*advised, *(max(horizon + 1, round(f * horizon)) for f in _LONGER)})
+    is_moving = any(obstacle.is_moving for obstacle in scenario.obstacles)
+    if not is_moving:
+        # Outlines step by step are given for this horizon alone.
+        yield _Trial("a longer horizon", tuple(horizon_cure(scenario, n) for n in longer))
+    bounds = [round(f * scenario.risk_bound, 4) for f in _MORE_RISK]
+    yield _Trial(
+        "a larger risk bound", tuple(risk_bound_cure(b) for b in bounds if b <= _MOST_RISK)
+    )
+    everyone = list(range(scenario.num_vehicles))
+    if any(v.disturbance_covariance.any() for v in scenario.vehicles):
+        has_gain = any(v.gain is not None for v in scenario.vehicles)
+        word = "Soften feedback" if has_gain else "Add feedback"
+        yield _Trial(
+            "feedback",
+            tuple(
+                Cure(
+                    label=f"{word} (lqr, Q = 1, R = {weight:g})",
+                    changes=feedback_changes(content, scenario, everyone, weight),
+                )
+                for weight in _SOFT
+            ),
+        )
+
+
+def _works(control: Control, content: Content, cure: Cure) -> bool:
+    """Whether a cure leads to a plan within Δ, in little time."""
+    if control.is_stopped():
+        return False
+    try:
+        scenario = decode_scenario(changed(content, cure["changes"]))
+    except ScenarioError:
+        return False
+    found: list[Plan] = []
+    result = plan(
+        scenario,
+        time_limit=_CURE_SECONDS,
+        improved=found.append,
+        stop=lambda: bool(found) or control.is_stopped(),
+    )
+    return bool(found) or result.is_certified
+
+
+def _key(cure: Cure) -> str:
+    """Return what a cure changes, to tell whether it is known."""
+    return repr([(list(change["path"]), change.get("value")) for change in cure["changes"]])
