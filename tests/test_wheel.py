@@ -12,15 +12,23 @@ import pytest
 import radmpc
 
 ROOT = Path(__file__).parent.parent
+PAGE = ROOT / "src" / "radmpc" / "serving" / "bundle"
 
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel, built with what the development environment has."""
     folder = tmp_path_factory.mktemp("wheel")
+    # The page comes along where `make page` has built it; here nothing is fetched.
+    wish = "" if PAGE.is_dir() else "none"
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet"]
     options = ["--no-deps", "--no-build-isolation", "--no-index"]
-    subprocess.run([*pip, *options, "--wheel-dir", folder, ROOT], check=True, timeout=300)
+    subprocess.run(
+        [*pip, *options, "--wheel-dir", folder, ROOT],
+        check=True,
+        timeout=300,
+        env={**os.environ, "RADMPC_PAGE": wish},
+    )
     (built,) = folder.glob("*.whl")
     return built
 
@@ -65,6 +73,15 @@ def test_the_wheel_holds_package_data_and_license_and_nothing_else(wheel: Path) 
     assert {name.split("/")[0] for name in names} == {"radmpc", info}
     code = {path.relative_to(ROOT / "src").as_posix() for path in ROOT.glob("src/**/*.py")}
     assert {name for name in names if name.endswith(".py")} == code
+
+
+@pytest.mark.skipif(not PAGE.is_dir(), reason="no bundle here: make page")
+def test_the_wheel_holds_the_whole_page(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+    files = {path.relative_to(PAGE).as_posix() for path in PAGE.rglob("*") if path.is_file()}
+    assert {"index.html", "page.js", "NOTICE"} <= files
+    assert {f"radmpc/serving/bundle/{name}" for name in files} <= names
 
 
 def test_the_wheel_says_what_it_needs_and_who_may_use_it(wheel: Path) -> None:

@@ -16,8 +16,8 @@ export default defineConfig(
     },
   },
   {
-    files: ["*.mjs", "*.js"],
+    files: ["**/*.mjs", "*.js"],
     extends: [js.configs.recommended],
-    languageOptions: { globals: { process: "readonly", console: "readonly", URL: "readonly", Buffer: "readonly", setTimeout: "readonly", setInterval: "readonly", clearInterval: "readonly", WebSocket: "readonly", fetch: "readonly", performance: "readonly" } },
+    languageOptions: { globals: { process: "readonly", console: "readonly", URL: "readonly", Buffer: "readonly", structuredClone: "readonly", setTimeout: "readonly", setInterval: "readonly", clearInterval: "readonly", WebSocket: "readonly", fetch: "readonly", performance: "readonly" } },
   },
 );

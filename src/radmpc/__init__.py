@@ -14,6 +14,7 @@ True
 from __future__ import annotations
 
 import logging
+import sys
 from typing import TYPE_CHECKING
 
 from radmpc.front import late_names
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
     )
     from radmpc.referee import Certificate, Simulation, Thinned, certify, simulate, thin
     from radmpc.result import Result
+    from radmpc.viewing.view import view
 
 __all__ = [
     "ArgumentError",
@@ -148,6 +150,7 @@ __all__ = [
     "to_pandas",
     "to_xarray",
     "track_from_course",
+    "view",
 ]
 
 # Where each name stands; it is loaded when first asked for. Solvers and matplotlib take most of a
@@ -204,7 +207,14 @@ _HOMES = {
     ),
     "referee": ("Certificate", "Simulation", "Thinned", "certify", "simulate", "thin"),
     "result": ("Result",),
+    "viewing.view": ("view",),
 }
 __getattr__, __dir__ = late_names(__name__, _HOMES)
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+if "IPython" in sys.modules:
+    # Notebooks alone have another way to show values, and wait for it.
+    from radmpc.viewing.showing import show_in_notebooks
+
+    show_in_notebooks()

@@ -4,17 +4,39 @@ import { batch } from "@preact/signals";
 import { call, connect, listen, onOpen } from "./connection";
 import type { Change, DocumentState, Event, PlanView, SearchState } from "./protocol";
 import { accept, document } from "./state/document";
-import { comparedId, shownId, trails, views } from "./state/plans";
+import { comparedId, shownId, summaries, trails, views } from "./state/plans";
+import { seek } from "./state/playback";
+import { kept } from "./state/restore";
 import { selected } from "./state/selection";
 import { complain, hello } from "./state/session";
 
 /** Say hello, and take up the document that was shown before a reload or a loss. */
 async function greet(): Promise<void> {
+  const isBack = hello.peek() !== null;
   hello.value = await call("hello", {});
   const wanted = document.peek()?.document ?? sessionStorage.getItem("document");
   const known = hello.value.documents.find((candidate) => candidate.document === wanted);
   const id = known?.document ?? hello.value.document;
-  if (id !== null) show(await call("state", { document: id }));
+  if (id === null) return;
+  const before = isBack ? null : kept();
+  show(await call("state", { document: id }));
+  if (before === null || id !== wanted) await showNewest();
+  else await takeUp(before);
+}
+
+/** Show again what was selected and shown before a reload. */
+async function takeUp(before: NonNullable<ReturnType<typeof kept>>): Promise<void> {
+  selected.value = before.selected;
+  const isThere = summaries.peek().some((plan) => plan.plan === before.shown);
+  if (before.shown !== null && isThere) await showPlan(before.shown);
+  else await showNewest();
+  seek(before.time);
+}
+
+/** Show the plan found last, where none is shown. */
+async function showNewest(): Promise<void> {
+  const last = summaries.peek().at(-1);
+  if (shownId.peek() === null && last !== undefined) await showPlan(last.plan);
 }
 
 /** Put a document on the page. */

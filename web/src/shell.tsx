@@ -1,8 +1,16 @@
 /** Layout: toolbar above, map, side column with tabs, timeline below. */
 
+import { useSignal } from "@preact/signals";
 import { line } from "./connection";
+import { ScenePanel } from "./edit/scene-panel";
+import { announcement } from "./edit/tools";
+import { Dialogs } from "./files/dialogs";
+import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
-import { tab, type Tab } from "./state/session";
+import { Scene } from "./scene/scene";
+import { document as opened } from "./state/document";
+import { hello, notice, tab, type Tab } from "./state/session";
+import { Toolbar } from "./toolbar";
 
 const TABS: readonly (readonly [Tab, string])[] = [
   ["plan", "Plan"],
@@ -12,37 +20,115 @@ const TABS: readonly (readonly [Tab, string])[] = [
 ];
 
 export function Shell() {
+  const isDropping = useSignal(false);
   return (
-    <div class="shell">
-      <header class="toolbar">radmpc</header>
-      {line.value === "lost" && <p class="lost" role="status">Connection lost, trying again</p>}
-      <main class="map" aria-label="Map" />
-      <aside class="side" aria-label="Panels">
-        <div role="tablist" aria-label="Panels" class="tabs">
-          {TABS.map(([name, label]) => (
-            <button
-              key={name}
-              type="button"
-              role="tab"
-              id={`tab-${name}`}
-              aria-selected={tab.value === name}
-              aria-controls="panel"
-              tabIndex={tab.value === name ? 0 : -1}
-              onClick={() => (tab.value = name)}
-            >
-              {label}
-            </button>
-          ))}
-        </div>
-        <section class="panel" id="panel" role="tabpanel" aria-labelledby={`tab-${tab.value}`}>
-          {tab.value === "plan" && <PlanRegion />}
-          {tab.value === "risk" && <RiskRegion />}
-          {tab.value === "flight" && <FlightRegion />}
-        </section>
-      </aside>
+    <div
+      class={isDropping.value ? "shell dropping" : "shell"}
+      onDragOver={(event) => {
+        event.preventDefault();
+        isDropping.value = true;
+      }}
+      onDragLeave={(event) => {
+        if (event.relatedTarget === null) isDropping.value = false;
+      }}
+      onDrop={(event) => {
+        event.preventDefault();
+        isDropping.value = false;
+        void take([...(event.dataTransfer?.files ?? [])]);
+      }}
+    >
+      <Toolbar />
+      <LineState />
+      <main class="map">
+        <Scene />
+        <Welcome />
+      </main>
+      <Side />
       <footer class="timeline" aria-label="Time">
         <TimelineRegion />
       </footer>
+      <NoticeLine />
+      <p class="unseen" role="status">
+        {announcement.value}
+      </p>
+      <Dialogs />
+    </div>
+  );
+}
+
+function LineState() {
+  const state = line.value;
+  if (state === "open" || (state === "connecting" && hello.value === null)) return null;
+  return (
+    <p class="line" role="status">
+      {state === "refused"
+        ? "The server does not know this page: open the address that it printed at its start."
+        : "Connection lost, trying again"}
+    </p>
+  );
+}
+
+function Side() {
+  const keys = (event: KeyboardEvent) => {
+    const by = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    if (by === 0) return;
+    const at = TABS.findIndex(([name]) => name === tab.value);
+    const next = TABS[(at + by + TABS.length) % TABS.length]?.[0];
+    if (next === undefined) return;
+    tab.value = next;
+    document.getElementById(`tab-${next}`)?.focus();
+  };
+  return (
+    <aside class="side" aria-label="Panels">
+      <div role="tablist" aria-label="Panels" class="tabs" onKeyDown={keys}>
+        {TABS.map(([name, label]) => (
+          <button
+            key={name}
+            type="button"
+            role="tab"
+            id={`tab-${name}`}
+            aria-selected={tab.value === name}
+            aria-controls="panel"
+            tabIndex={tab.value === name ? 0 : -1}
+            onClick={() => (tab.value = name)}
+          >
+            {label}
+          </button>
+        ))}
+      </div>
+      <div class="panel" id="panel" role="tabpanel" aria-labelledby={`tab-${tab.value}`} tabIndex={0}>
+        {tab.value === "plan" && <PlanRegion />}
+        {tab.value === "risk" && <RiskRegion />}
+        {tab.value === "flight" && <FlightRegion />}
+        {tab.value === "scene" && <ScenePanel />}
+      </div>
+    </aside>
+  );
+}
+
+/** With nothing open, the way in. */
+function Welcome() {
+  if (opened.value !== null || hello.value === null) return null;
+  return (
+    <div class="welcome">
+      <p>Nothing is open.</p>
+      <button type="button" class="primary" onClick={() => (dialog.value = "open")}>
+        Open or new
+      </button>
+      <p class="muted">Or drop a scenario, a plan, a flight or a chart here.</p>
+    </div>
+  );
+}
+
+function NoticeLine() {
+  const now = notice.value;
+  if (now === null) return null;
+  return (
+    <div class={now.isError ? "notice error" : "notice"} role={now.isError ? "alert" : "status"}>
+      <span>{now.text}</span>
+      <button type="button" class="plain" aria-label="Dismiss" onClick={() => (notice.value = null)}>
+        ×
+      </button>
     </div>
   );
 }

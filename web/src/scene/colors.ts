@@ -1,8 +1,9 @@
-/** Colors of the map, which are those of the page's theme. */
+/** Colors of the map, which go with those of `style/theme.css`. */
 
 export interface Colors {
   readonly isDark: boolean;
   readonly ground: string;
+  readonly outside: string;
   readonly grid: string;
   readonly gridStrong: string;
   readonly text: string;
@@ -10,6 +11,7 @@ export interface Colors {
   readonly obstacle: string;
   readonly obstacleEdge: string;
   readonly alert: string;
+  readonly warn: string;
   readonly accent: string;
   /** Okabe and Ito without black and yellow, as in the library's pictures. */
   readonly palette: readonly string[];
@@ -18,13 +20,15 @@ export interface Colors {
 export const LIGHT: Colors = {
   isDark: false,
   ground: "#FFFFFF",
-  grid: "#EEF0F2",
-  gridStrong: "#DDE1E5",
+  outside: "#F3F4F6",
+  grid: "#F0F2F4",
+  gridStrong: "#E0E4E8",
   text: "#15191E",
-  muted: "#555B63",
-  obstacle: "#D9DBDE",
-  obstacleEdge: "#84888E",
+  muted: "#5A6169",
+  obstacle: "#D6D9DD",
+  obstacleEdge: "#7D838A",
   alert: "#C00000",
+  warn: "#8A5A00",
   accent: "#0B63A8",
   palette: ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"],
 };
@@ -32,13 +36,56 @@ export const LIGHT: Colors = {
 export const DARK: Colors = {
   isDark: true,
   ground: "#14171A",
-  grid: "#1E2327",
-  gridStrong: "#2A3036",
+  outside: "#0F1113",
+  grid: "#1B1F23",
+  gridStrong: "#282E33",
   text: "#E6E9EC",
   muted: "#9DA5AE",
   obstacle: "#343A41",
-  obstacleEdge: "#7C858F",
+  obstacleEdge: "#838C96",
   alert: "#FF6B5E",
+  warn: "#E0B45C",
   accent: "#5CB2F0",
   palette: ["#3E9BD8", "#F08544", "#2FBF96", "#DE97BD", "#F0B53C", "#86CBF2"],
 };
+
+/** Shares of white (> 0) or black (< 0), far apart so that vehicles of a set differ in gray, too. */
+const SHADES = [0, -0.55, 0.42, -0.28, 0.2];
+
+const cache = new WeakMap<readonly string[], Map<Colors, readonly string[]>>();
+
+/** Color per vehicle: one hue per set of vehicles planned together, one shade for each in it. */
+export function vehicleColors(
+  names: readonly string[],
+  sets: readonly (readonly string[])[],
+  colors: Colors,
+): readonly string[] {
+  const known = cache.get(names)?.get(colors);
+  if (known !== undefined) return known;
+  const listed = new Set(sets.flat());
+  const groups = [...sets, ...names.filter((name) => !listed.has(name)).map((name) => [name])];
+  const found = new Map<string, string>();
+  groups.forEach((group, i) =>
+    group.forEach((name, j) => {
+      const hue = colors.palette[i % colors.palette.length] ?? colors.accent;
+      const amount = SHADES[j % SHADES.length] ?? 0;
+      // Black would sink into a dark ground.
+      found.set(name, mixed(hue, colors.isDark && amount < 0 ? -amount * 0.8 : amount));
+    }),
+  );
+  const result = names.map((name) => found.get(name) ?? colors.accent);
+  const themes = cache.get(names) ?? new Map<Colors, readonly string[]>();
+  cache.set(names, themes.set(colors, result));
+  return result;
+}
+
+function mixed(color: string, amount: number): string {
+  const target = amount > 0 ? 255 : 0;
+  const parts = [1, 3, 5].map((at) => {
+    const part = parseInt(color.slice(at, at + 2), 16);
+    return Math.round(part + Math.abs(amount) * (target - part))
+      .toString(16)
+      .padStart(2, "0");
+  });
+  return `#${parts.join("")}`;
+}

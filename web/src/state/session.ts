@@ -28,3 +28,8 @@ export function complain(error: unknown): void {
   const text = error instanceof CallError || error instanceof Error ? error.message : String(error);
   notice.value = { text, isError: true };
 }
+
+export const helpIsOpen = signal(false);
+
+/** Whether a scene in space is looked at from above, which is how it is edited. */
+export const isFromAbove = signal(false);

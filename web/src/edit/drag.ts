@@ -1,0 +1,174 @@
+/** Handles dragged: shown at once on the page, then one change of the document. */
+
+import { signal } from "@preact/signals";
+import { change } from "../actions";
+import type { Box, Change, GoalView, Handle, ObstacleView, Path, ScenarioView } from "../protocol";
+import { document, echo } from "../state/document";
+import { samePath, type Thing } from "../state/selection";
+import { clean, get, keyOf } from "./paths";
+import { handlesOf, nameOf } from "./things";
+
+/** Which of the selected thing's handles the keys move. */
+export const activeHandle = signal(0);
+
+/** Number of decimals of a place that a pixel can tell apart, at so many pixels per meter. */
+export function decimals(scale: number): number {
+  return Math.min(Math.max(Math.ceil(Math.log10(scale) - 0.3), 0), 6);
+}
+
+/** By how much a handle goes so that it ends on a round number [m]; the whole goes by a round step. */
+export function rounded(handle: Handle, dx: number, dy: number, digits: number): [number, number] {
+  const [x = 0, y = 0] = isWhole(handle) ? [0, 0] : handle.at;
+  return [clean(round(x + dx, digits) - x), clean(round(y + dy, digits) - y)];
+}
+
+function round(value: number, digits: number): number {
+  const factor = 10 ** digits;
+  return Math.round(value * factor) / factor;
+}
+
+/** Show a handle moved by (dx, dy) [m] from where the server has it. */
+export function show(thing: Thing, index: number, dx: number, dy: number): void {
+  const view = document.peek()?.view;
+  if (view != null) echo.value = moved(view, thing, index, dx, dy);
+}
+
+/** Tell the server; what is shown stays until it answers. */
+export async function finish(thing: Thing, index: number, dx: number, dy: number): Promise<void> {
+  const state = document.peek();
+  const handle = state?.view == null ? undefined : handlesOf(state.view, thing)[index];
+  if (state?.view == null || handle === undefined || (dx === 0 && dy === 0)) {
+    echo.value = null;
+    return;
+  }
+  const changes = [
+    ...changesAlong(handle.x, dx, (path) => get(state.content, path)),
+    ...changesAlong(handle.y, dy, (path) => get(state.content, path)),
+  ];
+  if (!(await change(changes, `Move ${nameOf(state.view, thing)}`))) echo.value = null;
+}
+
+function changesAlong(paths: readonly Path[], by: number, read: (path: Path) => unknown): readonly Change[] {
+  if (by === 0) return [];
+  return paths.flatMap((path) => {
+    const value = read(path);
+    return typeof value === "number" ? [{ path, value: clean(value + by) }] : [];
+  });
+}
+
+/** A view with one handle moved, and with it all that hangs on the same numbers. */
+export function moved(view: ScenarioView, thing: Thing, index: number, dx: number, dy: number): ScenarioView {
+  const handle = handlesOf(view, thing)[index];
+  if (handle === undefined) return view;
+  const shift = shifter(handle, dx, dy);
+  switch (thing.kind) {
+    case "vehicle":
+      return withVehicle(view, thing.path, (vehicle) => ({
+        ...vehicle, start: shift(handle).at, startHandle: shift(handle),
+      }));
+    case "goal":
+    case "waypoint":
+      return withVehicle(view, thing.path, (vehicle) => ({
+        ...vehicle,
+        goal: samePath(vehicle.goal.path, thing.path) ? movedGoal(vehicle.goal, shift) : vehicle.goal,
+        via: vehicle.via.map((visit) => (samePath(visit.path, thing.path) ? movedGoal(visit, shift) : visit)),
+      }));
+    case "obstacle":
+      return {
+        ...view,
+        obstacles: view.obstacles.map((obstacle) =>
+          samePath(obstacle.path, thing.path) ? movedObstacle(obstacle, handle, dx, dy, shift) : obstacle,
+        ),
+      };
+    case "workspace": {
+      const handles = view.workspaceHandles.map(shift);
+      const workspace = view.workspace === null ? null : movedBox(view.workspace, view.workspaceHandles, handles);
+      return { ...view, workspace, workspaceHandles: handles };
+    }
+  }
+}
+
+type Shift = (handle: Handle) => Handle;
+
+/** Moves handles as far as they hang on the numbers that the dragged one changes. */
+function shifter(dragged: Handle, dx: number, dy: number): Shift {
+  const xs = new Set(dragged.x.map(keyOf));
+  const ys = new Set(dragged.y.map(keyOf));
+  return (handle) => {
+    const hangsX = handle.x.length > 0 && handle.x.some((path) => xs.has(keyOf(path)));
+    const hangsY = handle.y.length > 0 && handle.y.some((path) => ys.has(keyOf(path)));
+    if (!hangsX && !hangsY) return handle;
+    // The whole of a box goes half as far as its corner.
+    const shareX = hangsX ? handle.x.filter((path) => xs.has(keyOf(path))).length / handle.x.length : 0;
+    const shareY = hangsY ? handle.y.filter((path) => ys.has(keyOf(path))).length / handle.y.length : 0;
+    const [x = 0, y = 0, ...rest] = handle.at;
+    return { ...handle, at: [x + shareX * dx, y + shareY * dy, ...rest] };
+  };
+}
+
+function withVehicle(
+  view: ScenarioView,
+  path: Path,
+  edit: (vehicle: ScenarioView["vehicles"][number]) => ScenarioView["vehicles"][number],
+): ScenarioView {
+  return { ...view, vehicles: view.vehicles.map((vehicle, i) => (i === path[1] ? edit(vehicle) : vehicle)) };
+}
+
+function movedGoal(goal: GoalView, shift: Shift): GoalView {
+  const handles = goal.handles.map(shift);
+  return { ...goal, handles, box: movedBox(goal.box, goal.handles, handles) };
+}
+
+/** A box whose sides go with the corners on them; with one handle, all of it goes. */
+function movedBox(box: Box, before: readonly Handle[], after: readonly Handle[]): Box {
+  const side = (value: number, axis: number): number => {
+    const at =
+      before.length === 1
+        ? 0
+        : before.findIndex((handle) => !isWhole(handle) && near(handle.at[axis] ?? NaN, value));
+    const from = before[at]?.at[axis];
+    const to = after[at]?.at[axis];
+    return from === undefined || to === undefined ? value : value + to - from;
+  };
+  const min = box.min.map(side);
+  const max = box.max.map(side);
+  return {
+    min: min.map((value, axis) => Math.min(value, max[axis] ?? value)),
+    max: max.map((value, axis) => Math.max(value, min[axis] ?? value)),
+  };
+}
+
+/** Whether a handle moves more than a corner. */
+export function isWhole(handle: Handle): boolean {
+  return handle.x.length > 1 || handle.y.length > 1;
+}
+
+/** Places are told rounded to what a screen shows. */
+function near(one: number, other: number): boolean {
+  return Math.abs(one - other) <= 1e-3 * Math.max(1, Math.abs(one));
+}
+
+function movedObstacle(obstacle: ObstacleView, dragged: Handle, dx: number, dy: number, shift: Shift): ObstacleView {
+  const handles = obstacle.handles.map(shift);
+  const isAll = dragged === obstacle.handles[0];
+  const targets = new Map(
+    obstacle.handles.flatMap((handle, i) => (isWhole(handle) ? [] : [[corner(handle.at), handles[i]?.at] as const])),
+  );
+  const place = (at: readonly number[]): [number, number] => {
+    const [x = 0, y = 0] = at;
+    if (isAll) return [x + dx, y + dy];
+    const [tx = x, ty = y] = targets.get(corner(at)) ?? [];
+    return [tx, ty];
+  };
+  return {
+    ...obstacle,
+    handles,
+    rings: obstacle.rings.map((ring) => ring.map(place)),
+    corners: obstacle.corners.map((at) => [...place(at), ...at.slice(2)]),
+  };
+}
+
+/** Corners and handles are told with the same rounding. */
+function corner(at: readonly number[]): string {
+  return `${at[0] ?? 0} ${at[1] ?? 0}`;
+}

@@ -1,0 +1,158 @@
+/** Numbers of the selected thing, with units, and under each what is wrong with it. */
+
+import { useSignal } from "@preact/signals";
+import { change } from "../actions";
+import type { Document, Json, Remark } from "../protocol";
+import { document, remarks } from "../state/document";
+import { drawn } from "../state/playback";
+import { selected } from "../state/selection";
+import { remove } from "./create";
+import { fieldsOf, type Cell, type Row } from "./fields";
+import { get } from "./paths";
+import { RemarkLine } from "./remarks";
+import { exists, nameOf, remarksOn } from "./things";
+
+export function Properties() {
+  const state = document.value;
+  const scenario = drawn.value;
+  if (state === null) return null;
+  const thing = selected.value !== null && scenario !== null && exists(scenario, selected.value) ? selected.value : null;
+  const groups = fieldsOf(state.content, thing);
+  const isRemovable = thing !== null && thing.kind !== "goal";
+  return (
+    <section class="properties" aria-label="Properties">
+      <header class="section">
+        <h2>{thing === null || scenario === null ? "Scenario" : nameOf(scenario, thing)}</h2>
+        {isRemovable && (
+          <button type="button" class="plain" onClick={() => void remove(thing)}>
+            Remove
+          </button>
+        )}
+      </header>
+      {groups.map((group, i) => (
+        <fieldset key={group.title}>
+          <legend class={i > 0 ? "" : "unseen"}>{group.title}</legend>
+          {group.rows.map((row) => (
+            <FieldRow key={row.path.join(".") + row.label} row={row} content={state.content} />
+          ))}
+        </fieldset>
+      ))}
+    </section>
+  );
+}
+
+function FieldRow({ row, content }: { row: Row; content: Document }) {
+  const wrong = remarksOn(remarks.value, row.path);
+  const id = `field-${row.path.join("-")}`;
+  return (
+    <div class="field">
+      <span class="label">{row.label}</span>
+      <span class="cells">
+        {row.cells.map((cell) => (
+          <Input
+            key={cell.path.join(".")}
+            cell={cell}
+            row={row}
+            content={content}
+            isWrong={wrong.length > 0}
+            describedBy={wrong.length > 0 ? id : undefined}
+          />
+        ))}
+        <span class="unit">{row.unit}</span>
+      </span>
+      {wrong.length > 0 && <Wrong id={id} remarks={wrong} />}
+    </div>
+  );
+}
+
+function Wrong({ id, remarks: wrong }: { id: string; remarks: readonly Remark[] }) {
+  return (
+    <div class="wrong" id={id}>
+      {wrong.map((remark, i) => (
+        <RemarkLine key={i} remark={remark} />
+      ))}
+    </div>
+  );
+}
+
+interface InputProps {
+  readonly cell: Cell;
+  readonly row: Row;
+  readonly content: Document;
+  readonly isWrong: boolean;
+  readonly describedBy: string | undefined;
+}
+
+function Input({ cell, row, content, isWrong, describedBy }: InputProps) {
+  const now = get(content, cell.path);
+  const misread = useSignal<string | null>(null);
+  const label = [row.label, cell.label, row.unit === "" ? "" : `in ${row.unit}`].filter(Boolean).join(" ");
+  const set = (text: string, reset: () => void) => {
+    const read = parse(text, cell, row);
+    misread.value = read.problem;
+    if (read.problem !== null || same(read.value, now)) return;
+    const made = read.value === undefined ? { path: cell.path } : { path: cell.path, value: read.value };
+    void change([made], `Set ${row.label.toLowerCase()}`).then((isDone) => {
+      if (!isDone) reset();
+    });
+  };
+  if (cell.kind === "choice") {
+    return (
+      <select
+        aria-label={label}
+        value={typeof now === "string" ? now : textOf(row.otherwise)}
+        onChange={(event) => set(event.currentTarget.value, () => undefined)}
+      >
+        {cell.choices?.map((choice) => <option key={choice}>{choice}</option>)}
+      </select>
+    );
+  }
+  return (
+    <label class={`input ${cell.kind}`}>
+      {cell.label !== "" && <span aria-hidden="true">{cell.label}</span>}
+      <input
+        aria-label={label}
+        aria-invalid={isWrong || misread.value !== null}
+        aria-describedby={describedBy}
+        title={misread.value ?? ""}
+        inputMode={cell.kind === "number" ? "decimal" : "text"}
+        spellcheck={false}
+        value={textOf(now)}
+        placeholder={row.otherwise === undefined ? "" : textOf(row.otherwise)}
+        onChange={(event) => {
+          const input = event.currentTarget;
+          set(input.value, () => (input.value = textOf(now)));
+        }}
+        onKeyDown={(event) => {
+          if (event.key === "Escape") {
+            event.currentTarget.value = textOf(now);
+            misread.value = null;
+          }
+        }}
+      />
+    </label>
+  );
+}
+
+function parse(text: string, cell: Cell, row: Row): { value: Json | undefined; problem: string | null } {
+  const trimmed = text.trim();
+  if (cell.kind === "text" || cell.kind === "choice") return { value: trimmed, problem: null };
+  if (trimmed === "") {
+    return row.isOptional ? { value: undefined, problem: null } : { value: undefined, problem: "must be stated" };
+  }
+  try {
+    const decimal = /^[-+]?\d+,\d+$/.test(trimmed) ? trimmed.replace(",", ".") : trimmed;
+    return { value: JSON.parse(decimal.replace(/^\+/, "").replace(/^(-?)\./, "$10.")) as Json, problem: null };
+  } catch {
+    return { value: undefined, problem: cell.kind === "number" ? `must be a number, got '${trimmed}'` : "cannot be read" };
+  }
+}
+
+function same(one: Json | undefined, other: Json | undefined): boolean {
+  return JSON.stringify(one) === JSON.stringify(other);
+}
+
+function textOf(value: Json | undefined): string {
+  if (value === undefined) return "";
+  return typeof value === "string" ? value : JSON.stringify(value).replaceAll(",", ", ").replaceAll(":", ": ");
+}
