@@ -101,7 +101,13 @@ def plan(
     limits = Limits(deadline, never if stop is None else stop, time_limit)
     judge = partial(_verdict, scenario, record)
     run = Run(generator, limits, executor, progress or _silent, judge, found or _silent_best)
-    draft = _with_limits(record.decomposition.plan(scenario, record, run), limits)
+    if scenario.goals:
+        from radmpc.planners.assignment import assigned  # noqa: PLC0415 - few share goals
+
+        scenario, draft = assigned(scenario, record, run, lambda s: partial(_verdict, s, record))
+    else:
+        draft = record.decomposition.plan(scenario, record, run)
+    draft = _with_limits(draft, limits)
     judging = time.perf_counter()
     trajectories = _trajectories(scenario, draft.controls)
     unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
