@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-import platform
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
-from functools import cache, partial
-from importlib.metadata import PackageNotFoundError, version
+from functools import partial
 
 import numpy as np
-import scipy
 
 from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
 from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.model.given import check_scenario
-from radmpc.model.plan import Plan, Risk, Status, Trajectory
+from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner, Run
 from radmpc.planners.draft import Draft
+from radmpc.planners.outcome.improving import Improving
+from radmpc.planners.outcome.record import plan_of, verdict_of
+from radmpc.planners.outcome.trajectories import trajectories_of
 from radmpc.planners.planner import nobody
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
-from radmpc.planners.trajectories import cost_of, trajectories_of
-from radmpc.planners.verdict import Verdict
 from radmpc.planners.wording import limit_clause
-from radmpc.referee import Certificate, certify
+from radmpc.referee import certify
 from radmpc.result import Result
 from radmpc.solvers.solution import Limits, never
-from radmpc.version import __version__
 
 __all__ = ["plan", "seconds_granted"]
 
@@ -105,19 +102,28 @@ def plan(
     time_limit = seconds_granted(record, time_limit)
     deadline = float("inf") if time_limit is None else time.monotonic() + time_limit
     limits = Limits(deadline, never if stop is None else stop, time_limit)
-    judge = partial(_verdict, scenario, record)
-    hand_on = nobody if improved is None else _Improving(scenario, record, seed, improved, begun)
+    judge = partial(verdict_of, scenario, record)
+    # What an assignment is planned for on the way is not yet the scenario of the answer.
+    hand_on: Callable[[tuple[Matrix, ...]], None] = nobody
+    if improved is not None and not scenario.goals:
+        hand_on = Improving(scenario, record, seed, improved, begun)
     run = Run(
         generator, limits, executor, progress or _silent, judge, found or _silent_best, hand_on
     )
-    draft = _with_limits(record.decomposition.plan(scenario, record, run), limits)
+    if scenario.goals:
+        from radmpc.planners.assignment import assigned  # noqa: PLC0415 - few share goals
+
+        scenario, draft = assigned(scenario, record, run, lambda s: partial(verdict_of, s, record))
+    else:
+        draft = record.decomposition.plan(scenario, record, run)
+    draft = _with_limits(draft, limits)
     judging = time.perf_counter()
     trajectories = trajectories_of(scenario, draft.controls)
-    unjudged = _plan(scenario, record, seed, draft, trajectories, None, {})
+    unjudged = plan_of(scenario, record, seed, draft, trajectories, None, {})
     certificate = certify(unjudged) if trajectories else None
     ended = time.perf_counter()
     seconds = {**draft.seconds, "certificate": ended - judging, "total": ended - begun}
-    judged = _plan(scenario, record, seed, draft, trajectories, certificate, seconds)
+    judged = plan_of(scenario, record, seed, draft, trajectories, certificate, seconds)
     return Result(judged, certificate, draft.steps, draft.events)
 
 
@@ -179,52 +185,6 @@ def _silent_best(cost: float, bound: float | None) -> None:
     del cost, bound
 
 
-def _verdict(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
-    """Return the referee's verdict on controls, for planners to ask for while they search."""
-    trajectories = trajectories_of(scenario, controls)
-    everyone = (tuple(range(scenario.num_vehicles)),)
-    draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-    said = certify(_plan(scenario, planner, None, draft, trajectories, None, {}))
-    return Verdict(said.certified, said.ledger)
-
-
-class _Improving:
-    """Hands on a plan that is cheaper than all before it, with its certificate."""
-
-    def __init__(
-        self,
-        scenario: Scenario,
-        planner: Planner,
-        seed: int | None,
-        improved: Callable[[Plan], None],
-        begun: float,
-    ) -> None:
-        self._of, self._seed = (scenario, planner), seed
-        self._improved, self._begun = improved, begun
-        self._known: tuple[Matrix, ...] = ()
-        self._least = float("inf")
-
-    def __call__(self, controls: tuple[Matrix, ...]) -> None:
-        """Judge a plan and hand it on, unless it is known, dearer, or risks too much."""
-        if controls is self._known or not controls:
-            return
-        self._known = controls
-        scenario, planner = self._of
-        trajectories = trajectories_of(scenario, controls)
-        if cost_of(scenario, trajectories) >= self._least:
-            return
-        everyone = (tuple(range(scenario.num_vehicles)),)
-        draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
-        unjudged = _plan(scenario, planner, self._seed, draft, trajectories, None, {})
-        said = certify(unjudged)
-        if not said.holds:
-            return
-        seconds = {"total": time.perf_counter() - self._begun}
-        judged = _plan(scenario, planner, self._seed, draft, trajectories, said, seconds)
-        self._least = float("inf") if judged.cost is None else judged.cost
-        self._improved(judged)
-
-
 def _with_limits(draft: Draft, limits: Limits) -> Draft:
     """Return a draft that says which limit ended its search, if one did."""
     stopped_by = None
@@ -234,64 +194,3 @@ def _with_limits(draft: Draft, limits: Limits) -> Draft:
     if draft.status is Status.LIMIT and not explanation:
         explanation = f"No plan was found, and none was ruled out: {limit_clause(limits)}"
     return replace(draft, stopped_by=stopped_by, explanation=explanation)
-
-
-def _plan(
-    scenario: Scenario,
-    planner: Planner,
-    seed: int | None,
-    draft: Draft,
-    trajectories: tuple[Trajectory, ...],
-    certificate: Certificate | None,
-    seconds: Mapping[str, float],
-) -> Plan:
-    """Return the content of the plan file."""
-    risk = Risk(scenario.risk_bound)
-    if certificate is not None:
-        risk = Risk(
-            scenario.risk_bound,
-            certificate.certified,
-            certificate.ledger,
-            draft.price,
-            certificate.saturation,
-        )
-    cost = cost_of(scenario, trajectories) if trajectories else None
-    bound, on_any = draft.lower_bound, draft.certified_lower_bound
-    # The same cost, summed in another order, differs by rounding.
-    if cost is not None and bound is not None:
-        bound = min(bound, cost)
-    if cost is not None and on_any is not None:
-        on_any = min(on_any, cost)
-    return Plan(
-        scenario=scenario,
-        planner=str(planner),
-        seed=seed,
-        status=draft.status,
-        cost=cost,
-        lower_bound=bound,
-        risk=risk,
-        sets=tuple(tuple(scenario.vehicles[i].name for i in s) for s in draft.sets),
-        seconds=seconds,
-        versions=dict(_versions()),
-        explanation=draft.explanation,
-        trajectories=trajectories,
-        couplings=draft.couplings,
-        stopped_by=draft.stopped_by,
-        certified_lower_bound=on_any,
-    )
-
-
-@cache
-def _versions() -> dict[str, str]:
-    """Return the versions a plan depends on."""
-    try:
-        highspy = version("highspy")
-    except PackageNotFoundError:  # pragma: no cover - a vendored copy without metadata
-        highspy = "unknown"
-    return {
-        "radmpc": __version__,
-        "python": platform.python_version(),
-        "highspy": highspy,
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-    }

@@ -56,7 +56,9 @@ def test_the_referee_and_simulation_let_others_through() -> None:
 def test_a_check_before_planning_looks_at_what_concerns_a_vehicle() -> None:
     wide = replace(WALL, concerns=None)
     for wall, met in ((wide, True), (only_for(WALL, ["deep"]), False)):
-        blocked = replace(crossing(wall), workspace=Workspace([-1.0, -3.9], [10.0, 3.9]))
+        blocked = replace(
+            crossing(wall, "intervals"), workspace=Workspace([-1.0, -3.9], [10.0, 3.9])
+        )
         assert (outlook_of(blocked).vehicles[1].narrowest is not Passage.WIDE) is met
     start = only_for(Obstacle.box("quay", [-1.0, -4.0], [1.0, -2.0]), ["deep"])
     assert outlook_of(crossing(start)).vehicles[1].start_risk == 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,6 +20,7 @@ __all__ = [
     "check_moving",
     "check_printable",
     "check_step",
+    "check_windows",
     "check_workspace",
 ]
 
@@ -225,3 +227,36 @@ def check_distinct(names: list[str], field: str) -> None:
         if name in seen:
             raise ScenarioError(f"must be unique, got {name!r} twice", (field, i, "name"))
         seen.add(name)
+
+
+def check_windows(vehicles: Sequence[Vehicle], horizon: int, workspace: Workspace | None) -> None:
+    """Check that arrivals and visits fit within the horizon, visits also within the workspace.
+
+    Parameters
+    ----------
+    vehicles : sequence of Vehicle
+        Of a scenario.
+    horizon : int
+        Number of steps T.
+    workspace : Workspace or None
+        None is unbounded.
+
+    Raises
+    ------
+    ScenarioError
+        With the first that does not.
+    """
+    for i, vehicle in enumerate(vehicles):
+        last = 0 if vehicle.goal.within is None else vehicle.goal.within[1]
+        if last > horizon:
+            raise ScenarioError(
+                f"must end at the horizon of {horizon} steps at the latest, got {last}",
+                ("vehicles", i, "goal", "within"),
+            )
+        if vehicle.via:
+            from radmpc.model.visits import check_visits  # noqa: PLC0415 - few visit anything
+
+            try:
+                check_visits(vehicle.via, horizon, workspace)
+            except ScenarioError as error:
+                raise error.under("vehicles", i) from error

@@ -15,11 +15,12 @@ from radmpc.model.consistency import (
     check_moving,
     check_printable,
     check_step,
+    check_windows,
     check_workspace,
 )
 from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
-from radmpc.model.vehicle import Vehicle
+from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.model.workspace import Workspace
 from radmpc.notebook import html_table, listed
 
@@ -67,6 +68,9 @@ class Scenario:
         [cost/s].
     keep : tuple of Keep
         Who stays within a range of whom; losing it counts toward the risk bound.
+    goals : tuple of Goal
+        Goals that vehicles share, each for one of them: planning assigns them, and those that
+        vehicles have are among them. None are shared where it is empty.
     """
 
     name: str
@@ -82,6 +86,7 @@ class Scenario:
     covariance_samples: int | None = None
     time_weight: float = 0.0
     keep: tuple[Keep, ...] = ()
+    goals: tuple[Goal, ...] = ()
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -100,6 +105,7 @@ class Scenario:
             covariance_samples: int | None = None,
             time_weight: float = 0.0,
             keep: Iterable[Keep] = (),
+            goals: Iterable[Goal] = (),
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -126,15 +132,11 @@ class Scenario:
             from radmpc.model.relations.checks import check_relations  # noqa: PLC0415 - few have any
 
             check_relations(self.keep, self.obstacles, [vehicle.name for vehicle in self.vehicles])
-        for i, vehicle in enumerate(self.vehicles):
-            last = 0 if vehicle.goal.within is None else vehicle.goal.within[1]
-            if last > self.horizon:
-                raise ScenarioError(
-                    f"must end at the horizon of {self.horizon} steps at the latest, got {last}",
-                    ("vehicles", i, "goal", "within"),
-                )
-            if vehicle.via:
-                self._check_visits(i, vehicle)
+        check_windows(self.vehicles, self.horizon, self.workspace)
+        if self.goals:
+            from radmpc.model.relations.goals import check_goals  # noqa: PLC0415 - few share any
+
+            check_goals(self.goals, [vehicle.goal for vehicle in self.vehicles], self.horizon)
 
     def __repr__(self) -> str:
         """Return the scenario in one line."""
@@ -174,6 +176,7 @@ class Scenario:
                 put(self, name, field_integer(getattr(self, name), (name,)))
         put(self, "vehicles", _all_of(Vehicle, self.vehicles, "vehicles"))
         put(self, "obstacles", _all_of(Obstacle, self.obstacles, "obstacles"))
+        put(self, "goals", _all_of(Goal, self.goals, "goals"))
         if not isinstance(self.workspace, Workspace | None):
             raise ScenarioError(
                 f"must be a Workspace or None, got {told(self.workspace)}", ("workspace",)
@@ -189,15 +192,6 @@ class Scenario:
                 )
             # A plain dict, not a proxy, would be shared and mutable; a proxy does not pickle.
             put(self, "source", dict(self.source))
-
-    def _check_visits(self, i: int, vehicle: Vehicle) -> None:
-        """Check that a vehicle's visits fit within the horizon and the workspace."""
-        from radmpc.model.visits import check_visits  # noqa: PLC0415 - few visit anything
-
-        try:
-            check_visits(vehicle.via, self.horizon, self.workspace)
-        except ScenarioError as error:
-            raise error.under("vehicles", i) from error
 
     def _check_numbers(self) -> None:
         """Check the scalars."""

@@ -61,7 +61,8 @@ def _norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
     """Return the rows of polytopes within the limits of norms, and what they are at most."""
     vehicle, last = model.vehicle, model.horizon
     span = model.position.shape[2]
-    rows, uppers = [np.zeros((0, span))], [np.zeros(0)]
+    rows: list[Matrix] = [np.zeros((0, span))]
+    uppers: list[Vector] = [np.zeros(0)]
     if model.face_bounds is not None:
         normals, _ = inner_faces(span // last)
         rows.append(np.kron(np.eye(last), normals))

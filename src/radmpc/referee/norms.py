@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.vehicle import Vehicle
@@ -92,14 +93,14 @@ def saturation_of_norm(
     if vehicle.gain is None:
         return float(sure.any())
     best = np.full(len(controls), np.inf)
-    still = np.zeros(len(controls), dtype=bool)
+    still: npt.NDArray[np.bool_] = np.zeros(len(controls), dtype=bool)
     for normals, share in polytopes_within(controls.shape[1]):
         spread = _deviations(vehicle, normals, seen)
         room = share * limit - controls @ normals.T
         tails = exceeding(room / np.where(spread > 0.0, spread, 1.0), samples)
         risks = np.where(spread > 0.0, tails, (room < 0.0).astype(np.float64))
         best = np.minimum(best, risks.sum(axis=1))
-        still = ~(spread > 0.0).any(axis=1)
+        still = np.logical_not((spread > 0.0).any(axis=1))
     return float(np.where(still, sure.astype(np.float64), np.minimum(best, 1.0)).sum())
 
 

@@ -18,13 +18,13 @@ from radmpc.io.native.schema import (
     TrackSpec,
     VehicleSpec,
 )
-from radmpc.io.native.vehicle_decoding import Shared, build_vehicle
+from radmpc.io.native.vehicle_decoding import Shared, build_goal, build_vehicle
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_range
 from radmpc.io.text.files import shown
 from radmpc.model.numbers import check_not_negative, check_scenario_numbers
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
-from radmpc.model.vehicle import Vehicle
+from radmpc.model.vehicle import Goal, Vehicle
 
 if TYPE_CHECKING:
     from radmpc.model.relations.keep import Keep
@@ -119,7 +119,20 @@ def _build(spec: ScenarioSpec) -> Scenario:
         covariance_samples=spec.covariance_samples,
         time_weight=spec.objective.time,
         keep=_keep(spec),
+        goals=_goals(spec, vehicles or ()),
     )
+
+
+def _goals(spec: ScenarioSpec, vehicles: tuple[Vehicle, ...]) -> tuple[Goal, ...]:
+    """Return the goals that are assigned."""
+    if not spec.assign:
+        if spec.goals is not None:
+            raise ScenarioError("stand beside assign: true alone", ("goals",))
+        return ()
+    if spec.goals is None:
+        return tuple(vehicle.goal for vehicle in vehicles)
+    system = vehicles[0].system
+    return tuple(build_goal(one, system, "goals", k) for k, one in enumerate(spec.goals))
 
 
 def _keep(spec: ScenarioSpec) -> tuple[Keep, ...]:
@@ -177,6 +190,8 @@ def _vehicle(spec: ScenarioSpec, index: int, shared: Shared) -> Vehicle:
     """Return one vehicle."""
     entry = spec.vehicles[index]
     own = {name: getattr(entry, name) for name in entry.model_fields_set}
+    if spec.goals is not None and "goal" not in own and index < len(spec.goals):
+        own["goal"] = spec.goals[index]
     defaults = spec.defaults
     if own.keys() & _DISTURBANCES:
         # They say the same thing in two ways: one of its own replaces either default.

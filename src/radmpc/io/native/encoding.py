@@ -84,6 +84,10 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         content["covariance_samples"] = int(scenario.covariance_samples)
     if scenario.time_weight != 0.0:
         content["objective"] = {"effort": 1, "time": float(scenario.time_weight)}
+    if scenario.goals:
+        has_velocity = scenario.vehicles[0].system.velocity is not None
+        goals = [_goal(goal, has_velocity) for goal in scenario.goals]
+        content |= {"assign": True, "goals": goals}
     if scenario.keep:
         content["keep"] = [
             {"vehicles": list(one.vehicles), "within": float(one.within)} for one in scenario.keep

@@ -283,5 +283,7 @@ class ScenarioSpec(FileModel):
     shared_disturbances: Annotated[list[SharedDisturbanceSpec], Field(max_length=_MOST_STATES)] = []
     covariance_samples: Annotated[int, Field(le=_MOST_SAMPLES)] | None = None
     objective: ObjectiveSpec = ObjectiveSpec.model_construct()
+    assign: bool = False
+    goals: Annotated[list[GoalSpec], Field(max_length=MOST_VEHICLES)] | None = None
     keep: Annotated[list[KeepSpec], Field(max_length=_MOST_RANGES)] = []
     source: dict[str, Any] | None = None

@@ -21,7 +21,7 @@ from radmpc.model.numbers import check_vehicle_numbers
 from radmpc.model.states import as_state
 from radmpc.model.vehicle import Goal, Vehicle
 
-__all__ = ["Shared", "build_vehicle"]
+__all__ = ["Shared", "build_goal", "build_vehicle"]
 
 _REQUIRED = ("name", "start", "radius", "control_limit")
 
@@ -103,17 +103,17 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
     goal_spec = spec.goal
     numbers = (spec.radius, spec.control_sigmas, spec.cost_weight)
     all_checked(lambda: box_of(goal_spec, "goal"), lambda: check_vehicle_numbers(*numbers))
-    lower, upper = box_of(goal_spec, "goal")
+    lower, _ = box_of(goal_spec, "goal")
     system = shared.system(spec.dynamics, lower.size)
     d, n, m = system.dimension, system.num_states, system.num_controls
     control_limit, control_norm = _limit(spec.control_limit)
-    speed_limit, speed_norm = _limit(spec.speed_limit)
+    speed_limit, speed_norm = (None, None) if spec.speed_limit is None else _limit(spec.speed_limit)
     disturbance, correlation = build_disturbance(spec, n, shared.dt)
     return Vehicle(
         name=spec.name,
         system=system,
         start=as_state(spec.start, system),
-        goal=_goal(goal_spec, lower, upper, system),
+        goal=build_goal(goal_spec, system, "goal"),
         radius=spec.radius,
         control_limit=as_axes(control_limit, m, ("control_limit",)),
         initial_covariance=as_covariance(spec.initial_covariance, n, ("initial_covariance",)),
@@ -132,8 +132,8 @@ def build_vehicle(spec: VehicleSpec, shared: Shared) -> Vehicle:
 
 
 def _limit(
-    spec: float | list[float] | NormSpec | None,
-) -> tuple[float | list[float] | None, float | None]:
+    spec: float | list[float] | NormSpec,
+) -> tuple[float | list[float], float | None]:
     """Return limits per axis, and the one of the norm."""
     if not isinstance(spec, NormSpec):
         return spec, None
@@ -145,20 +145,36 @@ def _missing(name: str) -> ScenarioError:
     return ScenarioError("is required, here or in defaults", (name,))
 
 
-def _goal(spec: GoalSpec, lower: Vector, upper: Vector, system: LinearSystem) -> Goal:
-    """Return the goal; where a velocity exists, the speed is 0 unless stated."""
+def build_goal(spec: GoalSpec, system: LinearSystem, *path: str | int) -> Goal:
+    """Return a goal; where a velocity exists, the speed is 0 unless stated.
+
+    Parameters
+    ----------
+    spec : GoalSpec
+        What the file gives.
+    system : LinearSystem
+        Dynamics of those who go there.
+    *path : str or int
+        Where it stands.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no goal for them.
+    """
+    lower, upper = box_of(spec, *path)
     is_given = "speed" in spec.model_fields_set
     if system.velocity is None and spec.speed is not None:
-        raise ScenarioError("needs dynamics whose velocity indices are given", ("goal", "speed"))
+        raise ScenarioError("needs dynamics whose velocity indices are given", (*path, "speed"))
     speed: Vector | None = None
     if system.velocity is not None and not is_given:
         speed = np.zeros(lower.size)
     elif spec.speed is not None:
-        speed = as_axes(spec.speed, lower.size, ("goal", "speed"))
+        speed = as_axes(spec.speed, lower.size, (*path, "speed"))
     try:
         return Goal(lower, upper, speed, spec.within)
     except ScenarioError as error:
-        raise error.under("goal") from error
+        raise error.under(*path) from error
 
 
 def _system(spec: DynamicsSpec, dt: float, dimension: int) -> LinearSystem:

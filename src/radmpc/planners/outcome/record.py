@@ -1,0 +1,121 @@
+"""The content of a plan file, and what the referee says of it while planners search."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+
+import numpy as np
+import scipy
+
+from radmpc.arrays import Matrix
+from radmpc.model.plan import Plan, Risk, Status, Trajectory
+from radmpc.model.scenario import Scenario
+from radmpc.planners.draft import Draft
+from radmpc.planners.outcome.trajectories import cost_of, trajectories_of
+from radmpc.planners.planner import Planner
+from radmpc.planners.verdict import Verdict
+from radmpc.referee import Certificate, certify
+from radmpc.version import __version__
+
+__all__ = ["plan_of", "verdict_of"]
+
+
+def verdict_of(scenario: Scenario, planner: Planner, controls: tuple[Matrix, ...]) -> Verdict:
+    """Return the referee's verdict on controls, for planners to ask for while they search.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    planner : Planner
+        Who asks.
+    controls : tuple of (T, m) array
+        In the scenario's order.
+    """
+    trajectories = trajectories_of(scenario, controls)
+    everyone = (tuple(range(scenario.num_vehicles)),)
+    draft = Draft(Status.FEASIBLE, controls, everyone, (), (), {})
+    said = certify(plan_of(scenario, planner, None, draft, trajectories, None, {}))
+    return Verdict(said.certified, said.ledger)
+
+
+def plan_of(
+    scenario: Scenario,
+    planner: Planner,
+    seed: int | None,
+    draft: Draft,
+    trajectories: tuple[Trajectory, ...],
+    certificate: Certificate | None,
+    seconds: Mapping[str, float],
+) -> Plan:
+    """Return the content of the plan file.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was planned.
+    planner : Planner
+        By whom.
+    seed : int or None
+        Of its random choices, where it was a number.
+    draft : Draft
+        What it came to.
+    trajectories : tuple of Trajectory
+        What follows from its controls; empty of no plan.
+    certificate : Certificate or None
+        What the referee says of them; None before it was asked.
+    seconds : mapping of str to float
+        Per stage, and ``total`` [s].
+    """
+    risk = Risk(scenario.risk_bound)
+    if certificate is not None:
+        risk = Risk(
+            scenario.risk_bound,
+            certificate.certified,
+            certificate.ledger,
+            draft.price,
+            certificate.saturation,
+        )
+    cost = cost_of(scenario, trajectories) if trajectories else None
+    bound, on_any = draft.lower_bound, draft.certified_lower_bound
+    # The same cost, summed in another order, differs by rounding.
+    if cost is not None and bound is not None:
+        bound = min(bound, cost)
+    if cost is not None and on_any is not None:
+        on_any = min(on_any, cost)
+    return Plan(
+        scenario=scenario,
+        planner=str(planner),
+        seed=seed,
+        status=draft.status,
+        cost=cost,
+        lower_bound=bound,
+        risk=risk,
+        sets=tuple(tuple(scenario.vehicles[i].name for i in s) for s in draft.sets),
+        seconds=seconds,
+        versions=dict(_versions()),
+        explanation=draft.explanation,
+        trajectories=trajectories,
+        couplings=draft.couplings,
+        stopped_by=draft.stopped_by,
+        certified_lower_bound=on_any,
+    )
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Return the versions a plan depends on."""
+    try:
+        highspy = version("highspy")
+    except PackageNotFoundError:  # pragma: no cover - a vendored copy without metadata
+        highspy = "unknown"
+    return {
+        "radmpc": __version__,
+        "python": platform.python_version(),
+        "highspy": highspy,
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }

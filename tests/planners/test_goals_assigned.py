@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from visiting import vehicle
+
+from radmpc import Goal, Scenario, ScenarioError, Status, certify, plan
+from radmpc.io.native.mapping import from_dict, to_dict
+from radmpc.model.relations.goals import places_of, same_goal
+from radmpc.planners import assignment
+from radmpc.planners.assignment import least_costs
+
+ENDS = ([8.0, 6.0], [8.0, 0.0], [8.0, 3.0], [2.0, 9.0])
+
+
+def sharing(count: int = 3, goals: int = 3, horizon: int = 5) -> Scenario:
+    """Return vehicles in a column whose goals, as given, lie crosswise."""
+    shared = [Goal.at(end, 0.5) for end in ENDS[:goals]]
+    fleet = [
+        replace(vehicle(name, [0.0, 3.0 * i], [0.0, 0.0]), goal=shared[i])
+        for i, name in enumerate("abcd"[:count])
+    ]
+    return Scenario("berths", 1.0, horizon, 0.01, fleet, goals=shared)
+
+
+def given_to(scenario: Scenario, places: tuple[int, ...]) -> Scenario:
+    pairs = zip(scenario.vehicles, places, strict=True)
+    fleet = tuple(replace(v, goal=scenario.goals[k]) for v, k in pairs)
+    return replace(scenario, vehicles=fleet, goals=())
+
+
+@pytest.mark.parametrize(("count", "goals"), [(3, 3), (2, 4)])
+def test_no_assignment_is_cheaper(count: int, goals: int) -> None:
+    given = sharing(count, goals)
+    found = plan(given, "dlp")
+    every = [
+        plan(given_to(given, places), "dlp").cost
+        for places in itertools.permutations(range(goals), count)
+    ]
+    least = min(cost for cost in every if cost is not None)
+    assert found.cost == pytest.approx(least, rel=1e-3)
+    planned = found.require()
+    assert certify(planned).problems == ()
+    taken = places_of(given.goals, [v.goal for v in planned.scenario.vehicles])
+    assert None not in taken
+    assert planned.explanation is not None
+    assert planned.explanation.startswith("Goals were assigned: a to 2")
+
+
+def test_costs_in_empty_space_are_those_of_each_alone() -> None:
+    given = sharing()
+    costs = least_costs(given)
+    alone = replace(given.vehicles[1], goal=given.goals[2])
+    one = Scenario("one", 1.0, given.horizon, 0.01, [alone])
+    assert costs[1, 2] == pytest.approx(plan(one, "dlp").cost, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_bounds_hold_for_every_assignment() -> None:
+    given = sharing(2, 2)
+    found = plan(given, "certified(0)")
+    others = [plan(given_to(given, places), "certified(0)") for places in ((0, 1), (1, 0))]
+    assert found.cost == pytest.approx(min(o.cost for o in others if o.cost), rel=2e-3)
+    assert found.cost is not None
+    for bound in (found.lower_bound, found.certified_lower_bound):
+        assert bound is not None
+        assert bound <= found.cost
+        assert all(one.cost is not None and bound <= one.cost for one in others)
+
+
+def test_large_fleets_are_assigned_and_improved_by_swaps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given = sharing()
+    all_looked_at = plan(given, "dlp")
+    monkeypatch.setattr(assignment, "_ALL", 1)
+    found = plan(given, "dlp")
+    assert found.cost == pytest.approx(all_looked_at.cost, rel=1e-3)
+    assert found.plan is not None
+
+
+def test_goals_out_of_reach_are_left_to_others() -> None:
+    given = sharing(2, 2)
+    far = Goal.at([90.0, 0.0], 0.5)
+    near = given.goals[1]
+    fleet = [replace(v, goal=g) for v, g in zip(given.vehicles, (far, near), strict=True)]
+    third = Goal.at([6.0, 3.0], 0.5)
+    planned = plan(replace(given, vehicles=fleet, goals=[far, near, third]), "dlp").require()
+    assert not any(same_goal(v.goal, far) for v in planned.scenario.vehicles)
+    hopeless = plan(replace(given, vehicles=fleet, goals=[far, near]), "dlp")
+    assert hopeless.plan is None
+    assert hopeless.status is Status.INFEASIBLE
+
+
+def test_plans_say_who_got_which_goal_and_are_read_back() -> None:
+    planned = plan(sharing(), "dlp").require()
+    read = from_dict(to_dict(planned))
+    for one, other in zip(read.scenario.vehicles, planned.scenario.vehicles, strict=True):
+        assert same_goal(one.goal, other.goal)
+    assert len(read.scenario.goals) == 3
+    swapped = [v.goal for v in planned.scenario.vehicles][::-1]
+    assert not same_goal(swapped[0], planned.scenario.vehicles[0].goal)
+
+
+def test_files_assign_vehicles_own_goals_or_a_list() -> None:
+    data = to_dict(replace(sharing(), goals=()))
+    own = from_dict({**data, "assign": True})
+    assert [same_goal(a, v.goal) for a, v in zip(own.goals, own.vehicles, strict=True)] == [
+        True
+    ] * 3
+    vehicles = [{k: e for k, e in v.items() if k != "goal"} for v in data["vehicles"]]
+    goals = [{"center": end, "half_width": 0.5} for end in ENDS]
+    listed = from_dict({**data, "vehicles": vehicles, "assign": True, "goals": goals})
+    assert len(listed.goals) == 4
+    assert np.array_equal(listed.vehicles[2].goal.lower, [7.5, 2.5])
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"goals": [{"center": [1, 1]}] * 3}, r"^goals: stand beside assign: true alone"),
+        ({"assign": True, "goals": [{"center": [1, 1]}]}, r"^goals: must be as many as vehicles"),
+        ({"assign": True, "goals": [{"center": [1, 1]}] * 3}, r"^vehicles\[0\]\.goal: must be one"),
+        ({"assign": True, "goals": [{"center": [1]}]}, r"^goals\[0\]"),
+        ({"assign": 1}, r"^assign: "),
+    ],
+)
+def test_wrong_goals_are_refused_with_their_place(keys: dict[str, object], message: str) -> None:
+    data = to_dict(replace(sharing(), goals=()))
+    with pytest.raises(ScenarioError, match=message):
+        from_dict({**data, **keys})
