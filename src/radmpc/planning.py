@@ -11,7 +11,6 @@ from functools import partial
 import numpy as np
 
 from radmpc.arguments import check_callable, check_kind, check_rng, check_time_limit, told
-from radmpc.arrays import Matrix
 from radmpc.errors import ArgumentTypeError, ScenarioError
 from radmpc.model.given import check_scenario
 from radmpc.model.plan import Plan, Status
@@ -21,7 +20,7 @@ from radmpc.planners.draft import Draft
 from radmpc.planners.outcome.improving import Improving
 from radmpc.planners.outcome.record import plan_of, verdict_of
 from radmpc.planners.outcome.trajectories import trajectories_of
-from radmpc.planners.planner import nobody
+from radmpc.planners.planner import Improved, nobody
 from radmpc.planners.presets import DEFAULT, PRESETS, parse_planner
 from radmpc.planners.wording import limit_clause
 from radmpc.referee import certify
@@ -104,7 +103,7 @@ def plan(
     limits = Limits(deadline, never if stop is None else stop, time_limit)
     judge = partial(verdict_of, scenario, record)
     # What an assignment is planned for on the way is not yet the scenario of the answer.
-    hand_on: Callable[[tuple[Matrix, ...]], None] = nobody
+    hand_on: Improved = nobody
     if improved is not None and not scenario.goals:
         hand_on = Improving(scenario, record, seed, improved, begun)
     run = Run(
