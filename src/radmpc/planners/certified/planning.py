@@ -221,6 +221,10 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
         improved=run.improved,
         executor=run.executor,
     )
+    if scenario.has_windows:
+        from radmpc.planners.certified.proof.least_visits import with_least_visits  # noqa: PLC0415 - few have any
+
+        fleet = with_least_visits(fleet)
     search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
     if state.budget > 0.0:
         state = search.run(state)

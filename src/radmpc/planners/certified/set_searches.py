@@ -131,7 +131,7 @@ def _order(
         _scale(fleet, members, unit_price),
         target - spent,
         sum(fleet.base[i] for i in members),
-        _bounds_of_parts(parts, members),
+        _bounds_of_parts(parts, members) or _bound_alone(fleet, members),
         state.hint(fleet, members),
         is_rough,
     )
@@ -168,6 +168,13 @@ def _bounds_of_parts(parts: _Parts, members: Members) -> tuple[SetBound, ...]:
         for part, bound in parts.get(first, ())
         if len(part) < len(members) and whole.issuperset(part)
     )
+
+
+def _bound_alone(fleet: Fleet, members: Members) -> tuple[SetBound, ...]:
+    """Return what a single vehicle costs in empty space, where its program does not say so."""
+    if len(members) > 1 or not fleet.scenario.has_windows:
+        return ()
+    return (SetBound(frozenset({0}), fleet.base[members[0]]),)
 
 
 def search_sets(

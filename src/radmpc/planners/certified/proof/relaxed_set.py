@@ -158,6 +158,9 @@ class RelaxedSet:
             A point to begin with.
         """
         unit = fleet.scenario.risk_bound
+        if fleet.scenario.has_windows and len(self.members) == 1:
+            # The program says nothing of visits whose step is open.
+            bounds = (*bounds, SetBound(frozenset({0}), self.base))
         tree = RiskTree(
             self.program,
             unit,

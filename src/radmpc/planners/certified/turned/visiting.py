@@ -22,7 +22,7 @@ from radmpc.program.visits.rows import fixed_visit_rows
 from radmpc.program.visits.steps import at_steps
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 
-__all__ = ["at_good_visits", "good_steps"]
+__all__ = ["VisitLp", "at_good_visits", "good_steps"]
 
 _MOVES = (4, 2, 1)
 """Steps that a visit is moved by while it pays, long moves first [-]."""
@@ -83,7 +83,7 @@ def good_steps(model: CondensedModel) -> tuple[int, ...]:
     arrivals = window if has_choice_of_arrival(model) else (window[1], window[1])
     windows = steps_of_visits(model.vehicle.via, model.horizon)
     steps = [*_at_even_speed(model, windows), arrivals[1]]
-    program = _VisitLp(model)
+    program = VisitLp(model)
     least = program.cost(steps)
     for move in _MOVES:
         has_moved = True
@@ -125,7 +125,7 @@ def _at_even_speed(model: CondensedModel, windows: Sequence[tuple[int, int]]) ->
     return steps
 
 
-class _VisitLp:
+class VisitLp:
     """The least cost of a vehicle in empty space with visits and arrival at given steps.
 
     Boxes may be missed, at a high price: every choice of steps has a cost.
@@ -155,11 +155,20 @@ class _VisitLp:
         self._rows: dict[tuple[int, int], tuple[list[int], Vector]] = {}
         self._active: set[tuple[int, int]] = set()
 
-    def cost(self, steps: Sequence[int]) -> float:
-        """Return the least cost with visits and arrival at some steps, what is missed included."""
-        target = set(enumerate(steps[:-1]))
-        last = self._model.vehicle.goal.window(self._model.horizon)[1]
-        target |= {(self._count - 1, k) for k in range(steps[-1], last)}
+    def cost(self, steps: Sequence[int | None]) -> float:
+        """Return the least cost with visits and arrival at some steps, what is missed included.
+
+        Parameters
+        ----------
+        steps : sequence of int or None
+            Of the visits, then of the arrival; where it is None a visit need not be made, and what
+            an arrival costs is that of its first step.
+        """
+        target = {(j, k) for j, k in enumerate(steps[:-1]) if k is not None}
+        first, last = self._model.vehicle.goal.window(self._model.horizon)
+        arrival = steps[-1]
+        if arrival is not None:
+            target |= {(self._count - 1, k) for k in range(arrival, last)}
         for key in self._active - target:
             numbers, lower = self._rows[key]
             self._lp.bound_rows(numbers, np.full(lower.size, -np.inf), np.full(lower.size, np.inf))
@@ -171,8 +180,15 @@ class _VisitLp:
             self._lp.bound_rows(numbers, lower, np.full(lower.size, np.inf))
         self._active = target
         outcome, bound = self._lp.solve()
-        time = self._model.time_cost * steps[-1] / self._model.horizon
+        due = first if arrival is None else arrival
+        time = self._model.time_cost * due / self._model.horizon
         return bound + time if outcome is LpOutcome.OPTIMAL else np.inf
+
+    def controls(self) -> Vector:
+        """Return the controls of the cheapest path at the steps last asked for, (T m,)."""
+        span = self._model.position.shape[2]
+        found = self._lp.point()
+        return np.asarray(found[:span] - found[span : 2 * span])
 
     def _added(self, visit: int, step: int) -> tuple[list[int], Vector]:
         """Add the rows of a visit, or of the goal, at a step; return numbers and lower bounds."""
