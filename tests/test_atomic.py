@@ -25,6 +25,7 @@ while True:
 """
 
 
+@pytest.mark.slow
 def test_a_kill_in_mid_write_never_leaves_half_a_file(tmp_path: Path) -> None:
     target = tmp_path / "plan.json"
     rng = random.Random(0)

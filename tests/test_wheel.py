@@ -11,6 +11,8 @@ import pytest
 
 import radmpc
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "src" / "radmpc" / "serving" / "bundle"
 
@@ -59,7 +61,6 @@ def run(installed: Path, cwd: Path, *words: str) -> str:
     return done.stdout
 
 
-@pytest.mark.slow
 def test_the_wheel_is_pure_python_of_this_version(wheel: Path) -> None:
     assert wheel.name == f"radmpc-{radmpc.__version__}-py3-none-any.whl"
 
@@ -94,7 +95,6 @@ def test_the_wheel_says_what_it_needs_and_who_may_use_it(wheel: Path) -> None:
     assert {"highspy", "numpy", "typer"} <= {line.split(">")[0] for line in needed}
 
 
-@pytest.mark.slow
 def test_the_installed_copy_is_the_one_that_runs(installed: Path, tmp_path: Path) -> None:
     place = run(installed, tmp_path, "-c", "import radmpc; print(radmpc.__file__)").strip()
     assert Path(place) == installed / "radmpc" / "__init__.py"
@@ -105,7 +105,6 @@ def test_the_installed_copy_tells_its_version(installed: Path, tmp_path: Path) -
     assert said == f"radmpc {radmpc.__version__}\n"
 
 
-@pytest.mark.slow
 def test_the_demo_runs_outside_the_checkout(installed: Path, tmp_path: Path) -> None:
     said = run(installed, tmp_path, "-m", "radmpc", "demo", "--out", ".")
     assert "harbor: 5 vehicles" in said

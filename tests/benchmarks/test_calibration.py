@@ -66,10 +66,12 @@ def test_a_line_of_the_table_reads_back():
     assert math.isnan(trial_of(DONE.as_row()).own)
 
 
+@pytest.mark.slow
 def test_repeating_a_trial_gives_the_same_numbers():
     assert same(run_trial(0, 3, 600, 60.0), run_trial(0, 3, 600, 60.0))
 
 
+@pytest.mark.slow
 def test_overlap_counts_what_the_simulation_counts_and_repetitions_besides():
     rng = np.random.default_rng(8)
     checked = 0

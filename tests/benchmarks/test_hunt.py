@@ -149,6 +149,7 @@ def test_a_plan_dearer_than_others_is_caught(monkeypatch: pytest.MonkeyPatch):
     assert {"dear", "bound"} <= set(caught_with(monkeypatch, change, 0).kinds.split())
 
 
+@pytest.mark.slow
 def test_a_plan_that_is_lost_is_caught(monkeypatch: pytest.MonkeyPatch):
     def change(name: str, result: Result) -> Result:
         if name != "certified":

@@ -66,6 +66,7 @@ def test_ctrl_c_while_filming_leaves_report_and_plan(
     assert Path("a.json").exists()
 
 
+@pytest.mark.slow
 def test_files_are_told_below_the_report_after_one_empty_line(run: Run, crossing: Path) -> None:
     lines = run("plan", crossing, "--figure", "a.svg", "--ledger", "b.svg").stdout.splitlines()
     assert lines[-3:] == ["", "picture written to a.svg", "risk ledger written to b.svg"]

@@ -19,6 +19,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_a_table_and_a_curve_tell_what_risk_costs(run: Run, crossing: Path) -> None:
     result = run("sweep", crossing, "--over", OVER, "-o", "rows.csv", "--figure", "curve.png")
     assert result.exit_code == 0, result.output
@@ -35,6 +36,7 @@ def test_a_table_and_a_curve_tell_what_risk_costs(run: Run, crossing: Path) -> N
     assert costs[0] == pytest.approx(planned.cost, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_what_stands_in_the_table_is_not_planned_again(run: Run, crossing: Path) -> None:
     assert run("sweep", crossing, "--over", OVER, "-o", "rows.csv").exit_code == 0
     whole = Path("rows.csv").read_text(encoding="utf-8")

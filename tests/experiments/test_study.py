@@ -83,6 +83,7 @@ def test_every_task_has_one_row_and_they_come_seed_by_seed(rows):
         assert row.seconds > 0.0
 
 
+@pytest.mark.slow
 def test_a_row_says_what_planning_and_flying_alone_say(rows):
     task = small().tasks()[4]
     again = run_task(task)
@@ -214,6 +215,7 @@ def test_killed_again_and_again_it_loses_nothing_and_does_nothing_twice(tmp_path
     assert keys == [task.key for task in smallest(4, samples=1000).tasks()]
 
 
+@pytest.mark.slow
 def test_summaries_count_what_the_rows_say(rows):
     found = {(s.method, s.vehicles): s for s in summarize(rows, 0.05)}
     for (method, n), summary in found.items():
@@ -230,6 +232,7 @@ def test_summaries_count_what_the_rows_say(rows):
     assert found[("certified", 3)].above_bound.high <= 1e-3
 
 
+@pytest.mark.slow
 def test_capped_runs_count_at_the_cap_and_make_lower_bounds(rows):
     slow = [
         replace(r, is_capped=True, seconds=25.0, cost=None) if r.method == "ira" else r
@@ -275,6 +278,7 @@ def test_a_report_has_all_tables_and_figures(rows, tmp_path):
     assert "18 of 18 runs" in text
 
 
+@pytest.mark.slow
 def test_the_figures_show_the_medians(rows):
     axes = plot_chart(curves(summarize(rows, 0.05), small())["runtime"])
     lines = {line.get_label(): line.get_ydata() for line in axes.get_lines()}

@@ -52,6 +52,7 @@ def test_a_flight_is_told_in_one_line(result: Result) -> None:
     assert len(told) < 100
 
 
+@pytest.mark.slow
 def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(result: Result) -> None:
     scenario = result.record.scenario
     kept, replanned = flown(result, planner=None), flown(result)
@@ -137,6 +138,7 @@ def test_whatever_a_planner_does_costs_nothing(
     assert [e.bank for e in kept.account] == [e.bank for e in tried.account]
 
 
+@pytest.mark.slow
 def test_a_candidate_that_comes_too_late_costs_nothing(result: Result) -> None:
     seconds = [0.0]
 

@@ -233,6 +233,7 @@ FENCE = [place(0.2, -0.2), place(0.2, 0.0), place(0.2, 0.0), place(0.3, 0.2)]
 BOOM = [place(0.4, -0.2), place(0.4, 0.2)]
 
 
+@pytest.mark.slow
 def test_lines_become_walls_without_thickness(tmp_path: Path) -> None:
     scenario = imported(
         tmp_path,
@@ -296,6 +297,7 @@ def test_the_same_drawing_in_both_formats_is_the_same_scenario() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_drawing_is_planned_within_the_bound_and_lies_where_it_was_drawn() -> None:
     scenario = import_scenario(FOLDER / "marina.geojson").scenario
     result = first_plan(scenario, time_limit=20.0)

@@ -270,6 +270,7 @@ def assert_carried(autopilot: Autopilot, items: list[Any]) -> list[Any]:
     return down
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", [HARBOR, FLIGHT], ids=["harbor", "flight"])
 def test_mavsdk_imports_qgc_plans_and_a_vehicle_takes_them(
     content: dict[str, Any], tmp_path: Path, autopilot: Autopilot

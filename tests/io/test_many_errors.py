@@ -93,6 +93,7 @@ def test_plain_data_tell_all_errors_too() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_long_list_in_brackets_is_not_read_to_its_end(tmp_path: Path) -> None:
     entries = ",\n".join(["{name: a}"] * 10_001)
     text = f"format: radmpc/scenario/1\nname: x\nvehicles: [{entries}, {{{{\n"

@@ -116,6 +116,7 @@ def test_a_long_thin_room_is_imported_in_a_moment(tmp_path: Path) -> None:
     assert imported.scenario.num_vehicles == 1
 
 
+@pytest.mark.slow
 def test_more_vehicles_than_a_scenario_may_have_are_not_imported(tmp_path: Path) -> None:
     path = written(tmp_path, DYNOBENCH | {"robots": DYNOBENCH["robots"] * 10_001})
     with pytest.raises(FileFormatError, match=r"vehicles: must be at most 10,000, got 10,001"):
@@ -162,6 +163,7 @@ def test_a_map_that_is_not_there_is_told_with_the_line_that_names_it(tmp_path: P
         import_scenario(path)
 
 
+@pytest.mark.slow
 def test_a_polygon_of_many_corners_is_split_in_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     joined, union = [], shapely.union
     monkeypatch.setattr(shapely, "union", lambda a, b: joined.append(1) or union(a, b))

@@ -61,6 +61,7 @@ def spans_the_plane(points: np.ndarray) -> bool:
     return facets(points).dimension == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_outline_reaches_as_far_as_that_of_qhull(shape) -> None:  # type: ignore[no-untyped-def]
     rng = np.random.default_rng(5)

@@ -26,6 +26,7 @@ def ever_slower(clock: Callable[[], float]) -> Callable[[], float]:
     return now
 
 
+@pytest.mark.slow
 def test_a_machine_that_slows_down_makes_the_same_plan_and_bound(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

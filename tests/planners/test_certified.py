@@ -163,6 +163,7 @@ def test_a_limit_returns_a_certified_plan_or_none_with_a_reason():
     assert (early.status, later.status) == (Status.LIMIT, Status.FEASIBLE)
 
 
+@pytest.mark.slow
 def test_what_ended_the_search_is_told_with_the_plan():
     result = plan(circle(8), "certified", time_limit=3.0)
     assert result.plan is None or result.is_certified

@@ -119,6 +119,7 @@ def test_a_controller_that_is_trusted_to_measure_plans_at_less_cost_and_more_ris
     assert trusting.certificate.certified > 2.0 * careful.certificate.certified
 
 
+@pytest.mark.slow
 def test_larger_obstacles_of_the_approximation_find_smaller_couplings():
     near, far = (
         plan(paper(3, 4), Planner(Ira(), Branch(), Couplings(approximation=Receding(sigmas=s))))

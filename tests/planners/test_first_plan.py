@@ -47,6 +47,7 @@ def separation(controls: list[np.ndarray], hazards: Hazards) -> float:
     return least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["lsc_planner/empty_20agents_3.json", "s2m2/mit.yaml"])
 def test_dense_fleets_of_others_get_a_certified_plan_before_any_search(name: str) -> None:
     scenario = import_scenario(INSTANCES / name).scenario
@@ -130,6 +131,7 @@ def test_a_price_that_led_too_far_is_raised_from_the_last_certified_paths() -> N
     assert control.price > before
 
 
+@pytest.mark.slow
 def test_ways_at_drawn_times_lead_to_the_same_plan_from_the_same_seed() -> None:
     scenario = import_scenario(INSTANCES / "s2m2" / "parking.yaml").scenario
     plans = [first_plan(scenario, time_limit=60.0) for _ in range(2)]

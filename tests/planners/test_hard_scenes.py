@@ -39,6 +39,7 @@ def answered(name, seconds):
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["starts-clash.yaml", "crash-sketch.json", "hopeless-considered.yaml"]
 )

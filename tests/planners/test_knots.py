@@ -177,6 +177,7 @@ def test_a_joint_search_says_when_there_is_no_way() -> None:
     assert joint_search([[1], [0], [3], [2]], (0,), (3,), 10, rng, never) == []
 
 
+@pytest.mark.slow
 def test_a_bay_lets_two_swap_where_no_order_of_priority_does(tmp_path: Path) -> None:
     scenario = corridor_with_a_bay(tmp_path)
     hazards = hazards_of(scenario)

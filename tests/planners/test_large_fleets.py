@@ -32,6 +32,7 @@ def rounds(large):
     return (state, first), run_round(large, state)
 
 
+@pytest.mark.slow
 def test_sets_are_searched_briefly_until_who_meets_whom_is_known(rounds):
     state, first = rounds[0]
 
@@ -42,6 +43,7 @@ def test_sets_are_searched_briefly_until_who_meets_whom_is_known(rounds):
         assert state.set_states[members].nodes <= each * len(members) + 20
 
 
+@pytest.mark.slow
 def test_then_those_that_leave_much_open_are_searched_at_length(rounds):
     (before, first), (after, second) = rounds
     kept = [m for m in second.sets if m in before.set_states]
@@ -54,6 +56,7 @@ def test_then_those_that_leave_much_open_are_searched_at_length(rounds):
             assert after.set_states[members].nodes == before.set_states[members].nodes
 
 
+@pytest.mark.slow
 def test_a_set_of_a_large_fleet_may_leave_open_what_matters_little_to_the_fleet(large, rounds):
     state, found = rounds[1]
     hardest = max(found.sets, key=lambda m: state.set_states[m].nodes)

@@ -13,6 +13,7 @@ from radmpc.planners.verdict import Verdict
 from radmpc.solvers.solution import Limits
 
 
+@pytest.mark.slow
 def test_the_safest_plan_is_tried_even_if_plans_without_noise_take_long(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -126,6 +126,7 @@ def test_a_pool_that_is_charged_what_was_used_keeps_more():
     assert pools["used"] > pools["allocated"]
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_plan_and_another_may_not():
     scenario = paper(3, 4)
     given = (7, 7, np.random.default_rng(7), 8)

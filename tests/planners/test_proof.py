@@ -47,6 +47,7 @@ def test_a_tube_is_as_wide_as_plans_up_to_a_cost_may_go(step: int) -> None:
             assert reach[step, axis] == pytest.approx(place, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_narrowed_reach_leaves_the_bound_below_what_others_plan() -> None:
     scenario = replace(clutter(2, 20, 3), avoidance="steps")
     result = plan(scenario, time_limit=20.0)
@@ -59,6 +60,7 @@ def test_a_narrowed_reach_leaves_the_bound_below_what_others_plan() -> None:
             assert result.certified_lower_bound <= other.cost * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 def test_more_time_for_the_proof_never_lowers_the_bound() -> None:
     scenario = paper(6, 0)
     bounds = []
@@ -86,6 +88,7 @@ def relaxed_up_to(most: float) -> tuple[Fleet, RelaxedSet, Vector]:
     return fleet, relaxed, point_of([model], [made.trajectories[0].controls])
 
 
+@pytest.mark.slow
 def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
     fleet, whole, hint = relaxed_up_to(np.inf)
     price, gap = 2.0, 1e-3
@@ -100,6 +103,7 @@ def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
         assert narrow.program.num_avoidances <= found.program.num_avoidances
 
 
+@pytest.mark.slow
 def test_what_is_proven_at_one_price_is_carried_to_others_within_their_values() -> None:
     fleet, whole, hint = relaxed_up_to(np.inf)
     before = whole.searched(fleet, 4.0, (), 1e-3, 4000, hint)

@@ -44,6 +44,7 @@ def passing(*sources: tuple[str, np.ndarray] | None, **more: object) -> Scenario
     return Scenario("passing", 1.0, 6, 0.05, vehicles, **more)
 
 
+@pytest.mark.slow
 def test_a_gust_that_both_feel_costs_nothing_and_one_for_each_does():
     found = {
         name: radmpc.plan(scenario, "ira", rng=0).require()
@@ -87,6 +88,7 @@ def test_a_mission_refuses_shared_gusts_in_one_line():
     assert caught.value.path == ("vehicles", 0, "shared")
 
 
+@pytest.mark.slow
 def test_a_fleet_in_one_gust_is_planned_in_sets():
     scenario = passing(("wind", GUST), ("wind", GUST))
     away = np.array([0.0, 30.0])

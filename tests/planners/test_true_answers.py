@@ -82,6 +82,7 @@ def test_starts_in_space_apart_along_a_diagonal_are_planned():
     assert plan(scenario(*fleet), time_limit=20.0).is_certified
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "words"),
     [

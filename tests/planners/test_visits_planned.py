@@ -72,6 +72,7 @@ def test_big_m_and_branch_agree_on_visits() -> None:
     assert costs[0] == pytest.approx(costs[1], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_risk_is_spread_over_what_is_avoided_and_not_over_visits() -> None:
     # A visit that holds anyway takes nothing from the allocation.
     empty = scene()

@@ -114,6 +114,7 @@ def test_every_planner_plans_for_the_world_as_it_is(name, world, avoidance):
     check(fleet(world, avoidance), name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_the_world_as_it_is_has_three_dimensions(world):
     check(fleet(world, d=3), "certified")
@@ -132,6 +133,7 @@ def test_a_proof_is_below_every_certified_plan(world):
         assert plan.certified_lower_bound <= other.cost + 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_files_keep_the_world_as_it_is(world, tmp_path):
     scenario = fleet(world)

@@ -156,6 +156,7 @@ def test_plotting_leaves_no_global_state(flat_plan: Plan) -> None:
     assert pyplot.get_fignums() == []
 
 
+@pytest.mark.slow
 def test_space_gets_three_axes(space_plan: Plan) -> None:
     ax = plot_plan(space_plan)
     assert isinstance(ax, Axes3D)

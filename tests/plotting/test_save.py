@@ -27,6 +27,7 @@ def test_the_same_plan_gives_the_same_file(flat_plan: Plan, tmp_path: Path) -> N
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_picture_in_space_can_be_saved(space_plan: Plan, tmp_path: Path) -> None:
     save_figure(space_plan, str(tmp_path / "sky.PNG"))
     assert (tmp_path / "sky.PNG").stat().st_size > 10_000

@@ -98,6 +98,7 @@ def test_run_time_and_planner_can_be_left_out(flat_plan: Plan) -> None:
     assert facts.get_text() == "cost 12 · risk 0.0125 ≤ 0.05"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["flat_plan", "empty_plan", "space_plan"])
 def test_nothing_touches_the_edges(kind: str, request: pytest.FixtureRequest) -> None:
     plan = request.getfixturevalue(kind)
@@ -109,6 +110,7 @@ def test_nothing_touches_the_edges(kind: str, request: pytest.FixtureRequest) ->
     assert box.y1 <= height - 8
 
 
+@pytest.mark.slow
 def test_space_shows_shadows_and_few_ellipsoids_and_stars_in_front(space_plan: Plan) -> None:
     ax = plot_plan(space_plan)
     (shadow,) = artists(ax, "shadow:up")

@@ -56,6 +56,7 @@ def test_between_steps_it_is_that_of_the_place_between():
     assert np.ptp(halfway[:, 0]) == pytest.approx(2.0 + 6.0 * 0.2 * 1.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("d", [2, 3])
 def test_pictures_show_it_dashed_at_numbered_steps_and_the_last(d):
     scenario = scene(d)

@@ -51,6 +51,7 @@ def crossed_plan(flat_plan: Plan) -> Plan:
     return with_obstacles(flat_plan, moving("ferry", SQUARE, places))
 
 
+@pytest.mark.slow
 def test_space_is_seen_from_above_from_the_side_and_oblique(space_plan: Plan) -> None:
     for ax in (plot_plan(space_plan), plot_scenario(space_plan.scenario)):
         top, side, oblique = ax.figure.axes
@@ -61,6 +62,7 @@ def test_space_is_seen_from_above_from_the_side_and_oblique(space_plan: Plan) ->
         assert ax.figure.get_suptitle().strip() == "sky"
 
 
+@pytest.mark.slow
 def test_flat_panels_show_the_coordinates_they_name(space_plan: Plan) -> None:
     _, side, _ = plot_plan(space_plan).figure.axes
     [steps] = artists(side, "steps:down")
@@ -70,6 +72,7 @@ def test_flat_panels_show_the_coordinates_they_name(space_plan: Plan) -> None:
     assert np.ptp(tower.get_xy(), axis=0) == pytest.approx([1.0, 8.0])
 
 
+@pytest.mark.slow
 def test_the_oblique_panel_fills_its_room_in_one_direction(space_plan: Plan) -> None:
     ax = plot_plan(space_plan)
     ax.figure.draw_without_rendering()
@@ -81,6 +84,7 @@ def test_the_oblique_panel_fills_its_room_in_one_direction(space_plan: Plan) -> 
     assert drawn.x1 <= width
 
 
+@pytest.mark.slow
 def test_names_in_space_do_not_overlap_each_other(space_plan: Plan) -> None:
     ax = plot_plan(space_plan)
     ax.figure.draw_without_rendering()
@@ -90,6 +94,7 @@ def test_names_in_space_do_not_overlap_each_other(space_plan: Plan) -> None:
         assert not any(first.overlaps(second) for second in boxes[i + 1 :])
 
 
+@pytest.mark.slow
 def test_nothing_in_space_is_cut_off(space_plan: Plan) -> None:
     ax = plot_plan(space_plan)
     assert not any(artist.get_clip_on() for artist in (*ax.lines, *ax.collections))
@@ -120,6 +125,7 @@ def test_what_stands_still_has_no_ghost(flat_plan: Plan, empty_plan: Plan) -> No
         assert "when nearest" not in [text.get_text() for text in ax.get_legend().get_texts()]
 
 
+@pytest.mark.slow
 def test_ghosts_are_drawn_in_space_and_without_thickness(space_plan: Plan) -> None:
     rope = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0]])
     places = [[3.0 + 0.5 * k, 3.0, 3.0] for k in range(HORIZON + 1)]
@@ -129,6 +135,7 @@ def test_ghosts_are_drawn_in_space_and_without_thickness(space_plan: Plan) -> No
         assert artists(ax, "ghost:rope:up")
 
 
+@pytest.mark.slow
 def test_whole_figures_stand_in_parts_of_the_users_figure(
     flat_plan: Plan, space_plan: Plan
 ) -> None:

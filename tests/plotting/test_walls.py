@@ -48,6 +48,7 @@ def test_walls_are_lines_and_posts_dots(flat_plan: Plan) -> None:
     assert {"fence", "post", "gate"} <= {text.get_text() for text in ax.texts}
 
 
+@pytest.mark.slow
 def test_plates_wires_and_posts_are_drawn_in_space(space_plan: Plan) -> None:
     ax = plot_plan(with_obstacles(space_plan, HANGING))
     ax.figure.canvas.draw()

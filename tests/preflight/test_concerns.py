@@ -84,6 +84,7 @@ def test_a_goal_that_costs_more_than_the_bound_is_named_with_what_is_near_it(nam
     assert set(seen.values()) <= {0.0}
 
 
+@pytest.mark.slow
 def test_starts_too_close_are_named_and_charged_to_both() -> None:
     outlook = outlook_of(of_scene("starts-clash"))
     first, *_ = concerns_of(outlook)
@@ -125,6 +126,7 @@ def test_what_is_expected_to_saturate_is_what_a_plan_in_empty_space_does() -> No
     assert radmpc.certify(plan).saturation == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_open_loop_noise_that_grows_beyond_the_hull_asks_for_feedback() -> None:
     (concern,) = warned(of_scene("starts-clash"), "deviation")
     assert concern.vehicles == ("usv1", "usv2", "usv6")

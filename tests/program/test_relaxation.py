@@ -102,6 +102,7 @@ def test_shifted_tails_are_never_above_those_of_discs(risk_bound: float) -> None
         assert ncx2.cdf(radius**2, 2, (least - 0.05 + radius) ** 2) > risk_bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("count", [5, 8, 16])
 def test_no_mean_outside_risks_less_than_its_best_cone(seed: int, count: int) -> None:
@@ -243,6 +244,7 @@ def flown(scenario: Scenario, controls: list[Array]) -> Plan:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("has_feedback", [False, True])
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 def test_no_plan_is_certified_at_less_than_its_relaxation_risks(
@@ -296,6 +298,7 @@ def test_the_bound_on_any_certified_plan_is_close_at_steps() -> None:
     assert "could be certified costs 0." in result.record.status_sentence
 
 
+@pytest.mark.slow
 def test_the_bound_on_any_certified_plan_is_no_more_than_the_cost_along_intervals() -> None:
     result = plan(replace(circle(3), avoidance="intervals"), time_limit=20.0)
     alone = plan(replace(circle(3), vehicles=circle(3).vehicles[:1]), time_limit=20.0)

@@ -132,6 +132,7 @@ def test_what_strays_is_drawn_once_for_the_whole_fleet():
     assert four.rate == pytest.approx(expected, abs=4.0 * error)
 
 
+@pytest.mark.slow
 def test_obstacles_that_nobody_comes_near_are_charged_unseen():
     far = Obstacle.tracked("far", DECK, [400.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0])
     fleet = [craft(f"v{i}", DI, [0.0, 3.0 * i], noise=0.01) for i in range(3)]

@@ -261,6 +261,7 @@ def test_the_seed_of_the_plan_seeds_the_trees_and_the_record_stays_as_it_is():
     assert {p.plan.planner for p in plans} == {"sigmas(3), rrt, centralized"}
 
 
+@pytest.mark.slow
 def test_it_plans_whole_fleets_and_sets_under_every_policy_that_needs_no_proof():
     for policy in (NoRisk(), Sigmas(2.0), Uniform()):
         for decomposition in (Centralized(), Distance(3.0)):
