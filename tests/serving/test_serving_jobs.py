@@ -66,6 +66,7 @@ def planned(avoidance="intervals"):
     return control, ended
 
 
+@pytest.mark.slow
 def test_a_search_tells_of_better_plans_until_it_ends():
     control, ended = planned()
     better = control.of("improved")
@@ -171,6 +172,8 @@ def test_a_concern_about_time_has_a_longer_horizon_as_its_cure():
     assert not [remark for remark in left if remark["severity"] == "fatal"]
 
 
+@pytest.mark.nightly
+@pytest.mark.nightly
 def test_why_not_is_answered_at_the_place_with_cures_that_lead_to_plans():
     document = two(horizon=4)
     remarks = why_not(Told(), document)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -16,14 +17,15 @@ from websockets.sync.client import connect
 
 from radmpc.io.text.json_text import write_json
 
-HARD = {**two(horizon=14), "risk_bound": 0.01}
+HARBOR = files("radmpc.data").joinpath("harbor.yaml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory):
     """Serve a document that takes a while to plan, with workers."""
     folder = tmp_path_factory.mktemp("folder")
-    (folder / "two.json").write_text(write_json(HARD), encoding="utf-8")
+    (folder / "harbor.yaml").write_text(HARBOR, encoding="utf-8")
+    (folder / "two.json").write_text(write_json(two()), encoding="utf-8")
     with Site(folder) as site:
         yield site
 
@@ -51,6 +53,16 @@ def begin(page, document, planner="certified", seconds=60.0):
     )
 
 
+def running(page):
+    """Wait until a search has told something."""
+    page.event(
+        "search",
+        lambda message: (
+            message["state"]["stage"] != "starting" and message["state"]["state"] == "running"
+        ),
+    )
+
+
 def ended(page, search):
     return page.event(
         "search",
@@ -64,7 +76,7 @@ def ended(page, search):
 @pytest.mark.slow
 def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
     page = served.page()
-    document = page.call("open", path="two.json")["document"]
+    document = page.call("open", path="harbor.yaml")["document"]
     search = begin(page, document)["search"]
     first = page.event("plan")["summary"]
     assert first["holds"]
@@ -72,7 +84,7 @@ def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
     page.socket.close()
     again = served.page()
     state = again.call("state", document=again.call("hello")["document"])
-    assert [one["plan"] for one in state["plans"]][0] == first["plan"]
+    assert state["plans"][0]["plan"] == first["plan"]
     (held,) = state["searches"]
     assert held["state"] == "paused"
     time.sleep(0.2)
@@ -80,19 +92,25 @@ def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
     again.call("stop", search=search)
     told = ended(again, search)
     assert told["state"] == "ended"
-    assert "stopped" in told["told"] or "optimal" in told["told"] or "plan found" in told["told"]
+    assert "plan found" in told["told"]
     plans = again.call("state", document=document)["plans"]
     assert plans[-1]["cost"] <= first["cost"]
     view = again.call("view", plan=plans[-1]["plan"])
-    assert [track["name"] for track in view["tracks"]] == ["a", "b"]
+    assert [track["name"] for track in view["tracks"]] == [
+        "tug",
+        "barge",
+        "ferry",
+        "pilot",
+        "survey",
+    ]
 
 
 @pytest.mark.slow
 def test_a_worker_that_is_killed_is_an_answer_and_the_next_one_plans(served):
     page = served.page()
-    document = page.call("open", path="two.json")["document"]
+    document = page.call("open", path="harbor.yaml")["document"]
     search = begin(page, document)["search"]
-    page.event("search", lambda message: message["state"]["stage"] != "starting")
+    running(page)
     (worker,) = served.desk.crew._busy
     os.kill(worker.pid, signal.SIGKILL)
     told = ended(page, search)
@@ -100,15 +118,17 @@ def test_a_worker_that_is_killed_is_an_answer_and_the_next_one_plans(served):
     assert "died" in told["told"]
     with pytest.raises(CallFailedError, match="planner must be one of"):
         begin(page, document, "magic")
-    quick = begin(page, document, "distance", 20.0)["search"]
+    small = page.call("open", path="two.json")["document"]
+    quick = begin(page, small, "distance", 20.0)["search"]
     assert ended(page, quick)["state"] == "ended"
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_the_command_prints_its_address_and_takes_its_workers_along(tmp_path, number):
-    (tmp_path / "two.json").write_text(write_json(HARD), encoding="utf-8")
-    command = [sys.executable, "-m", "radmpc", "serve", "two.json", "--no-open"]
+    (tmp_path / "harbor.yaml").write_text(HARBOR, encoding="utf-8")
+    command = [sys.executable, "-m", "radmpc", "serve", "harbor.yaml", "--no-open"]
     with subprocess.Popen(
         command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as server:
@@ -120,7 +140,7 @@ def test_the_command_prints_its_address_and_takes_its_workers_along(tmp_path, nu
             page = Page(socket)
             document = page.call("hello")["document"]
             begin(page, document)
-            page.event("search", lambda message: message["state"]["stage"] != "starting")
+            running(page)
             children = Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text("utf-8")
             server.send_signal(number)
             out, err = server.communicate(timeout=PATIENCE)
