@@ -1,7 +1,7 @@
 /** All things of the scenario as a list, which does from the keyboard what the map does by hand. */
 
 import { useComputed, useSignal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { ScenarioView } from "../protocol";
 import { document as opened } from "../state/document";
 import { hovered, sameThing, selected, type Thing } from "../state/selection";
@@ -23,6 +23,9 @@ export function Outline() {
     const things = thingsOf(scenario);
     return wanted === "" ? things : things.filter((thing) => nameOf(scenario, thing).toLowerCase().includes(wanted));
   }).value;
+  useEffect(() => {
+    list.current?.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest" });
+  }, [selected.value]);
   if (view === null) return null;
   const listed = all.slice(0, MAX_LISTED);
   const current = listed.findIndex((thing) => sameThing(thing, selected.value));
