@@ -2,12 +2,11 @@
  * Builds the page: `node build.mjs [--watch] [--out DIR]`.
  *
  * Entries are `src/main.tsx`, the page; `src/space/space.ts`, scenes of three dimensions, which page
- * and notebooks load on demand as it is; and `src/widget.ts`, the same view in notebooks, whose front
+ * and notebooks load on demand as it is; and `src/widget.tsx`, the same view in notebooks, whose front
  * ends load one module and nothing beside it.
  */
 
-import { cp, mkdir, readdir, rm, writeFile } from "node:fs/promises";
-import { existsSync } from "node:fs";
+import { cp, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import * as esbuild from "esbuild";
 import { notice } from "./notice.mjs";
@@ -24,6 +23,16 @@ const spaceApart = {
     onResolve({ filter: /\/space$/ }, ({ kind }) =>
       kind === "dynamic-import" ? { path: "./space.js", external: true } : undefined,
     ),
+};
+
+/** A notebook has a root of its own: the view's theme is that of its frame. */
+const themeOfView = {
+  name: "theme-of-view",
+  setup: ({ onLoad }) =>
+    onLoad({ filter: /(theme|panels)\.css$/ }, async ({ path: file }) => ({
+      contents: (await readFile(file, "utf8")).replaceAll(":root", ".radmpc-view"),
+      loader: "css",
+    })),
 };
 
 const options = {
@@ -50,9 +59,9 @@ const entries = [
     splitting: true,
   },
   { ...options, entryPoints: [{ in: "src/space/space.ts", out: "space" }] },
-  { ...options, entryPoints: [{ in: "src/widget.ts", out: "widget" }] },
-  { ...options, entryPoints: [{ in: "src/style/widget.css", out: "widget" }] },
-].filter(({ entryPoints }) => existsSync(path.join(here, entryPoints[0].in)));
+  { ...options, entryPoints: [{ in: "src/widget.tsx", out: "widget" }] },
+  { ...options, entryPoints: [{ in: "src/style/notebook.css", out: "widget" }], plugins: [themeOfView] },
+];
 
 await rm(bundle, { recursive: true, force: true });
 await mkdir(bundle, { recursive: true });

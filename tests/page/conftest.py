@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from playwright.sync_api import sync_playwright
 from serving_page import FLAGS, Screen, Server, bundle_is_there
 
 ROOT = Path(__file__).parent.parent.parent
@@ -35,7 +36,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         process.communicate(timeout=30)
 
 
-# One per file: Playwright's loop must not be there when tests of other files run loops of their own.
+# One per file: Playwright's loop must not be there while tests of other files run their own.
 @pytest.fixture(scope="module")
 def browser(server: Server) -> Iterator[Any]:
     """Chromium without a window."""
@@ -43,8 +44,6 @@ def browser(server: Server) -> Iterator[Any]:
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
         pytest.skip("there is no Chromium here")
-    from playwright.sync_api import sync_playwright
-
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=list(FLAGS))
         yield browser

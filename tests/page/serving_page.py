@@ -1,14 +1,17 @@
-"""A client of the server, and a screen that tests look at: places in meters, panels by their names."""
+"""A client of the server, and a screen: places in meters, panels by their names."""
 
 from __future__ import annotations
 
 import itertools
+import json
 import re
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
+
+from websockets.sync.client import connect
 
 FLAGS = (
     "--no-sandbox",
@@ -76,8 +79,6 @@ class Server:
     """
 
     def __init__(self, address: str, folder: Path) -> None:
-        from websockets.sync.client import connect
-
         self.address, self.folder = address, folder
         parts = urlsplit(address)
         words = {**parse_qs(parts.query), **parse_qs(parts.fragment)}
@@ -87,8 +88,6 @@ class Server:
 
     def call(self, name: str, **args: Any) -> Any:
         """Return the answer to a call."""
-        import json
-
         number = next(self._numbers)
         self._line.send(json.dumps({"id": number, "call": name, "args": args}))
         while True:
@@ -170,9 +169,12 @@ class Screen:
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Return where a place of the map is on the screen [px]."""
         box = self.map.bounding_box()
-        near, far = (box["width"] * 0.25, box["height"] * 0.25), (
-            box["width"] * 0.75,
-            box["height"] * 0.75,
+        near, far = (
+            (box["width"] * 0.25, box["height"] * 0.25),
+            (
+                box["width"] * 0.75,
+                box["height"] * 0.75,
+            ),
         )
         (x0, y0), (x1, y1) = self._place(box, near), self._place(box, far)
         per_x = (far[0] - near[0]) / (x1 - x0)

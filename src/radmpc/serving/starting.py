@@ -5,8 +5,7 @@ from __future__ import annotations
 import asyncio
 import signal
 import socket
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +14,6 @@ from radmpc.errors import RadmpcError
 __all__ = ["Serving", "ServingError", "check_extra", "listening", "serve"]
 
 _NEEDED = ("starlette", "uvicorn", "websockets")
-
-_GRACE = 1
-"""Seconds that pages get to say goodbye [s]."""
 
 
 class ServingError(RadmpcError):
@@ -92,55 +88,29 @@ def serve(serving: Serving, port: socket.socket, said: Callable[[str], None]) ->
 
 async def _served(serving: Serving, port: socket.socket, said: Callable[[str], None]) -> None:
     """Serve until a signal."""
-    import uvicorn  # noqa: PLC0415 - an extra
+    # Packages of the extra, and what takes a while to load: not before the port is taken.
+    from radmpc.serving.desk.desk import Desk  # noqa: PLC0415 - see above
+    from radmpc.serving.desk.start import open_first  # noqa: PLC0415 - see above
+    from radmpc.serving.folder import Folder  # noqa: PLC0415 - see above
+    from radmpc.serving.web.app import application  # noqa: PLC0415 - see above
+    from radmpc.serving.web.guard import Guard  # noqa: PLC0415 - see above
+    from radmpc.serving.web.listener import Listener  # noqa: PLC0415 - see above
+    from radmpc.serving.web.socket import Pages  # noqa: PLC0415 - see above
 
-    from radmpc.serving.desk.desk import Desk  # noqa: PLC0415 - needs it
-    from radmpc.serving.desk.start import open_first  # noqa: PLC0415 - likewise
-    from radmpc.serving.folder import Folder  # noqa: PLC0415 - likewise
-    from radmpc.serving.web.app import application  # noqa: PLC0415 - likewise
-    from radmpc.serving.web.guard import Guard  # noqa: PLC0415 - likewise
-    from radmpc.serving.web.socket import MOST_BYTES, Pages  # noqa: PLC0415 - likewise
-
-    guard, pages = Guard(), Pages()
-    guard.port = port.getsockname()[1]
+    guard, pages = Guard(port.getsockname()[1]), Pages()
     desk = Desk(Folder(serving.folder), pages.tell)
 
     def started() -> None:
         said(f"http://127.0.0.1:{guard.port}/#token={guard.token}")
 
-    config = uvicorn.Config(
-        application(desk, pages, guard, started=started),
-        log_level="critical",
-        access_log=False,
-        server_header=False,
-        http="h11",
-        ws="websockets-sansio",
-        ws_max_size=MOST_BYTES,
-        timeout_graceful_shutdown=_GRACE,
-        limit_concurrency=200,
-    )
-
-    class Server(uvicorn.Server):
-        """A server that leaves signals to us: its own way ends with a traceback."""
-
-        @contextmanager
-        def capture_signals(self) -> Iterator[None]:
-            yield
-
-    server = Server(config)
-
-    def end() -> None:
-        # A second signal does not wait for pages.
-        server.force_exit = server.should_exit
-        server.should_exit = True
-
+    server = Listener(application(desk, pages, guard, started=started))
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, end)
+        loop.add_signal_handler(number, server.end)
     if serving.file is not None:
         # After the first answer: a large file takes seconds.
         desk.opening = loop.create_task(open_first(desk, serving.file))
-        desk.opening.add_done_callback(lambda task: end() if task.exception() else None)
+        desk.opening.add_done_callback(lambda task: server.end() if task.exception() else None)
     try:
         await server.serve(sockets=[port])
     finally:

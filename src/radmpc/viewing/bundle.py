@@ -7,7 +7,7 @@ from pathlib import Path
 
 from radmpc.errors import ArgumentError
 
-__all__ = ["BUNDLE", "can_view", "require_view"]
+__all__ = ["BUNDLE", "can_view", "found_bundle"]
 
 BUNDLE = Path(__file__).parent.parent / "serving" / "bundle"
 """The folder that `make page` writes, and wheels bring."""
@@ -18,8 +18,8 @@ def can_view() -> bool:
     return _lack() is None
 
 
-def require_view() -> None:
-    """Raise unless values can be viewed.
+def found_bundle() -> Path:
+    """Return the bundle's folder, if values can be viewed.
 
     Raises
     ------
@@ -29,6 +29,7 @@ def require_view() -> None:
     lack = _lack()
     if lack is not None:
         raise ArgumentError(lack)
+    return BUNDLE
 
 
 def _lack() -> str | None:

@@ -30,7 +30,7 @@ def show_in_notebooks() -> None:
 
 
 def _mime_bundle(value: Any, include: Any = None, exclude: Any = None) -> Any:
-    """Return a value's view beside what pages without widgets show of it; None without the view."""
+    """Return a value's view, beside which IPython puts what pages without widgets show."""
     # Whoever displays a value has it, and most of what its view needs, loaded already.
     from radmpc.viewing.bundle import can_view  # noqa: PLC0415 - notebooks alone need it
 
@@ -41,7 +41,4 @@ def _mime_bundle(value: Any, include: Any = None, exclude: Any = None) -> Any:
     made = view(value)._repr_mimebundle_(include=include, exclude=exclude)
     # Versions of the library return one or both.
     data, metadata = made if isinstance(made, tuple) else (made, {})
-    html = getattr(value, "_repr_html_", None)
-    if html is not None:
-        data = {**data, "text/html": html()}
-    return {**data, "text/plain": repr(value)}, metadata
+    return {**(data or {}), "text/plain": repr(value)}, metadata

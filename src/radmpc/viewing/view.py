@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from radmpc.viewing.bundle import require_view
+from radmpc.viewing.bundle import found_bundle
 from radmpc.viewing.content import Viewable, view_content
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ def view(value: Viewable) -> ValueView:
         If ``anywidget`` is not installed, or the page was not built.
     """
     content = view_content(value)
-    require_view()
+    bundle = found_bundle()
     # An extra, and a second to load.
     from radmpc.viewing.widget import ValueView  # noqa: PLC0415 - few need it
 
-    return ValueView(content)
+    return ValueView(content, bundle)

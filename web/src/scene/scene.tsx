@@ -1,6 +1,8 @@
 /** The place of the map: the plane, or space, which can also be looked at from above. */
 
 import { SpaceRegion } from "../space/region";
+import type { Space } from "../space/space";
+import { elsewhere } from "./viewport";
 import { drawn } from "../state/playback";
 import { isFromAbove } from "../state/session";
 import { FlatMap } from "./map";
@@ -21,5 +23,10 @@ export function Scene() {
 
 function SpaceMap() {
   const { scenario, ...frame } = currentFrame();
-  return scenario === null ? null : <SpaceRegion frame={{ ...frame, scenario }} />;
+  return scenario === null ? null : <SpaceRegion frame={{ ...frame, scenario }} onSpace={isLooking} />;
+}
+
+/** The buttons that zoom do so in space, while it is looked at. */
+function isLooking(space: Space | null): void {
+  elsewhere.value = space;
 }

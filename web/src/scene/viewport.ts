@@ -9,6 +9,9 @@ import { num } from "./geometry";
 
 export const camera = signal(new Camera(0, 0, 10, 1, 1));
 
+/** What looks at the scene instead of the map, while it does: the view in space. */
+export const elsewhere = signal<{ zoom(factor: number): void; fit(): void } | null>(null);
+
 /** Left free around what is fitted [px]. */
 const MARGIN = 48;
 
@@ -34,12 +37,18 @@ export function panBy(right: number, up: number): void {
 
 /** Zoom about a point of the map's canvas [px]; about its center where there is none. */
 export function zoom(factor: number, px?: number, py?: number): void {
+  const other = elsewhere.peek();
+  if (other !== null) {
+    other.zoom(factor);
+    return;
+  }
   const now = camera.peek();
   camera.value = now.zoomed(factor, px ?? now.width / 2, py ?? now.height / 2);
 }
 
 /** Show all of the scenario. */
 export function fit(): void {
+  elsewhere.peek()?.fit();
   const extent = drawn.peek()?.extent;
   if (extent !== undefined) fitTo(extent);
 }

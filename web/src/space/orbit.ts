@@ -59,6 +59,13 @@ export class Orbit {
     this.#place();
   }
 
+  /** Comes nearer by a factor. */
+  zoom(factor: number): void {
+    const nearest = this.#size / 500;
+    this.#distance = Math.min(Math.max(this.#distance / factor, nearest), 20 * this.#size);
+    this.#place();
+  }
+
   dispose(): void {
     this.#stop.abort();
   }
@@ -94,12 +101,6 @@ export class Orbit {
     this.#place();
   }
 
-  #zoom(factor: number): void {
-    const nearest = this.#size / 500;
-    this.#distance = Math.min(Math.max(this.#distance * factor, nearest), 20 * this.#size);
-    this.#place();
-  }
-
   #down(event: PointerEvent): void {
     this.host.focus({ preventScroll: true });
     this.host.setPointerCapture(event.pointerId);
@@ -117,7 +118,7 @@ export class Orbit {
       const before = Math.hypot(last.x - other.x, last.y - other.y);
       const after = Math.hypot(event.clientX - other.x, event.clientY - other.y);
       this.#pan(dx / 2, dy / 2);
-      if (before > 0 && after > 0) this.#zoom(before / after);
+      if (before > 0 && after > 0) this.zoom(after / before);
     } else if (event.shiftKey || event.buttons === 2 || event.buttons === 4) {
       this.#pan(dx, dy);
     } else {
@@ -128,7 +129,7 @@ export class Orbit {
 
   #wheel(event: WheelEvent): void {
     event.preventDefault();
-    this.#zoom(Math.exp(Math.min(Math.max(event.deltaY, -200), 200) / 400));
+    this.zoom(Math.exp(-Math.min(Math.max(event.deltaY, -200), 200) / 400));
   }
 
   #key(event: KeyboardEvent): void {
@@ -147,8 +148,8 @@ export class Orbit {
           ArrowUp: () => this.#turn(0, TURN),
           ArrowDown: () => this.#turn(0, -TURN),
         };
-    moves["+"] = moves["="] = () => this.#zoom(1 / ZOOM);
-    moves["-"] = () => this.#zoom(ZOOM);
+    moves["+"] = moves["="] = () => this.zoom(ZOOM);
+    moves["-"] = () => this.zoom(1 / ZOOM);
     const move = moves[event.key];
     if (move === undefined) return;
     event.preventDefault();

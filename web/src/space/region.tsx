@@ -13,9 +13,11 @@ export interface SpaceRegionProps {
   readonly frame: SpaceFrame;
   /** Loads the module elsewhere than beside the page. */
   readonly load?: () => Promise<typeof import("./space")>;
+  /** Told when there is a view, and when there is none any more. */
+  readonly onSpace?: (space: Space | null) => void;
 }
 
-export function SpaceRegion({ frame, load }: SpaceRegionProps) {
+export function SpaceRegion({ frame, load, onSpace }: SpaceRegionProps) {
   const host = useRef<HTMLDivElement>(null);
   const space = useRef<Space | null>(null);
   const latest = useRef(frame);
@@ -32,6 +34,7 @@ export function SpaceRegion({ frame, load }: SpaceRegionProps) {
       space.current.show(latest.current);
       // For who measures what is drawn.
       Object.assign(host.current, { space: space.current });
+      onSpace?.(space.current);
       setState("there");
     };
     open().catch(() => {
@@ -40,6 +43,7 @@ export function SpaceRegion({ frame, load }: SpaceRegionProps) {
     });
     return () => {
       isHere = false;
+      onSpace?.(null);
       space.current?.dispose();
       space.current = null;
     };

@@ -95,6 +95,11 @@ export class Space {
     this.#ask();
   }
 
+  /** Comes nearer by a factor. */
+  zoom(factor: number): void {
+    this.#orbit.zoom(factor);
+  }
+
   /** Shows all of the scene. */
   fit(): void {
     const view = this.#frame?.scenario;

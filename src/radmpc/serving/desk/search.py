@@ -63,7 +63,7 @@ class Search:
         self._bound: float | None = None
         self._found = 0
         self._has_news = False
-        self._begun = time.monotonic()
+        self._begun: float | None = None
         self._held = 0.0
         self._held_since: float | None = None
         self._ended: float | None = None
@@ -77,6 +77,8 @@ class Search:
     @property
     def seconds(self) -> float:
         """How long it has searched, pauses not counted [s]."""
+        if self._begun is None:
+            return 0.0  # the process is still loading
         now = self._ended or self._held_since or time.monotonic()
         return now - self._begun - self._held
 
@@ -185,7 +187,9 @@ class Search:
 
     def _take(self, kind: str, news: Any) -> None:
         """Take news of the worker."""
-        if kind == "progress":
+        if kind == "begun":
+            self._begun = time.monotonic() - self._held
+        elif kind == "progress":
             stage, done, total = news
             self._stage = f"{stage} {done}/{total}" if total and total > 1 else str(stage)
         elif kind == "found":

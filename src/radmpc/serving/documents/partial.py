@@ -8,6 +8,7 @@ from typing import Any
 from radmpc.errors import ScenarioError
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.serving.protocol import Content, ScenarioView
+from radmpc.serving.views.handles import is_number
 from radmpc.serving.views.scenario import scenario_view
 
 __all__ = ["partial_view"]
@@ -56,9 +57,12 @@ def _without(kept: dict[str, list[int]], errors: Sequence[ScenarioError]) -> dic
 def _world(content: Content, kept: dict[str, list[int]]) -> ScenarioView | None:
     """Return a world without vehicles: one that stands in for them is left out again."""
     workspace = content.get("workspace")
-    place = workspace.get("min") if isinstance(workspace, dict) else None
-    if not isinstance(place, list):
+    if not isinstance(workspace, dict):
         return None
+    ends = [workspace.get(key) for key in ("min", "max")]
+    if not all(isinstance(end, list) and all(map(is_number, end)) for end in ends):
+        return None
+    place = [0.5 * (low + high) for low, high in zip(*ends, strict=False)]
     stand_in = {"name": "-", "start": place, "goal": {"center": place}}
     numbers = {"radius": 1e-3, "control_limit": 1.0, "dynamics": {"model": "double_integrator"}}
     part: dict[str, Any] = {

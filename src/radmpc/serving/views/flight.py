@@ -39,7 +39,7 @@ def tick_view(row: TickRow, scenario: Scenario, risk_bound: float) -> TickView:
         "step": row.step,
         "states": states,
         "left": float(f"{left:.5g}"),
-        "spent": float(f"{risk_bound - left:.5g}"),
+        "spent": float(f"{max(risk_bound - left, 0.0):.5g}"),
         "decision": row.reason,
         "isReplan": row.leg is not None,
         "milliseconds": round(1e3 * row.seconds, 2),

@@ -31,11 +31,16 @@ _NAMES = ("127.0.0.1", "localhost")
 
 
 class Guard:
-    """Knows the server's token and its port."""
+    """Knows the server's token and its port.
 
-    def __init__(self) -> None:
-        self.token = secrets.token_urlsafe(32)
-        self.port = 0
+    Parameters
+    ----------
+    port : int
+        That it listens on.
+    """
+
+    def __init__(self, port: int) -> None:
+        self.token, self.port = secrets.token_urlsafe(32), port
 
     def is_host(self, headers: Headers) -> bool:
         """Whether a request is for this machine, by the name that the browser used.

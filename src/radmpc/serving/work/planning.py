@@ -28,6 +28,7 @@ def plan_content(control: Control, asked: Asked) -> Ended:
         What is planned, and how.
     """
     news = _News(control)
+    control.tell("begun", None)
     scenario = decode_scenario(asked.content)
     if asked.risk_bound is not None:
         scenario = replace(scenario, risk_bound=asked.risk_bound)

@@ -1,0 +1,29 @@
+"""Pages without a browser: they call over the socket of an application without a port."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from served import Site
+
+from radmpc.serving.processes.crew import Crew
+
+
+@pytest.fixture
+def quiet_crew(monkeypatch):
+    """Start no process: nothing is looked at before it is planned, nothing is planned."""
+    monkeypatch.setattr(Crew, "prepare", lambda self: None)
+    monkeypatch.setattr(Crew, "run", _no_run)
+
+
+async def _no_run(self, job, *args, seconds, told=None):
+    raise AssertionError(f"{job} would start a process")
+
+
+@pytest.fixture
+def site(tmp_path: Path, quiet_crew, monkeypatch):
+    """Serve an empty folder."""
+    monkeypatch.setattr("radmpc.serving.desk.desk.Desk.look_at", lambda self, document: None)
+    with Site(tmp_path) as served:
+        yield served
