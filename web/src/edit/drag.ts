@@ -18,8 +18,7 @@ export function decimals(scale: number): number {
 
 /** By how much a handle goes so that it ends on a round number [m]; the whole goes by a round step. */
 export function rounded(handle: Handle, dx: number, dy: number, digits: number): [number, number] {
-  const isOne = handle.x.length <= 1 && handle.y.length <= 1;
-  const [x = 0, y = 0] = isOne ? handle.at : [0, 0];
+  const [x = 0, y = 0] = isWhole(handle) ? [0, 0] : handle.at;
   return [clean(round(x + dx, digits) - x), clean(round(y + dy, digits) - y)];
 }
 
@@ -78,7 +77,7 @@ export function moved(view: ScenarioView, thing: Thing, index: number, dx: numbe
       return {
         ...view,
         obstacles: view.obstacles.map((obstacle) =>
-          samePath(obstacle.path, thing.path) ? movedObstacle(obstacle, index, dx, dy, shift) : obstacle,
+          samePath(obstacle.path, thing.path) ? movedObstacle(obstacle, handle, dx, dy, shift) : obstacle,
         ),
       };
     case "workspace": {
@@ -120,15 +119,16 @@ function movedGoal(goal: GoalView, shift: Shift): GoalView {
   return { ...goal, handles, box: movedBox(goal.box, goal.handles, handles) };
 }
 
-/** A box whose sides go with the corners on them; with a center only, all of it goes. */
+/** A box whose sides go with the corners on them; with one handle, all of it goes. */
 function movedBox(box: Box, before: readonly Handle[], after: readonly Handle[]): Box {
   const side = (value: number, axis: number): number => {
-    const corners = before.length > 1 ? before.slice(1) : before;
-    const at = corners.findIndex((handle) => before.length === 1 || handle.at[axis] === value);
-    const offset = before.length > 1 ? 1 : 0;
-    const from = before[at + offset]?.at[axis];
-    const to = after[at + offset]?.at[axis];
-    return at < 0 || from === undefined || to === undefined ? value : value + to - from;
+    const at =
+      before.length === 1
+        ? 0
+        : before.findIndex((handle) => !isWhole(handle) && near(handle.at[axis] ?? NaN, value));
+    const from = before[at]?.at[axis];
+    const to = after[at]?.at[axis];
+    return from === undefined || to === undefined ? value : value + to - from;
   };
   const min = box.min.map(side);
   const max = box.max.map(side);
@@ -138,12 +138,25 @@ function movedBox(box: Box, before: readonly Handle[], after: readonly Handle[])
   };
 }
 
-function movedObstacle(obstacle: ObstacleView, index: number, dx: number, dy: number, shift: Shift): ObstacleView {
+/** Whether a handle moves more than a corner. */
+export function isWhole(handle: Handle): boolean {
+  return handle.x.length > 1 || handle.y.length > 1;
+}
+
+/** Places are told rounded to what a screen shows. */
+function near(one: number, other: number): boolean {
+  return Math.abs(one - other) <= 1e-3 * Math.max(1, Math.abs(one));
+}
+
+function movedObstacle(obstacle: ObstacleView, dragged: Handle, dx: number, dy: number, shift: Shift): ObstacleView {
   const handles = obstacle.handles.map(shift);
-  const targets = new Map(obstacle.handles.slice(1).map((handle, i) => [corner(handle.at), handles[i + 1]?.at]));
+  const isAll = dragged === obstacle.handles[0];
+  const targets = new Map(
+    obstacle.handles.flatMap((handle, i) => (isWhole(handle) ? [] : [[corner(handle.at), handles[i]?.at] as const])),
+  );
   const place = (at: readonly number[]): [number, number] => {
     const [x = 0, y = 0] = at;
-    if (index === 0) return [x + dx, y + dy];
+    if (isAll) return [x + dx, y + dy];
     const [tx = x, ty = y] = targets.get(corner(at)) ?? [];
     return [tx, ty];
   };

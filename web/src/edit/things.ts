@@ -96,7 +96,7 @@ export function thingAt(scenario: ScenarioView, path: Path): Thing | null {
 
 /** Where on the map a thing is [m]. */
 export function placeOf(scenario: ScenarioView, thing: Thing): readonly number[] | null {
-  const [whole] = handlesOf(scenario, thing);
+  const [whole] = thing.kind === "workspace" ? [] : handlesOf(scenario, thing);
   if (whole !== undefined) return whole.at;
   if (thing.kind === "vehicle") return vehicleAt(scenario, thing.path)?.start ?? null;
   const box = thing.kind === "workspace" ? scenario.workspace : goalAt(scenario, thing.path)?.box;

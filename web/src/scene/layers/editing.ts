@@ -1,6 +1,7 @@
 /** Handles of what is selected, and what is being drawn. */
 
 import type { Handle } from "../../protocol";
+import { isWhole } from "../../edit/drag";
 import { goalAt, handlesOf } from "../../edit/things";
 import { num } from "../geometry";
 import type { Frame, Layer } from "../frame";
@@ -29,8 +30,8 @@ function drawHandle(ctx: CanvasRenderingContext2D, frame: Frame, handle: Handle,
   ctx.strokeStyle = colors.accent;
   ctx.lineWidth = 1.5;
   ctx.beginPath();
-  // The first moves the whole, the others a corner each.
-  if (index === 0) ctx.arc(px, py, 5, 0, 2 * Math.PI);
+  // Round ones move the whole, square ones a corner.
+  if (isWhole(handle) || (index === 0 && frame.selected?.kind !== "workspace")) ctx.arc(px, py, 5, 0, 2 * Math.PI);
   else ctx.rect(px - 4, py - 4, 8, 8);
   ctx.fill();
   ctx.stroke();
