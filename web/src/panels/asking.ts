@@ -7,8 +7,9 @@ import type { Remark, SearchState } from "../protocol";
 import { document, remarks, scenario } from "../state/document";
 import { flight, flightId, flights } from "../state/flights";
 import { searches, shown, shownId } from "../state/plans";
-import { seek } from "../state/playback";
+import { dt, seek } from "../state/playback";
 import { tell } from "../state/session";
+import type { FlightOrder } from "./flight";
 import type { Moment, Wishes } from "./search";
 
 export const wishes = signal<Wishes>({ planner: "certified", seconds: 60, gap: null });
@@ -136,8 +137,13 @@ export async function runSimulation(plan: string, flights: number, seed: number)
   isSimulating.value = false;
 }
 
-export async function startFlight(plan: string, seed: number, pace: number): Promise<void> {
-  const state = await attempt(call("fly", { plan, seed, pace, options: {} }));
+/** Longest time between ticks that is asked for [s]. */
+const SLOWEST = 60;
+
+export async function startFlight(plan: string, order: FlightOrder): Promise<void> {
+  const pace = order.pace === 0 ? 0 : Math.min(dt.peek() / order.pace, SLOWEST);
+  const options = { replan: order.replans ? "certified" : "none", ...(order.log === "" ? {} : { log: order.log }) };
+  const state = await attempt(call("fly", { plan, seed: order.seed, pace, options }));
   if (state === null) return;
   isFollowing.value = true;
   flightId.value = state.flight;

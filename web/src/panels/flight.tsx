@@ -3,13 +3,24 @@
 import { useMemo, useState } from "preact/hooks";
 import type { FlightState, PlanSummary, TickView } from "../protocol";
 import { accountLines, alarmed, replans, tickAt, tickLines, tickTimes } from "./account";
-import { Block, Button, Empty, Facts, NumberField } from "./controls";
+import { Block, Button, Empty, Facts, NumberField, Toggle } from "./controls";
 import { Curve, Key } from "./curve";
 import { bound, counted, percent } from "./format";
 import { Speaker } from "./speaking";
 
 /** Mission seconds per second of the wall; 0 is as fast as it goes. */
 const PACES = [1, 2, 5, 10, 0] as const;
+
+/** How a plan is to be flown. */
+export interface FlightOrder {
+  readonly seed: number;
+  /** Mission seconds per second; 0 is as fast as it goes. */
+  readonly pace: number;
+  /** Whether another plan may be taken on the way. */
+  readonly replans: boolean;
+  /** Where the flight file is kept; empty keeps none. */
+  readonly log: string;
+}
 
 export interface FlightProps {
   /** Plan that would be flown. */
@@ -21,7 +32,7 @@ export interface FlightProps {
   readonly time: number;
   /** Whether time goes with the flight. */
   readonly isFollowing: boolean;
-  readonly onFly: (seed: number, pace: number) => void;
+  readonly onFly: (order: FlightOrder) => void;
   readonly onStop: (flight: string) => void;
   readonly onChoose: (flight: string | null) => void;
   readonly onTime: (steps: number) => void;
@@ -49,6 +60,8 @@ function Start(props: FlightProps) {
   const { plan, flights } = props;
   const [seed, setSeed] = useState(0);
   const [pace, setPace] = useState<number>(5);
+  const [mayReplan, setMayReplan] = useState(true);
+  const [log, setLog] = useState("");
   const isFlying = flights.some((one) => one.state === "running");
   const canFly = plan?.holds === true && !isFlying;
   return (
@@ -66,8 +79,15 @@ function Start(props: FlightProps) {
           </select>
         </div>
       </div>
+      <div class="p-field p-wide">
+        <label for="flight-log">Log file</label>
+        <input id="flight-log" class="p-path" value={log} placeholder="not kept; such as first.flight.jsonl" spellcheck={false} autocomplete="off" onInput={(event) => setLog(event.currentTarget.value)} />
+      </div>
       <div class="p-actions">
-        <Button kind="main" disabled={!canFly} onClick={() => props.onFly(seed, pace)}>
+        <Toggle label="Plan anew on the way" on={mayReplan} onChange={setMayReplan} />
+      </div>
+      <div class="p-actions">
+        <Button kind="main" disabled={!canFly} onClick={() => props.onFly({ seed, pace, replans: mayReplan, log: log.trim() })}>
           Fly
         </Button>
         <span class="p-note">{whyNotFly(plan, isFlying)}</span>

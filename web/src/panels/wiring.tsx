@@ -175,8 +175,8 @@ export function FlightRegion() {
       dt={dt.value}
       time={time.value}
       isFollowing={asking.isFollowing.value}
-      onFly={(seed, pace) => {
-        if (plan !== null) void asking.startFlight(plan.plan, seed, pace);
+      onFly={(order) => {
+        if (plan !== null) void asking.startFlight(plan.plan, order);
       }}
       onStop={(id) => void asking.stopFlight(id)}
       onChoose={asking.chooseFlight}
