@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import socket
+import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -182,13 +184,16 @@ def test_nonsense_is_refused_in_words(site, name, args):
     page.socket.send(json.dumps({"id": 1, "call": name, "args": args}))
     failure = page.receive()["failure"]
     assert failure["kind"] in {"refused", "gone"}
-    assert "/" not in failure["text"].replace("radmpc/", "").replace("true/false", "")
+    assert tempfile.gettempdir() not in failure["text"]
 
 
 def test_a_message_that_is_too_long_ends_the_socket(site):
-    with site.connect() as line, pytest.raises(ConnectionClosed):
-        line.send("x" * (pages.MOST_BYTES + 1))
-        line.recv(timeout=30)
+    with site.connect() as line:
+        # The server may have closed before all of it was sent.
+        with suppress(ConnectionClosed):
+            line.send("x" * (pages.MOST_BYTES + 1))
+        with pytest.raises(ConnectionClosed):
+            line.recv(timeout=30)
     assert line.close_code == 1009
 
 
@@ -224,7 +229,7 @@ def test_a_defect_is_told_without_what_it_says(site, monkeypatch):
         raise RuntimeError("/home/somebody/secret")
 
     monkeypatch.setattr(Folder, "files", broken)
-    with pytest.raises(CallFailedError, match="^internal error: RuntimeError$") as caught:
+    with pytest.raises(CallFailedError, match=r"^internal error: RuntimeError$") as caught:
         site.page().call("files")
     assert caught.value.kind == "internal"
 

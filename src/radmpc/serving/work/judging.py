@@ -29,7 +29,7 @@ def judged(control: Control, plan: Plan) -> Plan:
         exceeded.
     """
     del control
-    said = certify(plan)
+    said = certify(replace(plan, risk=Risk(plan.risk.bound)))
     if said.problems:
         raise ScenarioError("; ".join(said.problems[:3]))
     risk = Risk(plan.risk.bound, said.certified, said.ledger, plan.risk.price, said.saturation)

@@ -1,0 +1,190 @@
+"""The whole server: processes that search, die, pause, and end with it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+from served import PATIENCE, CallFailedError, Page, Site
+from test_serving_jobs import two
+from websockets.sync.client import connect
+
+from radmpc.io.text.json_text import write_json
+
+HARBOR = files("radmpc.data").joinpath("harbor.yaml").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory):
+    """Serve a document that takes a while to plan, with workers."""
+    folder = tmp_path_factory.mktemp("folder")
+    (folder / "harbor.yaml").write_text(HARBOR, encoding="utf-8")
+    (folder / "two.json").write_text(write_json(two()), encoding="utf-8")
+    with Site(folder) as site:
+        yield site
+
+
+def is_there(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").split()[2] != "Z"
+
+
+def gone(pids):
+    """Whether all processes end soon."""
+    for _ in range(200):
+        if not any(is_there(pid) for pid in pids):
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def begin(page, document, planner="certified", seconds=60.0):
+    return page.call(
+        "plan", document=document, planner=planner, seconds=seconds, gap=1e-9, riskBound=None
+    )
+
+
+def running(page):
+    """Wait until a search has told something."""
+    page.event(
+        "search",
+        lambda message: (
+            message["state"]["stage"] != "starting" and message["state"]["state"] == "running"
+        ),
+    )
+
+
+def ended(page, search):
+    return page.event(
+        "search",
+        lambda message: (
+            message["state"]["search"] == search
+            and message["state"]["state"] in {"ended", "failed"}
+        ),
+    )["state"]
+
+
+@pytest.mark.slow
+def test_a_search_streams_plans_is_held_goes_on_and_outlives_its_page(served):
+    page = served.page()
+    document = page.call("open", path="harbor.yaml")["document"]
+    search = begin(page, document)["search"]
+    first = page.event("plan")["summary"]
+    assert first["holds"]
+    assert page.call("pause", search=search)["state"] == "paused"
+    page.socket.close()
+    again = served.page()
+    state = again.call("state", document=again.call("hello")["document"])
+    assert state["plans"][0]["plan"] == first["plan"]
+    (held,) = state["searches"]
+    assert held["state"] == "paused"
+    time.sleep(0.2)
+    assert again.call("resume", search=search)["seconds"] == held["seconds"]
+    again.call("stop", search=search)
+    told = ended(again, search)
+    assert told["state"] == "ended"
+    assert "plan found" in told["told"]
+    plans = again.call("state", document=document)["plans"]
+    assert plans[-1]["cost"] <= first["cost"]
+    view = again.call("view", plan=plans[-1]["plan"])
+    assert [track["name"] for track in view["tracks"]] == [
+        "tug",
+        "barge",
+        "ferry",
+        "pilot",
+        "survey",
+    ]
+
+
+@pytest.mark.slow
+def test_a_worker_that_is_killed_is_an_answer_and_the_next_one_plans(served):
+    page = served.page()
+    document = page.call("open", path="harbor.yaml")["document"]
+    search = begin(page, document)["search"]
+    running(page)
+    (worker,) = served.desk.crew._busy
+    os.kill(worker.pid, signal.SIGKILL)
+    told = ended(page, search)
+    assert told["state"] == "failed"
+    assert "died" in told["told"]
+    with pytest.raises(CallFailedError, match="planner must be one of"):
+        begin(page, document, "magic")
+    small = page.call("open", path="two.json")["document"]
+    quick = begin(page, small, "distance", 20.0)["search"]
+    assert ended(page, quick)["state"] == "ended"
+
+
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_the_command_prints_its_address_and_takes_its_workers_along(tmp_path, number):
+    (tmp_path / "harbor.yaml").write_text(HARBOR, encoding="utf-8")
+    command = [sys.executable, "-m", "radmpc", "serve", "harbor.yaml", "--no-open"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as server:
+        line = server.stdout.readline().strip()
+        assert line.startswith("http://127.0.0.1:")
+        base, token = line.split("/#token=")
+        address = f"{base.replace('http', 'ws')}/socket?token={token}"
+        with connect(address, max_size=None) as socket:
+            page = Page(socket)
+            document = page.call("hello")["document"]
+            begin(page, document)
+            running(page)
+            children = Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text("utf-8")
+            server.send_signal(number)
+            out, err = server.communicate(timeout=PATIENCE)
+        if number == signal.SIGINT:
+            assert server.returncode == 0
+            assert out + err == ""
+        assert gone([int(pid) for pid in children.split()])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["missing.yaml"], "missing.yaml: there is no such file"),
+        (["--folder", "nowhere"], "nowhere: there is no such folder"),
+        (["../two.json", "--folder", "."], "is not in the folder"),
+        (["broken.json"], "broken.json"),
+    ],
+)
+def test_what_cannot_be_served_is_one_line(tmp_path, words, said, monkeypatch, capsys):
+    from radmpc.cli import app  # noqa: PLC0415 - in the folder
+
+    inside = tmp_path / "in"
+    inside.mkdir()
+    (tmp_path / "two.json").write_text("{}", encoding="utf-8")
+    (inside / "broken.json").write_text("{", encoding="utf-8")
+    monkeypatch.chdir(inside)
+    code = app(["serve", *words], standalone_mode=False)
+    line = capsys.readouterr().err
+    assert code == 2
+    assert said in line
+    assert line.count("\n") == 1
+
+
+def test_a_port_that_is_taken_or_a_missing_extra_is_one_line(tmp_path, monkeypatch, capsys):
+    from radmpc.cli import app  # noqa: PLC0415 - see above
+    from radmpc.serving.starting import listening  # noqa: PLC0415 - see above
+
+    monkeypatch.chdir(tmp_path)
+    with listening(0) as port:
+        number = port.getsockname()[1]
+        assert app(["serve", "--port", str(number)], standalone_mode=False) == 2
+    assert f"port {number}" in capsys.readouterr().err
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert app(["serve"], standalone_mode=False) == 2
+    said = capsys.readouterr().err
+    assert "pip install 'radmpc[serve]'" in said
+    assert said.count("\n") == 1
