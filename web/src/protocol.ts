@@ -190,7 +190,8 @@ export interface PlanSummary {
 
 /** A line of the ledger: where the risk goes. */
 export interface LedgerLine {
-  readonly cause: "pair" | "obstacle" | "workspace";
+  /** `range`: two vehicles that are to stay in reach of each other. */
+  readonly cause: "pair" | "obstacle" | "workspace" | "range";
   readonly vehicle: string;
   readonly other: string | null;
   readonly step: number;

@@ -63,6 +63,7 @@ def _norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
     span = model.position.shape[2]
     rows: list[Matrix] = [np.zeros((0, span))]
     uppers: list[Vector] = [np.zeros(0)]
+    left: Vector
     if model.face_bounds is not None:
         normals, _ = inner_faces(span // last)
         rows.append(np.kron(np.eye(last), normals))

@@ -258,7 +258,7 @@ class DocumentState(TypedDict):
 class LedgerLine(TypedDict):
     """Where a part of the risk goes."""
 
-    cause: Literal["pair", "obstacle", "workspace"]
+    cause: Literal["pair", "obstacle", "workspace", "range"]
     vehicle: str
     other: str | None
     step: int

@@ -4,13 +4,14 @@ import type { LedgerLine } from "../protocol";
 
 export type Cause = LedgerLine["cause"];
 
-export const CAUSES: readonly Cause[] = ["pair", "obstacle", "workspace"];
+export const CAUSES: readonly Cause[] = ["pair", "obstacle", "workspace", "range"];
 
 /** Headings of the causes. */
 export const CAUSE_WORDS: Readonly<Record<Cause, string>> = {
   pair: "Vehicles with each other",
   obstacle: "Obstacles",
   workspace: "Workspace",
+  range: "Out of each other's range",
 };
 
 /** One thing that may go wrong, over all steps. */
@@ -31,9 +32,14 @@ export interface CauseGroup {
   readonly hazards: readonly Hazard[];
 }
 
+/** Whether a line is about two vehicles. */
+function isOfTwo(line: LedgerLine): boolean {
+  return line.cause === "pair" || line.cause === "range";
+}
+
 /** Whether a line is about a vehicle; null is any. */
 export function concerns(line: LedgerLine, vehicle: string | null): boolean {
-  return vehicle === null || line.vehicle === vehicle || (line.cause === "pair" && line.other === vehicle);
+  return vehicle === null || line.vehicle === vehicle || (isOfTwo(line) && line.other === vehicle);
 }
 
 /** The ledger by cause and hazard, of one vehicle or of all; causes without risk are left out. */
@@ -73,7 +79,7 @@ export function between(line: { readonly cause: Cause; readonly vehicle: string;
 
 /** Vehicles that a line is about. */
 export function vehiclesOf(line: LedgerLine): readonly string[] {
-  return line.cause === "pair" && line.other !== null ? [line.vehicle, line.other] : [line.vehicle];
+  return isOfTwo(line) && line.other !== null ? [line.vehicle, line.other] : [line.vehicle];
 }
 
 /** Risk at every step, cause by cause: as many numbers as there are steps, the start included. */

@@ -183,7 +183,7 @@ def _line(row: LedgerRow, places: dict[str, Matrix], rounding: Rounding) -> Ledg
     here = places[row.vehicle]
     step = min(row.step, len(here) - 1)
     at = here[step]
-    if row.cause == "pair" and row.other in places:
+    if row.cause in {"pair", "range"} and row.other in places:
         at = 0.5 * (at + places[row.other][step])
     return {
         "cause": row.cause,
