@@ -63,10 +63,9 @@ def _norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
     span = model.position.shape[2]
     rows: list[Matrix] = [np.zeros((0, span))]
     uppers: list[Vector] = [np.zeros(0)]
-    left: Vector
     if model.face_bounds is not None:
         normals, _ = inner_faces(span // last)
-        rows.append(np.kron(np.eye(last), normals))
+        rows.append(np.asarray(np.kron(np.eye(last), normals), dtype=np.float64))
         uppers.append(model.face_bounds.ravel())
     if vehicle.speed_norm is not None and model.velocity is not None:
         normals, share = inner_faces(vehicle.system.dimension)
