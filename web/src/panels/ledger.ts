@@ -92,6 +92,7 @@ export function risksBySteps(
     pair: zeros(horizon + 1),
     obstacle: zeros(horizon + 1),
     workspace: zeros(horizon + 1),
+    range: zeros(horizon + 1),
   };
   for (const line of ledger) {
     if (!concerns(line, vehicle)) continue;
