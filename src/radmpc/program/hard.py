@@ -65,15 +65,15 @@ def _norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
     uppers: list[Vector] = [np.zeros(0)]
     if model.face_bounds is not None:
         normals, _ = inner_faces(span // last)
-        rows.append(np.kron(np.eye(last), normals))
+        rows.append(np.asarray(np.kron(np.eye(last), normals), dtype=np.float64))
         uppers.append(model.face_bounds.ravel())
     if vehicle.speed_norm is not None and model.velocity is not None:
         normals, share = inner_faces(vehicle.system.dimension)
-        faces = (normals @ model.velocity[1:]).reshape(-1, span)
-        idle = np.zeros((last, len(normals)))
+        faces: Matrix = (normals @ model.velocity[1:]).reshape(-1, span)
+        idle: Matrix = np.zeros((last, len(normals)))
         if model.drift_velocity is not None:
             idle = model.drift_velocity[1:] @ normals.T
-        left = share * vehicle.speed_norm - idle.ravel()
+        left: Vector = share * vehicle.speed_norm - idle.ravel()
         binding = np.abs(faces) @ np.maximum(model.control_bounds, 0.0).ravel() > left
         rows.append(faces[binding])
         uppers.append(left[binding])

@@ -33,6 +33,8 @@ class Track:
         Three standard deviations of the position per axis [m].
     controls : (T, m) array
         Nominal controls.
+    visits : tuple of int
+        Steps at which it visits the boxes of ``vehicle.via``, up to the first that it misses.
     """
 
     vehicle: Vehicle
@@ -41,6 +43,7 @@ class Track:
     velocities: Matrix | None
     three_sigma: Matrix
     controls: Matrix
+    visits: tuple[int, ...] = ()
 
     @property
     def name(self) -> str:
@@ -121,7 +124,17 @@ def _track(plan: Plan, index: int, vehicle: Vehicle, part: Trajectory) -> Track:
         velocities=velocities_over_ground(vehicle, part.means, plan.scenario.dt),
         three_sigma=_three_sigma(part.covariances, axes),
         controls=part.controls,
+        visits=_visits(vehicle, part.means) if vehicle.via else (),
     )
+
+
+def _visits(vehicle: Vehicle, means: Matrix) -> tuple[int, ...]:
+    """Return the steps at which a vehicle makes its visits."""
+    from radmpc.model.visits import steps_visited  # noqa: PLC0415 - few visit anything
+
+    velocity = vehicle.system.velocity
+    speeds = None if velocity is None else means[:, list(velocity)]
+    return steps_visited(vehicle.via, means[:, list(vehicle.system.position)], speeds)
 
 
 def velocities_over_ground(vehicle: Vehicle, means: Matrix, dt: float) -> Matrix | None:
