@@ -18,7 +18,9 @@ from radmpc.preflight.reserve import tails
 
 __all__ = ["Concern", "Kind", "concerns_of"]
 
-Kind = Literal["control", "time", "endpoint", "narrow", "saturation", "deviation"] | NoiseKind
+Kind = (
+    Literal["control", "time", "visit", "endpoint", "narrow", "saturation", "deviation"] | NoiseKind
+)
 
 _TIGHT = 0.9
 """Share of the horizon that the least time may take before it is a concern [-]. Of the drawn
@@ -124,6 +126,11 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
     """Yield what is to be said of one vehicle."""
     yield from _control(vehicle, seen)
     yield from _time(scenario, vehicle, seen)
+    if seen.visits:
+        from radmpc.preflight.visits import told_of_visits  # noqa: PLC0415 - few visit anything
+
+        for text, weight in told_of_visits(vehicle, seen.visits, scenario.horizon):
+            yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0)
     if isinstance(seen.narrowest, Narrowest):
         yield from _narrow(scenario, seen, seen.narrowest)
     if seen.saturation is not None and seen.saturation > _SMALL * scenario.risk_bound:

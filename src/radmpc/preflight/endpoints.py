@@ -79,7 +79,9 @@ def _near_pieces(
 ) -> bool:
     """Whether some place is near an obstacle, or near the box around it."""
     for obstacle in scenario.obstacles:
-        mine = np.array([is_for(obstacle, vehicle.name) for vehicle in scenario.vehicles])
+        mine = np.ones(scenario.num_vehicles, dtype=bool)
+        if obstacle.concerns is not None:
+            mine[:] = [is_for(obstacle, vehicle.name) for vehicle in scenario.vehicles]
         # Deviations of two add up to less than their sum.
         more = 0.0 if obstacle.spread is None else far * obstacle.spread.deviation(step)
         for piece in obstacle.at(step):

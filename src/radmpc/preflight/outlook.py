@@ -56,6 +56,10 @@ class VehicleOutlook:
         border, and other vehicles' starts or goals [-].
     narrowest : Narrowest or Passage
         The narrowest place that it must pass; unknown, too, where it cannot get there in time.
+    visits : tuple of (int or None)
+        Earliest step of each of its visits and of its arrival after them, through empty space with
+        what feedback leaves; None from the first that is too late on. Empty without visits, and of
+        dynamics that are no double integrator.
     """
 
     name: str
@@ -67,6 +71,7 @@ class VehicleOutlook:
     start_risk: float
     goal_risk: float
     narrowest: Narrowest | Passage
+    visits: tuple[int | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,6 +160,11 @@ def _vehicle(
         least, least_kept = _least_times(scenario, vehicle, pace, bounds)
         left = np.maximum(bounds, 0.0)
         controls, reach = pace.cheapest(left), pace.reach(left)
+    visits: tuple[int | None, ...] = ()
+    if vehicle.via and pace is not None:
+        from radmpc.preflight.visits import earliest_visits  # noqa: PLC0415 - few visit anything
+
+        visits = earliest_visits(vehicle, pace, np.maximum(bounds, 0.0))
     narrowest: Narrowest | Passage = Passage.UNKNOWN
     saturation = None
     if controls is not None and np.all(bounds >= 0.0):
@@ -174,6 +184,7 @@ def _vehicle(
         start_risk=risks[0],
         goal_risk=risks[1],
         narrowest=narrowest,
+        visits=visits,
     )
 
 

@@ -69,11 +69,11 @@ def _norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
         uppers.append(model.face_bounds.ravel())
     if vehicle.speed_norm is not None and model.velocity is not None:
         normals, share = inner_faces(vehicle.system.dimension)
-        faces = (normals @ model.velocity[1:]).reshape(-1, span)
-        idle = np.zeros((last, len(normals)))
+        faces: Matrix = (normals @ model.velocity[1:]).reshape(-1, span)
+        idle: Matrix = np.zeros((last, len(normals)))
         if model.drift_velocity is not None:
             idle = model.drift_velocity[1:] @ normals.T
-        left = share * vehicle.speed_norm - idle.ravel()
+        left: Vector = share * vehicle.speed_norm - idle.ravel()
         binding = np.abs(faces) @ np.maximum(model.control_bounds, 0.0).ravel() > left
         rows.append(faces[binding])
         uppers.append(left[binding])

@@ -220,14 +220,12 @@ def near_pieces(
 
     Parameters
     ----------
-    scenario : Scenario
-        The plan's.
+    scenario, intervals
+        As in `gather_pairs`.
     balls : Balls
         Where vehicles are in each window from there on.
     step : int
         The first.
-    intervals : bool
-        Whether windows are intervals, or steps.
     """
     mine = _concerned(scenario)
     for number, piece, shapes in _pieces(scenario, step):
@@ -238,7 +236,11 @@ def near_pieces(
 
 def _concerned(scenario: Scenario) -> Flags:
     """Return whom each obstacle concerns, (O, N) bool."""
-    return np.array([[is_for(o, v.name) for v in scenario.vehicles] for o in scenario.obstacles])
+    found = np.ones((len(scenario.obstacles), scenario.num_vehicles), dtype=bool)
+    for number, obstacle in enumerate(scenario.obstacles):
+        if obstacle.concerns is not None:
+            found[number] = [is_for(obstacle, vehicle.name) for vehicle in scenario.vehicles]
+    return found
 
 
 def _pieces(scenario: Scenario, step: int) -> Iterator[tuple[int, int, Sequence[Polytope]]]:

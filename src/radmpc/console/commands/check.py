@@ -196,6 +196,7 @@ def _vehicle_json(seen: VehicleOutlook) -> dict[str, object]:
         "start_risk": seen.start_risk,
         "goal_risk": seen.goal_risk,
         "narrowest": _narrowest_json(seen.narrowest),
+        "visits": list(seen.visits),
     }
 
 

@@ -14,7 +14,9 @@ from radmpc.io.export.outlines import Kind, footprint, goal_outline, holes, outl
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track
 from radmpc.io.text.json_text import write_json
+from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
+from radmpc.model.visits import Visit
 
 __all__ = ["write_geojson"]
 
@@ -34,11 +36,15 @@ def write_geojson(job: Job) -> bytes:
     Returns
     -------
     bytes
-        JSON. The property ``kind`` is ``path``, ``start``, ``goal`` or ``obstacle``.
+        JSON. The property ``kind`` is ``path``, ``start``, ``goal``, ``visit`` or
+        ``obstacle``.
     """
     features: list[Feature] = []
     for track in job.tracks:
-        features += [_path(track, job.place), _start(track, job.place), _goal(track, job.place)]
+        goal = track.vehicle.goal
+        features += [_path(track, job.place), _start(track, job.place)]
+        features.append(_box("goal", track.name, goal, job.place))
+        features += _visits(track, job.place)
     features += _obstacles(job)
     content: dict[str, object] = {
         "type": "FeatureCollection",
@@ -80,16 +86,25 @@ def _start(track: Track, place: Placement) -> Feature:
     return _feature("start", track.name, "Point", position, radius=track.vehicle.radius)
 
 
-def _goal(track: Track, place: Placement) -> Feature:
-    """Return a goal: its box seen from above, or its middle where the box has no area."""
-    goal = track.vehicle.goal
-    corners = goal_outline(goal)
+def _box(kind: str, name: str, box: Goal | Visit, place: Placement, **more: object) -> Feature:
+    """Return a goal or a visit: its box seen from above, or its middle where that has no area."""
+    corners = goal_outline(box)
     if corners is None:
-        (position,) = _positions(goal.center[None], place)
-        return _feature("goal", track.name, "Point", position)
-    heights = _heights(place, goal.lower, goal.upper)
-    ring = _ring(_raised(corners, float(goal.lower[-1]), goal.lower.size), place)
-    return _feature("goal", track.name, "Polygon", [ring], **heights)
+        (position,) = _positions(box.center[None], place)
+        return _feature(kind, name, "Point", position, **more)
+    heights = _heights(place, box.lower, box.upper)
+    ring = _ring(_raised(corners, float(box.lower[-1]), box.lower.size), place)
+    return _feature(kind, name, "Polygon", [ring], **heights, **more)
+
+
+def _visits(track: Track, place: Placement) -> Iterator[Feature]:
+    """Yield what a vehicle visits, in order, and when it does."""
+    for number, visit in enumerate(track.vehicle.via):
+        when: dict[str, object] = {"number": number}
+        if number < len(track.visits):
+            step = track.visits[number]
+            when |= {"step": step, "time": float(track.times[step])}
+        yield _box("visit", track.name, visit, place, **when)
 
 
 def _obstacles(job: Job) -> Iterator[Feature]:

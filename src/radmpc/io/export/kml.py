@@ -16,7 +16,9 @@ from radmpc.io.export.origin import Placement
 from radmpc.io.export.outlines import Kind, goal_outline, holes, kind_of, outline, triangles
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track, check_duration
+from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
+from radmpc.model.visits import Visit
 
 __all__ = ["write_kml"]
 
@@ -97,14 +99,24 @@ def _vehicle(parent: Element, track: Track, style: str, place: Placement) -> Non
         _text(path, "gx:coord", " ".join(point))
     start = track.vehicle.start_position[None]
     _point(_placemark(folder, f"{track.name}: start", style), start, place)
-    goal = track.vehicle.goal
-    corners = goal_outline(goal)
-    mark = _placemark(folder, f"{track.name}: goal", style)
+    for number, visit in enumerate(track.vehicle.via):
+        mark = _placemark(folder, f"{track.name}: visit {number + 1}", style)
+        if number < len(track.visits):
+            stamp = Element("TimeStamp")
+            _text(stamp, "when", _when(float(track.times[track.visits[number]])))
+            mark.insert(1, stamp)
+        _box(mark, visit, place)
+    _box(_placemark(folder, f"{track.name}: goal", style), track.vehicle.goal, place)
+
+
+def _box(mark: Element, box: Goal | Visit, place: Placement) -> None:
+    """Add a box seen from above, or its middle where that has no area."""
+    corners = goal_outline(box)
     if corners is None:
-        _point(mark, goal.center[None], place)
+        _point(mark, box.center[None], place)
         return
-    if goal.lower.size == 3:
-        corners = np.column_stack([corners, np.full(len(corners), goal.center[2])])
+    if box.lower.size == 3:
+        corners = np.column_stack([corners, np.full(len(corners), box.center[2])])
     _polygon(mark, corners, place)
 
 

@@ -19,6 +19,7 @@ __all__ = [
     "Stop",
     "mission_items",
     "stops",
+    "visits_of",
 ]
 
 WAYPOINT = 16
@@ -142,3 +143,27 @@ def mission_items(track: Track, placement: Placement) -> tuple[Item, ...]:
         wait = (round(stop.wait, 6), 0.0, 0.0, 0.0)
         items.append(Item(WAYPOINT, FRAME_RELATIVE, wait, place[0], place[1], level))
     return tuple(items)
+
+
+def visits_of(track: Track) -> list[dict[str, float]]:
+    """Return which waypoints are visits: their number in a mission, the visit's, step and time.
+
+    Parameters
+    ----------
+    track : Track
+        Whose means become waypoints.
+
+    Returns
+    -------
+    list of dict
+        ``item``, counted from 1 through speeds and waypoints as `mission_items` are, ``visit``
+        from 0, ``step`` among those written, and ``time`` [s].
+    """
+    # Item 1 is the start; each further stop has its speed before it.
+    steps = [stop.step for stop in stops(track.times, track.positions)]
+    found = []
+    for number, step in enumerate(track.visits):
+        place = max(k for k, stop in enumerate(steps) if stop <= step)
+        when = {"step": step, "time": float(track.times[step])}
+        found.append({"item": 1 + 2 * place, "visit": number, **when})
+    return found

@@ -11,6 +11,7 @@ from radmpc.facets import facets, surface
 from radmpc.geometry import Polytope
 from radmpc.model.obstacle import LineShape, Obstacle, PolygonShape
 from radmpc.model.vehicle import Goal
+from radmpc.model.visits import Visit
 
 __all__ = ["Kind", "footprint", "goal_outline", "holes", "kind_of", "outline", "triangles"]
 
@@ -64,10 +65,10 @@ def footprint(piece: Polytope) -> tuple[Kind, Matrix]:
     return kind_of(corners), corners
 
 
-def goal_outline(goal: Goal) -> Matrix | None:
+def goal_outline(goal: Goal | Visit) -> Matrix | None:
     """Return a goal's corners in the plane, counter-clockwise, (4, 2) [m]; None if it has no area.
 
-    Of a goal in space this is what is seen from above.
+    Of a goal in space this is what is seen from above. Visits are boxes alike.
     """
     (west, south), (east, north) = goal.lower[:2], goal.upper[:2]
     if not (west < east and south < north):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from radmpc.io.export.job import Job
-from radmpc.io.export.mission import WAYPOINT, Item, mission_items
+from radmpc.io.export.mission import WAYPOINT, Item, mission_items, visits_of
 from radmpc.io.export.statements import origin_sentence, risk_sentence, timing_sentence, title
 from radmpc.io.export.tracks import Track
 
@@ -39,6 +39,18 @@ def write_qgc(job: Job, track: Track) -> bytes:
     home = job.place.geodetic(track.positions[:1])[0].tolist()
     legs = [item.parameters[1] for item in items if item.command != WAYPOINT]
     fastest = max(legs, default=0.0)
+    told: dict[str, object] = {
+        "title": title(job.plan, track.name),
+        "risk": risk_sentence(job.plan, job.is_certified),
+        "timing": timing_sentence(job.plan),
+        "altitude": _DATUM,
+        "origin": origin_sentence(job.place),
+        "times": track.times.tolist(),
+    }
+    if job.note is not None:
+        told["steps"] = job.note
+    if track.visits:
+        told["visits"] = visits_of(track)
     content = {
         "fileType": "Plan",
         "version": 1,
@@ -55,15 +67,7 @@ def write_qgc(job: Job, track: Track) -> bytes:
             "plannedHomePosition": [*home[:2], job.place.origin.height],
             "items": [_item(number, item) for number, item in enumerate(items, start=1)],
         },
-        "radmpc": {
-            "title": title(job.plan, track.name),
-            "risk": risk_sentence(job.plan, job.is_certified),
-            "timing": timing_sentence(job.plan),
-            "altitude": _DATUM,
-            "origin": origin_sentence(job.place),
-            "times": track.times.tolist(),
-            **({} if job.note is None else {"steps": job.note}),
-        },
+        "radmpc": told,
     }
     # As Qt writes it: keys in order, four blanks.
     return (json.dumps(content, indent=4, sort_keys=True, allow_nan=False) + "\n").encode()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arguments import field_integer
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
@@ -35,6 +35,9 @@ class Track:
         Three standard deviations of the position per axis [m].
     controls : (T, m) array
         Nominal controls of all steps.
+    visits : tuple of int
+        Rows of ``times`` at which it visits the boxes of ``vehicle.via``, up to the first that it
+        misses.
     """
 
     vehicle: Vehicle
@@ -43,6 +46,7 @@ class Track:
     velocities: Matrix | None
     three_sigma: Matrix
     controls: Matrix
+    visits: tuple[int, ...] = ()
 
     @property
     def name(self) -> str:
@@ -112,9 +116,21 @@ def thinned_tracks(
                 positions=track.positions[kept],
                 velocities=None if track.velocities is None else track.velocities[kept],
                 three_sigma=track.three_sigma[kept],
+                visits=_visits_among(track.visits, kept),
             )
         )
     return tuple(chosen)
+
+
+def _visits_among(visits: Sequence[int], kept: Indices) -> tuple[int, ...]:
+    """Return where steps of visits are among those that stay, up to the first that does not."""
+    rows = []
+    for step in visits:
+        row = int(np.searchsorted(kept, step))
+        if kept[row] != step:
+            break
+        rows.append(row)
+    return tuple(rows)
 
 
 def check_duration(plan: Plan, longest: float, what: str) -> None:
@@ -161,7 +177,17 @@ def _track(plan: Plan, index: int, vehicle: Vehicle, part: Trajectory) -> Track:
         velocities=velocities_over_ground(vehicle, part.means, plan.scenario.dt),
         three_sigma=_three_sigma(part.covariances, axes),
         controls=part.controls,
+        visits=_visits(vehicle, part.means) if vehicle.via else (),
     )
+
+
+def _visits(vehicle: Vehicle, means: Matrix) -> tuple[int, ...]:
+    """Return the steps at which a vehicle makes its visits."""
+    from radmpc.model.visits import steps_visited  # noqa: PLC0415 - few visit anything
+
+    velocity = vehicle.system.velocity
+    speeds = None if velocity is None else means[:, list(velocity)]
+    return steps_visited(vehicle.via, means[:, list(vehicle.system.position)], speeds)
 
 
 def velocities_over_ground(vehicle: Vehicle, means: Matrix, dt: float) -> Matrix | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from radmpc.io.export.job import Job
-from radmpc.io.export.mission import WAYPOINT, Item, mission_items
+from radmpc.io.export.mission import WAYPOINT, Item, mission_items, visits_of
 from radmpc.io.export.statements import origin_sentence, risk_sentence, timing_sentence, title
 from radmpc.io.export.tracks import Track
 from radmpc.io.text.files import one_line
@@ -45,6 +45,11 @@ def write_waypoints(job: Job, track: Track) -> bytes:
         *([] if job.note is None else [one_line(job.note)]),
         _DATUM,
         origin_sentence(job.place),
+    ]
+    # Line 0 is home: lines count as items do.
+    comments += [
+        f"line {found['item']} is visit {found['visit'] + 1} at {found['time']:g} s"
+        for found in visits_of(track)
     ]
     lines = ["QGC WPL 110", *(f"# {comment}" for comment in comments)]
     lines += [_line(number, item) for number, item in enumerate(items)]

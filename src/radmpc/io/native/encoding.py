@@ -76,6 +76,12 @@ def encode_scenario(scenario: Scenario) -> dict[str, object]:
         content["defaults"] = defaults
         vehicles = [{k: e for k, e in v.items() if k not in defaults} for v in vehicles]
     content["vehicles"] = vehicles
+    return content | _further(scenario)
+
+
+def _further(scenario: Scenario) -> dict[str, object]:
+    """Return what few scenarios have, in the order of a file."""
+    content: dict[str, object] = {}
     if scenario.has_shared:
         from radmpc.io.native.shared import encode_shared  # noqa: PLC0415 - few share
 

@@ -166,4 +166,4 @@ def met_by(obstacles: Iterable[Obstacle], vehicle: str) -> tuple[Obstacle, ...]:
     vehicle : str
         Its name.
     """
-    return tuple(obstacle for obstacle in obstacles if is_for(obstacle, vehicle))
+    return tuple(o for o in obstacles if o.concerns is None or is_for(o, vehicle))
