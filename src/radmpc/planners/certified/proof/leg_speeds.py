@@ -1,13 +1,15 @@
 """A quick bound on the effort between visits: velocities that each leg must have at some moment.
 
-In empty space a double integrator that is in one box at one step, and in the next at another, has the
-velocity of the straight leg between them at some moment of it, per axis. From moment to moment its
-effort is at least the change of velocity. Boxes leave an interval of velocities to each leg; the least
-change through intervals follows from one after the other: it stays in the last as long as it can.
+In empty space a double integrator that is in one box at one step, and in the next at another, has
+the velocity of the straight leg between them at some moment of it, per axis. From moment to moment
+its effort is at least the change of velocity. Boxes leave an interval of velocities to each leg,
+and the least change through intervals follows from one after the other: it stays in the last as
+long as it can.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import prod
 
 import numpy as np
@@ -49,7 +51,7 @@ def leg_efforts(model: CondensedModel) -> Table | None:
     for axis in range(system.dimension):
         gain = float(np.abs(system.B[list(system.velocity or ())][axis]).max())
         total = total + _changes(model, steps, axis) / gain
-    for before, after in zip(steps[:-2], steps[1:-1], strict=True):
+    for before, after in pairwise(steps[:-1]):
         total = np.where(after > before, total, np.inf)
     return model.vehicle.cost_weight * total
 

@@ -34,8 +34,9 @@ _MISSED = 1e3
 """What a meter beside a box costs, in what a meter's detour over one step costs [-]: enough for
 visits to be missed only where there is no way to make them."""
 
-_FAR = 1e7
-"""How far a box may be missed [m]: linear programs with finite bounds can be proven."""
+_FAR = 100.0
+"""How far a box may be missed, in what it is missed by without any control [-]: of finite bounds on
+columns linear programs can be proven, the better the smaller they are."""
 
 
 def _arrival(model: CondensedModel, step: int) -> int | None:
@@ -125,6 +126,13 @@ def _at_even_speed(model: CondensedModel, windows: Sequence[tuple[int, int]]) ->
     return steps
 
 
+def _far(model: CondensedModel) -> float:
+    """Return how far a box may be missed [m]."""
+    goal = model.vehicle.goal
+    middles = [visit.center for visit in model.vehicle.via] + [goal.center]
+    return _FAR * (1.0 + max(float(np.abs(model.drift_position - m).max()) for m in middles))
+
+
 class VisitLp:
     """The least cost of a vehicle in empty space with visits and arrival at given steps.
 
@@ -148,7 +156,7 @@ class VisitLp:
         self._lp = HighsLp(
             np.append(np.full(2 * span, weight), np.full(self._count, beside)),
             np.zeros(2 * span + self._count),
-            np.append(bounds, np.full(self._count, _FAR)),
+            np.append(bounds, np.full(self._count, _far(model))),
         )
         nothing = np.zeros((len(rows), self._count))
         self._lp.add_rows(csr_array(np.hstack([rows, -rows, nothing])), lower, upper)
