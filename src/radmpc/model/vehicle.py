@@ -27,6 +27,7 @@ from radmpc.model.numbers import check_correlation, check_positive, check_vehicl
 from radmpc.model.states import as_state
 
 if TYPE_CHECKING:
+    from radmpc.model.noise.known import Known
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.noise.spread import Noise, Spread
@@ -82,6 +83,9 @@ class Vehicle(Frozen):
         Its part in disturbances that others meet, too; names distinct.
     via : tuple of Visit
         Boxes that its mean visits on the way, one after the other.
+    known : Known or None
+        What has been learned by k = 0 of a vehicle under way whose disturbances last or that
+        measures, in place of `initial_covariance`; it shares no disturbance. In no file.
     """
 
     name: str
@@ -101,6 +105,7 @@ class Vehicle(Frozen):
     measurement: Measurement | None = None
     shared: tuple[SharedDisturbance, ...] = ()
     via: tuple[Visit, ...] = ()
+    known: Known | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -123,6 +128,7 @@ class Vehicle(Frozen):
             measurement: Measurement | None = None,
             shared: Sequence[SharedDisturbance] = (),
             via: Iterable[Visit] = (),
+            known: Known | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -199,7 +205,28 @@ class Vehicle(Frozen):
         from radmpc.model.noise.spread import Noise  # noqa: PLC0415 - few need it
 
         own = self.disturbance_covariance, self.disturbance_correlation
-        return Noise(self.initial_covariance, *own, self.measurement, self.shared)
+        return Noise(self.initial_covariance, *own, self.measurement, self.shared, self.known)
+
+    def pushes(self, horizon: int) -> Vector | Matrix | None:
+        """Return what every step adds to the mean state besides the control.
+
+        Parameters
+        ----------
+        horizon : int
+            Number of steps T.
+
+        Returns
+        -------
+        (n,) or (T, n) array or None
+            The drift; where a disturbance that lasts has been seen, with what is expected of it,
+            step by step. None is nothing.
+        """
+        known = self.known
+        if known is None or not self.disturbance_correlation or not known.disturbance.any():
+            return self.drift
+        shares = self.disturbance_correlation ** np.arange(horizon)
+        expected = shares[:, None] * known.disturbance
+        return expected if self.drift is None else expected + self.drift
 
     @property
     def has_memory(self) -> bool:
