@@ -14,8 +14,9 @@ With a disturbance that lasts, or a filter, the same holds of the longer state Î
 given all that was measured it is Gaussian about what is expected of it, with a covariance
 :math:`S_t` that is known beforehand, and :math:`F^{k-t} S_t (F^{k-t})^\top` comes on top. Of
 obstacles nothing is measured, so their places keep the covariances they had. Where this leaves open
-whether anything was hit, every row stays charged without the one before it, also the first one: what
-has been spent on the steps that were flown, and what is left, are then a martingale by themselves.
+whether anything was hit, every row stays charged without the one before it, also the first one:
+what has been spent on the steps that were flown, and what is left, are then a martingale by
+themselves.
 """
 
 from __future__ import annotations
