@@ -1,4 +1,4 @@
-"""Missions in the world as it is measured: currents are flown, noise with a memory is refused."""
+"""Missions in the world as it is measured: currents are flown."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.receding.long_mission import LongMission
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.scenario import Scenario
 from radmpc.preflight.pace import Pace
@@ -47,13 +48,11 @@ def test_a_mission_in_a_current_stays_near_its_plan() -> None:
         {"measurement": Measurement(np.eye(4)[:2], 1e-4 * np.eye(2))},
     ],
 )
-def test_noise_with_a_memory_is_refused_in_one_line(values: dict[str, object]) -> None:
+def test_noise_with_a_memory_is_refused_in_windows_in_one_line(values: dict[str, object]) -> None:
     scenario = with_each(paper(2, 1), **values)
-    plan = radmpc.plan(scenario).require()
-    for made in (lambda: Mission(plan), lambda: Model(scenario, 0)):
-        with pytest.raises(ScenarioError, match="cannot be flown under way") as error:
-            made()
-        assert "\n" not in str(error.value)
+    with pytest.raises(ScenarioError, match="cannot be flown in windows") as error:
+        LongMission(scenario, window=4, overlap=1)
+    assert "\n" not in str(error.value)
 
 
 def test_the_closed_form_of_a_pace_leaves_currents_to_others() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from referee_scenes import make_plan, straight_controls
@@ -79,11 +79,15 @@ def crowded(
 class Missions:
     """Deviations of all missions.
 
-    states : per vehicle (T+1, S, n), fresh : per vehicle (T, S, n)
+    states : per vehicle (T+1, S, n), fresh : per vehicle (T, S, n), strays : how far obstacles are
+    from where they are expected, (T+1, S, d) by number; seen : what feedback acts on, as states;
+    empty where those are
     """
 
     states: list[np.ndarray]
     fresh: list[np.ndarray]
+    strays: dict[int, np.ndarray] = field(default_factory=dict)
+    seen: list[np.ndarray] = field(default_factory=list)
 
 
 def flown(witnesses: Witnesses, count: int, seed: int) -> Missions:
@@ -126,8 +130,12 @@ def row_failures(witnesses: Witnesses, missions: Missions) -> np.ndarray:
             if s:
                 y = y + sign * s * (path[k + 1][:, axes] - near)
             if vehicle.gain is not None and vehicle.system.is_double_integrator:
-                asked = path[k] @ vehicle.gain.T @ vehicle.system.B[axes].T
+                acted_on = missions.seen[i][k] if missions.seen else path[k]
+                asked = acted_on @ vehicle.gain.T @ vehicle.system.B[axes].T
                 y = y - sign * (s * (1.0 - s) + bend) * asked
+        if parties.causes[encounter] == "obstacle" and parties.other[encounter] in missions.strays:
+            stray = missions.strays[parties.other[encounter]]
+            y = y - stray[k] - (s * (stray[k + 1] - stray[k]) if s else 0.0)
         failed[e] = y @ rows.normals[e] < -rows.margins[e]
     return failed
 
@@ -146,6 +154,9 @@ def integral_hits(witnesses: Witnesses, missions: Missions) -> np.ndarray:
             place = place - missions.states[j][k][:, list(vehicles[j].system.position)]
             hit[e] = np.linalg.norm(place, axis=1) < rows.radii[e]
         else:
+            place = (
+                place - missions.strays.get(parties.other[encounter], np.zeros(k + 1)[:, None])[k]
+            )
             solid = solid_of(hull(rows.vertices[e]))
             hit[e] = solid_distances(place, place, solid) < rows.radii[e]
     return hit

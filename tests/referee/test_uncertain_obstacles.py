@@ -13,13 +13,13 @@ from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped
 
 from radmpc.errors import ScenarioError
 from radmpc.flying.mission import Mission
+from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.remainder import left_of
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.referee import certify, simulate
-from radmpc.referee.conditional.conditional import witnesses_of
 
 MISSIONS = 10_000
 DECK = np.array([[-1.0, -0.4], [1.0, -0.4], [1.0, 0.4], [-1.0, 0.4]])
@@ -152,12 +152,9 @@ def test_a_box_around_a_straying_obstacle_is_not_far_until_nine_deviations():
     assert certify(alone).certified > 1e-3
 
 
-def test_a_mission_under_way_refuses_obstacles_that_stray():
-    plan = passing_by()
-    with pytest.raises(ScenarioError, match="'freighter' cannot be met under way"):
-        Mission(plan)
-    with pytest.raises(ScenarioError, match="known exactly"):
-        witnesses_of(plan)
+def test_a_mission_of_many_windows_refuses_obstacles_that_stray():
+    with pytest.raises(ScenarioError, match="'freighter' cannot be met in windows"):
+        LongMission(passing_by().scenario, window=3, overlap=1)
 
 
 def test_a_scenario_lays_a_track_out_anew_when_its_steps_change():

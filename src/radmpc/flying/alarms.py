@@ -10,6 +10,7 @@ from scipy.special import gammaincinv
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 
 __all__ = ["Watcher"]
 
@@ -42,21 +43,30 @@ class Watcher:
     scenario: Scenario
     squares: list[tuple[float, int]] = field(default_factory=list)
 
-    def look(self, expected: Sequence[Vector], measured: Sequence[Vector], step: int) -> list[str]:
+    def look(
+        self,
+        expected: Sequence[Vector],
+        measured: Sequence[Vector],
+        step: int,
+        told: Sequence[Matrix | None],
+    ) -> list[str]:
         """Return the alarms of a measurement, one sentence each.
 
         Parameters
         ----------
         expected, measured : sequence of (n,) array
-            States of all vehicles.
+            States of all vehicles, or estimates; more of what was expected is not looked at.
         step : int
             Of the mission; at 0 the initial covariance counts.
+        told : sequence of (n, n) array or None
+            Covariance by which each was to move; None is that of the noise of a step.
         """
         alarms = []
         total, components = 0.0, 0
-        for vehicle, hoped, found in zip(self.scenario.vehicles, expected, measured, strict=True):
-            noise = vehicle.disturbance_covariance if step else vehicle.initial_covariance
-            scores, rest = _scores(noise, found - hoped)
+        vehicles = self.scenario.vehicles
+        for vehicle, longer, found, noise in zip(vehicles, expected, measured, told, strict=True):
+            hoped = longer[: found.size]
+            scores, rest = _scores(_noise(vehicle, step) if noise is None else noise, found - hoped)
             total, components = total + float(scores @ scores), components + scores.size
             largest = float(np.abs(scores).max(initial=0.0))
             if largest > _FAR:
@@ -80,6 +90,16 @@ class Watcher:
             f"the last {len(recent)} disturbances have a χ² of {total:.1f} with {components} "
             f"degrees of freedom, beyond {_LIKELY}"
         ]
+
+
+def _noise(vehicle: Vehicle, step: int) -> Matrix:
+    """Return the covariance by which a state differs from what was expected."""
+    if not step:
+        return vehicle.initial_covariance
+    noise = vehicle.disturbance_covariance
+    for part in vehicle.shared:
+        noise = noise + part.matrix @ part.covariance @ part.matrix.T
+    return noise
 
 
 def _scores(covariance: Matrix, deviation: Vector) -> tuple[Vector, float]:

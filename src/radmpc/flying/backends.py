@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from radmpc.arguments import told
-from radmpc.errors import ArgumentError, ArgumentTypeError
+from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.flying.model import Backend
 from radmpc.model.scenario import Scenario
 
@@ -36,6 +36,8 @@ class BackendKind:
         What it is, in a few words.
     repeats : bool
         Whether the same seed and controls lead to the same states: vehicles do not repeat.
+    is_exact : bool
+        Whether it tells states as they are, and has obstacles where they are expected.
     """
 
     name: str
@@ -43,6 +45,7 @@ class BackendKind:
     extra: str | None
     help: str
     repeats: bool = True
+    is_exact: bool = False
 
     def make(
         self, scenario: Scenario, rng: np.random.Generator | int | None = None, **options: object
@@ -72,6 +75,8 @@ class BackendKind:
         RadmpcError
             If it cannot fly the scenario.
         """
+        if self.is_exact:
+            self._check_exact(scenario)
         try:
             made = self._loaded()(scenario, rng=rng, **options)
         except ImportError as error:
@@ -85,6 +90,20 @@ class BackendKind:
                 f"backend {self.name!r} takes no option {wrong[0]!r}, got {told(options[wrong[0]])}"
             ) from error
         return made
+
+    def _check_exact(self, scenario: Scenario) -> None:
+        """Refuse what is charged for not being known exactly, where it would be."""
+        for i, vehicle in enumerate(scenario.vehicles):
+            if vehicle.measurement is not None:
+                message = f"backend {self.name!r} tells states exactly, and no estimates"
+                raise ScenarioError(message, ("vehicles", i, "measurement"))
+        for i, obstacle in enumerate(scenario.obstacles):
+            if obstacle.spread is not None:
+                message = (
+                    f"backend {self.name!r} has {obstacle.name!r} where it is expected, and lets "
+                    "it not stray"
+                )
+                raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
 
     def _loaded(self) -> Callable[..., Backend]:
         """Return the factory."""
@@ -109,14 +128,22 @@ BACKENDS: Mapping[str, BackendKind] = MappingProxyType(
                 "radmpc.simulators.rotorpy:Rotorpy",
                 "rotorpy",
                 "quadrotors with drag, motor lag and gusts",
+                is_exact=True,
             ),
             BackendKind(
                 "irsim",
                 "radmpc.simulators.irsim:IrSim",
                 "irsim",
                 "differential and car-like robots",
+                is_exact=True,
             ),
-            BackendKind("boat", "radmpc.simulators.boat:Boat", None, "boats in a current"),
+            BackendKind(
+                "boat",
+                "radmpc.simulators.boat:Boat",
+                None,
+                "boats in a current",
+                is_exact=True,
+            ),
             BackendKind(
                 "mavlink",
                 "radmpc.simulators.mavlink:Mavlink",

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector, as_matrix
+from radmpc.flying.knowing import known_loop, remembers
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
@@ -78,8 +79,8 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) array
-            Measured there.
+        states : sequence of (n,) or (2 n,) array
+            What is known there: see `radmpc.flying.knowing`.
         """
         return conditional(self.witnesses, step - self.began, states)
 
@@ -90,15 +91,15 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) array
-            Measured there.
+        states : sequence of (n,) or (2 n,) array
+            What is known there: see `radmpc.flying.knowing`.
         """
         k = step - self.began
         asked = []
         for i, path in enumerate(self.plan.trajectories):
-            control = path.controls[k]
+            control, nominal = path.controls[k], self.witnesses.motion.states[i][k]
             if path.gain is not None:
-                control = control + path.gain @ (states[i] - self.witnesses.motion.states[i][k])
+                control = control + path.gain @ (states[i][: nominal.size] - nominal)
             asked.append(control)
         return tuple(asked)
 
@@ -111,17 +112,18 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) array
-            Measured there.
+        states : sequence of (n,) or (2 n,) array
+            What is known there: see `radmpc.flying.knowing`.
         controls : sequence of (m,) array
             What is flown over the step.
         """
         k = step - self.began
         means = []
         for i, vehicle in enumerate(self.plan.scenario.vehicles):
-            nominal = self.witnesses.motion.states[i]
+            nominal = self._nominal(i)
+            A, B, _ = known_loop(vehicle)
             pushed = controls[i] - self.plan.trajectories[i].controls[k]
-            off = vehicle.system.A @ (states[i] - nominal[k]) + vehicle.system.B @ pushed
+            off = A @ (states[i] - nominal[k]) + B @ pushed
             means.append(nominal[k + 1] + off)
         return tuple(means)
 
@@ -132,8 +134,8 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) array
-            Measured there.
+        states : sequence of (n,) or (2 n,) array
+            What is known there: see `radmpc.flying.knowing`.
         """
         effort = miss = 0.0
         for i, (pushed, end) in enumerate(self._means(step, states)):
@@ -142,6 +144,14 @@ class Leg:
             miss += miss_of(vehicle, end, self.plan.scenario.dt)
         return Outlook(effort, miss)
 
+    def _nominal(self, number: int) -> Matrix:
+        """Return what is known of a vehicle that flies as planned, (T+1, n) or (T+1, 2 n)."""
+        motion = self.witnesses.motion
+        path, lasting = motion.states[number], motion.lasting[number]
+        if not remembers(self.plan.scenario.vehicles[number]):
+            return path
+        return np.hstack([path, np.zeros_like(path) if lasting is None else lasting])
+
     def mean_controls(self, step: int, states: Sequence[Vector]) -> tuple[Matrix, ...]:
         """Return the controls still to come on average, feedback included, (T - k, m) each.
 
@@ -149,8 +159,8 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) array
-            Measured there.
+        states : sequence of (n,) or (2 n,) array
+            What is known there: see `radmpc.flying.knowing`.
         """
         return tuple(pushed for pushed, _ in self._means(step, states))
 
@@ -158,10 +168,10 @@ class Leg:
         """Yield every vehicle's mean controls to come, and where its mean ends."""
         k = step - self.began
         for i, vehicle in enumerate(self.plan.scenario.vehicles):
-            nominal = self.witnesses.motion.states[i]
+            nominal = self._nominal(i)
             pushed = self.plan.trajectories[i].controls[k:].copy()
             deviation = states[i] - nominal[k]
-            A, B, gain = vehicle.system.A, vehicle.system.B, vehicle.gain
+            A, B, gain = known_loop(vehicle)
             loop = A if gain is None else A + B @ gain
             for number in range(len(pushed)):
                 if gain is not None:
@@ -196,7 +206,7 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
     for i, (vehicle, given) in enumerate(zip(scenario.vehicles, controls, strict=True)):
         shape = (scenario.horizon, vehicle.system.num_controls)
         pushed = as_matrix(given, shape, ("vehicles", i, "controls"))
-        means = rollout(vehicle.system, vehicle.start, pushed, vehicle.drift)
+        means = rollout(vehicle.system, vehicle.start, pushed, vehicle.pushes(scenario.horizon))
         spread = vehicle.covariances(scenario.horizon)
         trajectories.append(Trajectory(vehicle.name, pushed, means, spread, vehicle.gain))
     plan = Plan(

@@ -10,12 +10,20 @@ import numpy.typing as npt
 from radmpc.arguments import is_number, told
 from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
+from radmpc.flying.knowing import remembers
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
 
-__all__ = ["check_continues", "check_memory", "check_number", "measured", "plan_of"]
+__all__ = [
+    "check_continues",
+    "check_forgetful",
+    "check_memory",
+    "check_number",
+    "measured",
+    "plan_of",
+]
 
 
 def plan_of(result: Result | Plan) -> Plan:
@@ -98,9 +106,7 @@ def measured(
 
 
 def check_memory(scenario: Scenario) -> None:
-    """Refuse vehicles of which a measured state does not tell all that is known of what is to come.
-
-    The account conditions on states that are known exactly, under noise that is new at every step.
+    """Refuse what a mission does not account for, or does not know how to value.
 
     Parameters
     ----------
@@ -110,35 +116,62 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If a vehicle's disturbances last longer than a step or are shared, its state is measured
-        with noise, an obstacle's place is not known exactly, or covariances are known up to a
-        factor only.
+        If covariances are known up to a factor only, or a vehicle shares disturbances that last,
+        or shares any while its own last or it measures its state with noise; if ranges are kept or
+        norms limited.
     """
-    for i, obstacle in enumerate(scenario.obstacles):
-        if obstacle.spread is not None:
-            message = (
-                f"{obstacle.name!r} cannot be met under way: a mission takes obstacles whose place "
-                "is known exactly"
-            )
-            raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
     if scenario.keep:
         message = "cannot be kept under way: a mission accounts for collisions and the workspace"
         raise ScenarioError(message, ("keep",))
     if scenario.covariance_samples is not None:
-        message = "cannot be flown under way: a mission takes covariances that are known"
+        message = (
+            "cannot be flown under way: what is measured changes what is known of the factor by "
+            "which all covariances may be wrong, and with it what every row is worth"
+        )
         raise ScenarioError(message, ("covariance_samples",))
     for i, vehicle in enumerate(scenario.vehicles):
+        is_new = all(part.correlation == 0.0 for part in vehicle.shared)
+        if vehicle.shared and not (is_new and not remembers(vehicle)):
+            message = (
+                f"{vehicle.name!r} cannot be flown under way: a mission takes shared disturbances "
+                "that are new at every step, with noise of its own that is, too, and its state "
+                "known exactly: what others measure tells of what lasts"
+            )
+            raise ScenarioError(message, ("vehicles", i, "shared"))
         if vehicle.control_norm is not None or vehicle.speed_norm is not None:
             key = "speed_limit" if vehicle.control_norm is None else "control_limit"
             message = "limits a norm: a mission under way takes limits per axis"
             raise ScenarioError(message, ("vehicles", i, key))
-        if vehicle.has_memory:
-            key = "disturbance_correlation" if vehicle.measurement is None else "measurement"
-            if vehicle.shared:
-                key = "shared"
+
+
+def check_forgetful(scenario: Scenario) -> None:
+    """Refuse what a mission of many windows cannot hand from one to the next.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        To be flown.
+
+    Raises
+    ------
+    ScenarioError
+        As of `check_memory`, and if disturbances outlast a step, states are measured with noise, or
+        an obstacle's place is not known exactly.
+    """
+    check_memory(scenario)
+    for i, obstacle in enumerate(scenario.obstacles):
+        if obstacle.spread is not None:
             message = (
-                f"{vehicle.name!r} cannot be flown under way: a mission takes states known "
-                "exactly and noise of its own that is new at every step"
+                f"{obstacle.name!r} cannot be met in windows: a long mission takes obstacles whose "
+                "place is known exactly"
+            )
+            raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
+    for i, vehicle in enumerate(scenario.vehicles):
+        if remembers(vehicle):
+            key = "disturbance_correlation" if vehicle.measurement is None else "measurement"
+            message = (
+                f"{vehicle.name!r} cannot be flown in windows: a long mission takes states known "
+                "exactly and noise that is new at every step"
             )
             raise ScenarioError(message, ("vehicles", i, key))
 

@@ -26,6 +26,7 @@ from radmpc.flying.deciding import (
     opened,
     plan_ahead,
 )
+from radmpc.flying.knowing import Observer, expected_start, remembers
 from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
 from radmpc.flying.sources import Moment, Sources, Timer
@@ -41,8 +42,9 @@ class Mission:
     """A plan that is flown, and made anew from what is measured as far as its risk bound allows.
 
     The probability of any collision in the mission is at most Δ, by whatever planner and however
-    often it is planned anew, as long as the model holds, states are measured without error and
-    controls do not saturate (docs/flying.md). The leg in the air, the tail, may always be flown on.
+    often it is planned anew, as long as the model holds, states are measured without error or
+    estimated by the model's filter, and controls do not saturate (docs/flying.md). The leg in the
+    air, the tail, may always be flown on.
 
     Parameters
     ----------
@@ -76,7 +78,8 @@ class Mission:
     RiskError
         If the plan's certificate exceeds Δ.
     ScenarioError
-        If there is no such planner, disturbances outlast a step, or states are measured with noise.
+        If there is no such planner, shared disturbances outlast a step or meet who measures with
+        noise, or covariances are known up to a factor only.
     """
 
     def __init__(
@@ -107,7 +110,9 @@ class Mission:
         self._leg, self._account = opened(plan, 0)
         self._sources.prepare(self._leg)
         self._enter("opened", self._account.tail)
-        self._expected: tuple[Vector, ...] = tuple(v.start for v in plan.scenario.vehicles)
+        self._observer = Observer.of(plan.scenario)
+        self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
+        self._known = self._expected
 
     @property
     def scenario(self) -> Scenario:
@@ -161,8 +166,10 @@ class Mission:
         Parameters
         ----------
         states : mapping, sequence of (n,) array, or None
-            What is measured, by vehicle or in the scenario's order. None, or what is not finite, is
-            no measurement: the tail is flown from where vehicles are expected.
+            What is measured, by vehicle or in the scenario's order; of vehicles with a
+            `measurement` the estimate of their filter, which must be that of the model. None, or
+            what is not finite, is no measurement: the tail is flown from where vehicles are
+            expected.
         deadline : float or None
             Seconds from now until which the decision is needed; None plans without a limit.
         contacts : sequence of Contact
@@ -187,14 +194,20 @@ class Mission:
             check_number(deadline, "deadline")
         self._contacts += contacts
         given = measured(self._scenario, states)
-        known = self._expected if given is None else given
+        known = self._expected
         alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
         if given is not None:
+            known = self._observer.known(self._step, self._expected, given)
             # What was not measured at the last step may be off by the noise of two.
             is_certain = not self._ticks or self._ticks[-1].value is not None
-            alarms = self._watcher.look(self._expected, given, self._step) if is_certain else []
+            told = self._observer.told(self._step)
+            if is_certain:
+                alarms = self._watcher.look(self._expected, given, self._step, told)
+            else:
+                alarms = []
             end = float("inf") if deadline is None else begun + deadline
-            decision = self._decided(given, alarms, Timer(self._clock, end))
+            decision = self._decided(known, alarms, Timer(self._clock, end))
+        self._known = known
         tick = self._flown(known, decision, alarms, begun)
         if decision.next_step is not None and not self.has_failed:
             later = Later(self._step, self._leg, self._expected, self._account)
@@ -255,7 +268,11 @@ class Mission:
         """
         plan = plan_of(result)
         check_continues(plan, self._scenario, self._scenario.horizon - self._step)
+        check_memory(plan.scenario)
         self._leg, self._account = opened(plan, self._step)
+        self._observer = Observer.of(plan.scenario, self._step)
+        if any(remembers(v) for v in plan.scenario.vehicles):
+            self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
         self._sources.renew(self._leg)
         self._enter("new grant", self._account.tail)
 

@@ -11,6 +11,7 @@ import numpy as np
 from radmpc.arguments import check_rng
 from radmpc.arrays import Matrix, Vector
 from radmpc.flying.measuring import check_memory
+from radmpc.flying.nature import Nature, root_of
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.given import check_scenario
 from radmpc.model.relations.concerns import is_for
@@ -37,6 +38,9 @@ class Backend(Protocol):
 class Model:
     """The scenario's dynamics with Gaussian noise; collisions by the referee's exact geometry.
 
+    Vehicles with a `measurement` are told by the estimates of their Kalman filters; what is hit is
+    hit by where they are.
+
     Parameters
     ----------
     scenario : Scenario
@@ -51,7 +55,8 @@ class Model:
     ArgumentError
         If the seed is negative.
     ScenarioError
-        If disturbances last longer than a step, or states are measured with noise.
+        If shared disturbances outlast a step or meet who measures with noise, or covariances are
+        known up to a factor only.
     """
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator | int | None = None) -> None:
@@ -64,6 +69,8 @@ class Model:
         self._initial = _factors([v.initial_covariance for v in vehicles])
         self._disturbance = _factors([v.disturbance_covariance for v in vehicles])
         self._states: tuple[Vector, ...] = tuple(v.start for v in vehicles)
+        self._nature = Nature(scenario, self._rng)
+        self._strays: tuple[dict[int, Vector], dict[int, Vector]] = {}, {}
         self._step = 0
 
     def reset(self) -> tuple[tuple[Vector, ...], tuple[Contact, ...]]:
@@ -72,16 +79,19 @@ class Model:
         Returns
         -------
         states : tuple of (n,) array
-            In the scenario's order.
+            In the scenario's order; of who measures, the estimates.
         contacts : tuple of Contact
             What is hit there already.
         """
         self._step = 0
         starts = [v.start for v in self._scenario.vehicles]
         self._states = _sums(starts, self._drawn(self._initial))
+        self._nature.begin()
+        known = self._nature.told(self._states, None)
+        self._strays = self._now_straying(), {}
         if self._scenario.avoidance == "intervals":
-            return self._states, ()
-        return self._states, self._contacts(self._states, self._states, None)
+            return known, ()
+        return known, self._contacts(self._states, self._states, None)
 
     def advance(
         self, segments: Sequence[Segment]
@@ -96,18 +106,26 @@ class Model:
         Returns
         -------
         states : tuple of (n,) array
-            After it.
+            After it; of who measures, the estimates.
         contacts : tuple of Contact
             What was hit on the way, or under ``steps`` at its end.
         """
         controls = [segment.control for segment in segments]
         pairs = zip(self._scenario.vehicles, self._states, controls, strict=True)
         pushed = [_moved(v, x, u) for v, x, u in pairs]
-        before, self._states = self._states, _sums(pushed, self._drawn(self._disturbance))
+        added = self._nature.disturbed(self._drawn(self._disturbance))
+        before, self._states = self._states, _sums(pushed, added)
+        known = self._nature.told(self._states, controls)
+        self._strays = self._now_straying(), self._strays[0]
         self._step += 1
         if self._scenario.avoidance == "intervals":
-            return self._states, self._contacts(before, self._states, controls)
-        return self._states, self._contacts(self._states, self._states, None)
+            return known, self._contacts(before, self._states, controls)
+        return known, self._contacts(self._states, self._states, None)
+
+    def _now_straying(self) -> dict[int, Vector]:
+        """Return how far obstacles are from where they are expected."""
+        found = {i: self._nature.stray(i) for i in range(len(self._scenario.obstacles))}
+        return {i: place for i, place in found.items() if place is not None}
 
     def _drawn(self, factors: Sequence[Matrix]) -> list[Vector]:
         """Return noise of all vehicles, drawn in one go as `simulate` does."""
@@ -159,23 +177,20 @@ class Model:
         hits = np.zeros(len(radii), dtype=bool)
         sweeps = obstacle.is_moving and self._scenario.avoidance == "intervals"
         first = self._step - 1 if sweeps else self._step
+        begin, end, sagittas = path
+        now, then = self._strays
+        if number in now:
+            begin = begin - (then if sweeps else now)[number]
+            end = end - now[number]
         for piece, shape in enumerate(obstacle.at(first)):
             parts = swept(shape, obstacle.at(first + 1)[piece]) if sweeps else resting(shape)
-            hits |= meets_solid(*path, radii, parts)
+            hits |= meets_solid(begin, end, sagittas, radii, parts)
         return hits
 
 
 def _factors(covariances: Sequence[Matrix]) -> list[Matrix]:
     """Return factors ``L Lᵀ`` of covariances that may be singular."""
-    made = []
-    for covariance in covariances:
-        diagonal = np.diag(covariance)
-        if np.array_equal(covariance, np.diag(diagonal)):
-            made.append(np.diag(np.sqrt(diagonal.clip(min=0.0))))
-            continue
-        values, vectors = np.linalg.eigh(covariance)
-        made.append(vectors * np.sqrt(values.clip(min=0.0)))
-    return made
+    return [root_of(covariance) for covariance in covariances]
 
 
 def _sums(first: Sequence[Vector], second: Sequence[Vector]) -> tuple[Vector, ...]:

@@ -11,8 +11,11 @@ import numpy as np
 
 from radmpc.arrays import Vector, frozen
 from radmpc.errors import ScenarioError
+from radmpc.flying.knowing import remembers, unknown_after
+from radmpc.model.noise.known import Known
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 
 __all__ = ["changed", "later", "left_of"]
 
@@ -30,15 +33,16 @@ def left_of(
         Of all steps.
     passed : int
         Steps that have been flown, below its horizon.
-    states : sequence of (n,) array
-        Measured states, known without error.
+    states : sequence of (n,) or (2 n,) array
+        What is known: measured states, known without error, or see `radmpc.flying.knowing`.
     risk_bound : float
         What the rest may risk [-].
 
     Returns
     -------
     Scenario
-        With the same goals, and moving obstacles where they are by then.
+        With the same goals, and moving obstacles where they are by then, or may be: nothing of
+        their places has been measured.
 
     Raises
     ------
@@ -51,8 +55,7 @@ def left_of(
             ("vehicles",),
         )
     vehicles = tuple(
-        changed(v, start=state, initial_covariance=0.0 * v.initial_covariance)
-        for v, state in zip(scenario.vehicles, states, strict=True)
+        _begun(v, state, passed) for v, state in zip(scenario.vehicles, states, strict=True)
     )
     return changed(
         scenario,
@@ -60,6 +63,20 @@ def left_of(
         risk_bound=risk_bound,
         vehicles=vehicles,
         obstacles=tuple(later(o, passed) for o in scenario.obstacles),
+    )
+
+
+def _begun(vehicle: Vehicle, state: Vector, passed: int) -> Vehicle:
+    """Return a vehicle that begins with what is known of it after some steps."""
+    if not remembers(vehicle):
+        return changed(vehicle, start=state, initial_covariance=0.0 * vehicle.initial_covariance)
+    n = vehicle.start.size
+    unknown = unknown_after(vehicle, passed)
+    return changed(
+        vehicle,
+        start=state[:n].copy(),
+        initial_covariance=unknown[:n, :n].copy(),
+        known=Known(state[n:], unknown),
     )
 
 

@@ -229,7 +229,10 @@ def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
 
 
 def rollout(
-    system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike, drift: Vector | None = None
+    system: LinearSystem,
+    start: npt.ArrayLike,
+    controls: npt.ArrayLike,
+    drift: Vector | Matrix | None = None,
 ) -> Matrix:
     """Return the mean states under nominal controls.
 
@@ -241,8 +244,8 @@ def rollout(
         Mean state at k = 0.
     controls : (T, m) array
         Nominal controls.
-    drift : (n,) array or None
-        Drift c, added to the state at every step; None is none.
+    drift : (n,) or (T, n) array or None
+        Drift c, added to the state at every step, the same or step by step; None is none.
 
     Returns
     -------
@@ -260,7 +263,7 @@ def rollout(
     means[0] = as_vector(start, system.num_states, ("start",))
     for k, control in enumerate(steps):
         moved = system.A @ means[k] + system.B @ control
-        means[k + 1] = moved if drift is None else moved + drift
+        means[k + 1] = moved if drift is None else moved + (drift if drift.ndim == 1 else drift[k])
     return means
 
 

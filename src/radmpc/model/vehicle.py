@@ -32,6 +32,7 @@ from radmpc.model.numbers import (
 from radmpc.model.states import as_state
 
 if TYPE_CHECKING:
+    from radmpc.model.noise.known import Known
     from radmpc.model.noise.measurement import Measurement
     from radmpc.model.noise.shared import SharedDisturbance
     from radmpc.model.noise.spread import Noise, Spread
@@ -88,6 +89,9 @@ class Vehicle(Frozen):
         Boxes that its mean visits on the way, one after the other.
     control_norm, speed_norm : float or None
         Largest Euclidean norm of the control, of the mean velocity, > 0; None is free.
+    known : Known or None
+        What has been learned by k = 0 of a vehicle under way whose disturbances last or that
+        measures, in place of `initial_covariance`; it shares no disturbance. In no file.
     """
 
     name: str
@@ -109,6 +113,7 @@ class Vehicle(Frozen):
     via: tuple[Visit, ...] = ()
     control_norm: float | None = None
     speed_norm: float | None = None
+    known: Known | None = None
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -133,6 +138,7 @@ class Vehicle(Frozen):
             via: Iterable[Visit] = (),
             control_norm: float | None = None,
             speed_norm: float | None = None,
+            known: Known | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -220,7 +226,28 @@ class Vehicle(Frozen):
         from radmpc.model.noise.spread import Noise  # noqa: PLC0415 - few need it
 
         own = self.disturbance_covariance, self.disturbance_correlation
-        return Noise(self.initial_covariance, *own, self.measurement, self.shared)
+        return Noise(self.initial_covariance, *own, self.measurement, self.shared, self.known)
+
+    def pushes(self, horizon: int) -> Vector | Matrix | None:
+        """Return what every step adds to the mean state besides the control.
+
+        Parameters
+        ----------
+        horizon : int
+            Number of steps T.
+
+        Returns
+        -------
+        (n,) or (T, n) array or None
+            The drift; where a disturbance that lasts has been seen, with what is expected of it,
+            step by step. None is nothing.
+        """
+        known = self.known
+        if known is None or not self.disturbance_correlation or not known.disturbance.any():
+            return self.drift
+        shares = self.disturbance_correlation ** np.arange(horizon)
+        expected = shares[:, None] * known.disturbance
+        return expected if self.drift is None else expected + self.drift
 
     @property
     def has_memory(self) -> bool:

@@ -94,9 +94,9 @@ def _sets(
     """Return the connected components of who comes close to whom, and the graph's edges."""
     positions = np.array(
         [
-            rollout(vehicle.system, vehicle.start, plan.controls[0], vehicle.drift)[
-                :, list(vehicle.system.position)
-            ]
+            rollout(
+                vehicle.system, vehicle.start, plan.controls[0], vehicle.pushes(scenario.horizon)
+            )[:, list(vehicle.system.position)]
             for vehicle, plan in zip(scenario.vehicles, alone, strict=True)
         ]
     )

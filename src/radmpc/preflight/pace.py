@@ -85,10 +85,11 @@ class Pace:
         Returns
         -------
         Pace or None
-            None for other dynamics, under a drift, and where axes share controls.
+            None for other dynamics, under a drift or what is known to last, and where axes
+            share controls.
         """
         rates = vehicle.system.rates
-        if rates is None or vehicle.drift is not None:
+        if rates is None or vehicle.pushes(1) is not None:
             return None
         if vehicle.system.velocity not in {None, rates[0]}:
             return None

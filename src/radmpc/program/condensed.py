@@ -64,21 +64,26 @@ class PredictionMatrices:
         velocity = None if system.velocity is None else states[:, list(system.velocity), :]
         return cls(powers, states, states[:, list(system.position), :], velocity)
 
-    def coasting(self, start: Vector, drift: Vector | None, horizon: int) -> Matrix:
+    def coasting(self, start: Vector, drift: Vector | Matrix | None, horizon: int) -> Matrix:
         """Return the mean states without any control, (T+1, n).
 
         Parameters
         ----------
         start : (n,) array
             Mean state at the first step.
-        drift : (n,) array or None
-            What every step adds to the state; None is nothing.
+        drift : (n,) or (T, n) array or None
+            What every step adds to the state, the same or step by step; None is nothing.
         horizon : int
             Steps T, no more than these matrices hold.
         """
         states: Matrix = self.powers[: horizon + 1] @ start
-        if drift is not None:
+        if drift is not None and drift.ndim == 1:
             states[1:] += np.cumsum(self.powers[:horizon] @ drift, axis=0)
+        elif drift is not None:
+            carried = np.zeros(len(start))
+            for k in range(horizon):
+                carried = self.powers[1] @ carried + drift[k]
+                states[k + 1] += carried
         return states
 
 
@@ -166,17 +171,21 @@ def condense(
     system = vehicle.system
     span = horizon * num_controls
     axes = list(system.position)
-    states = prediction.coasting(start, vehicle.drift, horizon)
+    # What was learned of a disturbance was learned at the vehicle's own first step.
+    drift = vehicle.pushes(first_step + horizon)
+    if drift is not None and drift.ndim > 1:
+        drift = drift[first_step:]
+    states = prediction.coasting(start, drift, horizon)
     position = prediction.position[: horizon + 1, :, :span]
     velocity = None if prediction.velocity is None else prediction.velocity[: horizon + 1, :, :span]
-    drift = states[:, axes]
+    still = states[:, axes]
     drift_velocity = None if system.velocity is None else states[:, list(system.velocity)]
-    lower, upper = _reach_by_boxes(vehicle, position, drift, np.maximum(bounds, 0.0).ravel())
-    if system.rates is not None:
+    lower, upper = _reach_by_boxes(vehicle, position, still, np.maximum(bounds, 0.0).ravel())
+    if system.rates is not None and (drift is None or drift.ndim == 1):
         low, high = _reach_by_speeds(vehicle, system.rates, start, np.maximum(bounds, 0.0))
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
     # The start is fixed, even where no admissible control leads from it to the goal.
-    lower[0] = upper[0] = drift[0]
+    lower[0] = upper[0] = still[0]
     face_bounds = None
     if vehicle.control_norm is not None:
         from radmpc.model.limits import control_face_bounds  # noqa: PLC0415 - few have any
@@ -190,7 +199,7 @@ def condense(
         bent_covariances=bent_covariances(vehicle, covariances, first_step),
         position=position,
         velocity=velocity,
-        drift_position=drift,
+        drift_position=still,
         drift_velocity=drift_velocity,
         reach_lower=lower,
         reach_upper=upper,

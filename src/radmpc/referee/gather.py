@@ -214,22 +214,29 @@ def gather_obstacles(
 
 
 def near_pieces(
-    scenario: Scenario, balls: Balls, step: int, *, intervals: bool
+    scenario: Scenario, balls: Balls, step: int, reaches: Matrix | None, *, intervals: bool
 ) -> Iterator[NearPiece]:
     """Yield the pieces of obstacles that vehicles may come near from a step on.
 
     Parameters
     ----------
-    scenario, intervals
+    scenario
         As in `gather_pairs`.
     balls : Balls
         Where vehicles are in each window from there on.
     step : int
         The first.
+    reaches : (O, T+1) array or None
+        How far each obstacle may be from where it is expected; None is nowhere [m].
+    intervals : bool
+        Whether windows are intervals, or steps.
     """
     mine = _concerned(scenario)
     for number, piece, shapes in _pieces(scenario, step):
         lower, upper = _boxes(shapes, balls, intervals=intervals)
+        if reaches is not None:
+            more = _in_windows(reaches[number, step:], intervals=intervals)[:, None]
+            lower, upper = lower - more, upper + more
         near = np.flatnonzero(~far_from_box(balls, lower, upper) & mine[number])
         yield NearPiece(number, piece, near, shapes, None)
 

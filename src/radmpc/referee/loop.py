@@ -72,6 +72,9 @@ class Loop:
         Where in ζ the deviation begins that feedback acts on: 0 where it is known exactly.
     common : Common or None
         The noise that others meet, too; None is none.
+    unknown : (T+1, q, q) array or None
+        Covariance of ζ given all that is measured up to each step: the state itself, or what the
+        filter makes of it. None is that nothing is left open but shared noise.
     """
 
     transitions: Tensor
@@ -79,6 +82,7 @@ class Loop:
     initial: Matrix
     seen: int
     common: Common | None = None
+    unknown: Tensor | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -128,7 +132,11 @@ def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
         none = np.zeros((n, n))
         pushed = _stacked(pushed, none, none)
         initial = _stacked(initial, none, fresh)
+        if vehicle.known is not None:
+            initial = vehicle.known.covariance
         fresh = _stacked(none, none, (1.0 - rho * rho) * fresh)
+    elif vehicle.known is not None:
+        initial = vehicle.known.covariance[:n, :n]
     nothing = np.zeros((len(free), 0))
     xi = _Open(free, pushed, initial, fresh, nothing, nothing)
     for part in vehicle.shared:
@@ -137,10 +145,15 @@ def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
         return _filtered(vehicle, xi, horizon)
     closed = xi.free if vehicle.gain is None else xi.free + xi.pushed
     initial, fresh = xi.total()
+    unknown = None
+    if rho > 0.0:
+        # A state tells of disturbances that have come in, never of the one that follows it.
+        unknown = np.zeros((horizon + 1, *initial.shape))
+        unknown[0, n:, n:], unknown[1:] = initial[n:, n:], fresh
     if not xi.columns:
-        return Loop(closed[None], fresh[None], initial, 0)
+        return Loop(closed[None], fresh[None], initial, 0, None, unknown)
     common = Common(xi.columns, xi.first, xi.pushes[None], xi.initial, xi.fresh[None])
-    return Loop(closed[None], fresh[None], initial, 0, common)
+    return Loop(closed[None], fresh[None], initial, 0, common, unknown)
 
 
 def _widened(xi: _Open, part: SharedDisturbance) -> _Open:
@@ -192,17 +205,23 @@ def _filtered(vehicle: Vehicle, xi: _Open, horizon: int) -> Loop:
     size = len(free)
     H, R = _sensor(vehicle, size)
     error, gains = initial, []
-    for _ in range(horizon + 1):
+    unknown = np.zeros((horizon + 1, 2 * size, 2 * size))
+    for k in range(horizon + 1):
         gain = error @ H.T @ _inverse(H @ error @ H.T + R)
+        if k == 0 and vehicle.known is not None:
+            gain = np.zeros_like(gain)
         gains.append(gain)
         left = np.eye(size) - gain @ H
-        error = free @ (left @ error @ left.T + gain @ R @ gain.T) @ free.T + fresh
+        after = left @ error @ left.T + gain @ R @ gain.T
+        unknown[k, :size, :size] = after
+        error = free @ after @ free.T + fresh
     transitions, disturbances = np.empty((2, horizon, 2 * size, 2 * size))
     for k, gain in enumerate(gains[1:]):
         corrected = gain @ H @ free
         transitions[k] = np.block([[free, pushed], [corrected, free + pushed - corrected]])
         disturbances[k] = _told(gain, H, R, fresh)
-    loop = Loop(transitions, disturbances, _told(gains[0], H, R, initial), size)
+    begun = _told(gains[0], H, R, initial)
+    loop = Loop(transitions, disturbances, begun, size, None, unknown)
     if not xi.columns:
         return loop
     common = Common(

@@ -86,6 +86,10 @@ class FleetMotion:
         Noise that vehicles have in common; None is none.
     samples : int or None
         Independent steps that covariances were estimated from; None is that they are known.
+    unknown : tuple of (T+1, p, p) array or None
+        Of each vehicle: see `Loop.unknown`.
+    lasting : tuple of (T+1, n) array or None
+        Of each vehicle: what is expected of its disturbance over every step; None is nothing.
     """
 
     names: tuple[str, ...]
@@ -104,6 +108,8 @@ class FleetMotion:
     tracks: Tracks | None = None
     common: FleetCommon | None = None
     samples: int | None = None
+    unknown: tuple[Tensor | None, ...] = ()
+    lasting: tuple[Matrix | None, ...] = ()
 
     @property
     def is_bent(self) -> bool:
@@ -142,7 +148,10 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         Per vehicle, and positions stacked.
     """
     vehicles, horizon, d = scenario.vehicles, scenario.horizon, scenario.dimension
-    states = [_mean_states(v, u) for v, u in zip(vehicles, controls, strict=True)]
+    lasting = [_lasting(v, horizon) for v in vehicles]
+    states = [
+        _mean_states(v, u, mean) for v, u, mean in zip(vehicles, controls, lasting, strict=True)
+    ]
     described = [loop_of(vehicle, horizon) for vehicle in vehicles]
     groups = _grouped(vehicles, described)
     loops = _propagated(groups, len(vehicles), horizon)
@@ -175,6 +184,8 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         tracks=tracks_of(scenario),
         common=fleet_common(described, axes, bends, horizon),
         samples=scenario.covariance_samples,
+        unknown=tuple(one.unknown for one in described),
+        lasting=tuple(lasting),
     )
 
 
@@ -193,15 +204,27 @@ def _part(covariances: Tensor, row: int, vehicle: Vehicle) -> Tensor:
     return covariances[:, row:last, row:last]
 
 
-def _mean_states(vehicle: Vehicle, controls: Matrix) -> Matrix:
+def _mean_states(vehicle: Vehicle, controls: Matrix, lasting: Matrix | None) -> Matrix:
     """Return the mean states at k = 0..T."""
     A = vehicle.system.A
     states = [vehicle.start]
     with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported, not warned of
-        for push in controls @ vehicle.system.B.T:
+        for k, push in enumerate(controls @ vehicle.system.B.T):
             moved = A @ states[-1] + push
+            if lasting is not None:
+                moved = moved + lasting[k]
             states.append(moved if vehicle.drift is None else moved + vehicle.drift)
     return np.array(states)
+
+
+def _lasting(vehicle: Vehicle, horizon: int) -> Matrix | None:
+    """Return the mean of a disturbance that lasts over each step; None where it is zero."""
+    if vehicle.known is None or vehicle.disturbance_correlation == 0.0:
+        return None
+    means = [vehicle.known.disturbance]
+    for _ in range(horizon):
+        means.append(vehicle.disturbance_correlation * means[-1])
+    return np.array(means)
 
 
 def _grouped(vehicles: Sequence[Vehicle], loops: Sequence[Loop]) -> tuple[Group, ...]:

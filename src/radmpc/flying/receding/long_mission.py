@@ -10,7 +10,7 @@ from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, NoPlanError
 from radmpc.flying.candidates import Order, Planning, answered, planning_with
-from radmpc.flying.measuring import check_memory, measured
+from radmpc.flying.measuring import check_forgetful, measured
 from radmpc.flying.mission import Mission
 from radmpc.flying.receding.guide import Guide, coarse_guide, window_of
 from radmpc.flying.receding.reserve import Reserve
@@ -60,7 +60,8 @@ class LongMission:
     NoPlanError
         If there is no guide, or no first window.
     ScenarioError
-        If disturbances outlast a step, or states are measured with noise.
+        If disturbances outlast a step or are shared and last, states are measured with noise, or an
+        obstacle's place is not known exactly.
     """
 
     def __init__(
@@ -75,7 +76,7 @@ class LongMission:
         **options: Any,
     ) -> None:
         check_scenario(scenario)
-        check_memory(scenario)
+        check_forgetful(scenario)
         check_integer(window, "window", 2)
         check_integer(overlap, "overlap", 1)
         if overlap >= window:

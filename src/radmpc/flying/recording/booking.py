@@ -16,6 +16,7 @@ from radmpc.errors import RadmpcError, RiskError
 from radmpc.flying.account import Account
 from radmpc.flying.alarms import Watcher
 from radmpc.flying.deciding import opened
+from radmpc.flying.knowing import Observer, expected_start
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.remainder import left_of
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
@@ -45,8 +46,10 @@ class Booking:
         After the last row.
     watcher : Watcher
         What has been measured.
-    expected : tuple of (n,) array
-        Where vehicles are expected at the next step.
+    observer : Observer
+        Makes of that what is known.
+    expected : tuple of (n,) or (2 n,) array
+        What is expected to be known at the next step.
     entries, ticks, contacts : list
         Of the mission so far.
     problems : list of str
@@ -57,6 +60,7 @@ class Booking:
     leg: Leg
     account: Account
     watcher: Watcher
+    observer: Observer
     expected: tuple[Vector, ...]
     entries: list[Entry] = field(default_factory=list)
     ticks: list[Tick] = field(default_factory=list)
@@ -102,8 +106,9 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
         If the plan's certificate exceeds Δ.
     """
     leg, account = opened(plan, 0)
-    starts = tuple(v.start for v in plan.scenario.vehicles)
-    book = Booking(plan, leg, account, Watcher(plan.scenario), starts)
+    starts = tuple(expected_start(v) for v in plan.scenario.vehicles)
+    watcher, observer = Watcher(plan.scenario), Observer.of(plan.scenario)
+    book = Booking(plan, leg, account, watcher, observer, starts)
     book.enter(0, "opened", account.tail)
     for number, row in enumerate(rows):
         where = f"mission {row.mission}, step {row.step}"
@@ -120,12 +125,14 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
 
 def _book(book: Booking, row: TickRow, where: str) -> None:
     """Take the next row."""
-    known = book.expected if row.states is None else row.states
+    known = book.expected
+    if row.states is not None:
+        known = book.observer.known(row.step, book.expected, row.states)
     book.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
     value = None
     if row.states is not None:
         if not book.ticks or book.ticks[-1].value is not None:
-            book.watcher.look(book.expected, known, row.step)
+            book.watcher.look(book.expected, row.states, row.step, book.observer.told(row.step))
         worth = book.leg.value(row.step, known)
         value, book.account = worth.total, book.account.kept(worth.least)
     wealth = book.account.wealth
@@ -135,7 +142,7 @@ def _book(book: Booking, row: TickRow, where: str) -> None:
     if row.leg is None:
         book.enter(row.step, "kept", None)
     else:
-        _adopt(book, row, where)
+        _adopt(book, row, known, where)
     now = book.account
     _compare(book, where, {"tail": (row.tail, now.tail), "bank": (row.bank, now.bank)})
     flown = _flown(book, row, known, where)
@@ -151,17 +158,23 @@ def _tick(row: TickRow, way: tuple[Segment, ...]) -> Tick:
     )  # fmt: skip
 
 
-def _adopt(book: Booking, row: TickRow, where: str) -> None:
+def _adopt(book: Booking, row: TickRow, known: Sequence[Vector], where: str) -> None:
     """Buy the leg of a row, if its price is within the wealth."""
     if row.leg is None:
         return
     if book.contacts:
         book.problems.append(f"{where}: a leg was adopted after something was hit")
-    rest = left_of(book.plan.scenario, row.step, row.leg.starts, row.leg.risk_bound)
+    starts, begins = [], True
+    for start, now, hoped in zip(row.leg.starts, known, book.expected, strict=True):
+        at_known = np.array_equal(start, now[: start.size])
+        begins &= at_known and start.size == now.size
+        # What was planned ahead begins with what was expected.
+        starts.append(np.concatenate([start, (now if at_known else hoped)[start.size :]]))
+    rest = left_of(book.plan.scenario, row.step, starts, row.leg.risk_bound)
     leg = leg_of(rest, row.leg.controls, row.step)
-    known = book.expected if row.states is None else row.states
-    # Where it begins beside the measured state, the deviation is part of what it costs.
-    begins = all(np.array_equal(a, b) for a, b in zip(row.leg.starts, known, strict=True))
+    # Where it begins beside the measured state, the deviation is part of what it costs; and where
+    # obstacles' places are not known, what was met before was paid for by the leg before.
+    begins &= not leg.witnesses.parties.are_hidden.any()
     price = leg.price if begins else leg.value(row.step, known).total
     _compare(book, where, {"price": (row.price, price)})
     try:

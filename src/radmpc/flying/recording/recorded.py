@@ -74,13 +74,11 @@ class RecordedMission(Mission):
         states, deadline, contacts
             As in `Mission.step`.
         """
-        expected = self._expected
         tick = super().step(states, deadline=deadline, contacts=contacts)
         given = measured(self._scenario, states)
-        known = expected if given is None else given
         excess = 0.0
         if tick.segments:
-            asked = self._leg.controls(tick.step, known)
+            asked = self._leg.controls(tick.step, self._known)
             pairs = zip(asked, tick.controls, strict=True)
             excess = max(float(np.abs(u - flown).max(initial=0.0)) for u, flown in pairs)
         account = self.balance

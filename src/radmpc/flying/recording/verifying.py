@@ -82,14 +82,19 @@ class _Geometry(Model):
 def _contact_problems(scenario: Scenario, rows: Sequence[TickRow]) -> list[str]:
     """Return where what was hit is not what states and controls say."""
     geometry = _Geometry(scenario)
+    # Estimates do not tell where vehicles were, and nothing where obstacles were that stray.
+    hidden: set[str | None] = {v.name for v in scenario.vehicles if v.measurement is not None}
+    hidden |= {o.name for o in scenario.obstacles if o.spread is not None}
     problems = []
     before = None
     for row in rows:
         if row.states is None or (before is not None and before.states is None):
             before = row
             continue
-        found = {(c.cause, c.vehicle, c.other) for c in geometry.hit(before, row)}
-        stated = {(c.cause, c.vehicle, c.other) for c in row.contacts}
+        found, stated = (
+            {(c.cause, c.vehicle, c.other) for c in contacts if not hidden & {c.vehicle, c.other}}
+            for contacts in (geometry.hit(before, row), row.contacts)
+        )
         before = row
         for what, which in (
             ("is hit, and not stated", found - stated),

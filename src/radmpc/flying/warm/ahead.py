@@ -9,10 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from radmpc.arrays import Vector
+import numpy as np
+
+from radmpc.flying.knowing import remembers, unknown_after
 from radmpc.flying.remainder import changed
 from radmpc.model.goal import Goal
+from radmpc.model.noise.known import Known
 from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
 from radmpc.program.build import condensed_models, prediction_matrices
 from radmpc.program.condensed import CondensedModel, PredictionMatrices
 from radmpc.program.hazards import Hazards, Shapes
@@ -44,30 +48,28 @@ class Ahead:
         scenario : Scenario
             Of all its steps.
         """
-        known = tuple(
-            replace(v, initial_covariance=0.0 * v.initial_covariance) for v in scenario.vehicles
-        )
+        known = tuple(_known(v, scenario.horizon) for v in scenario.vehicles)
         scenario = replace(scenario, vehicles=known)
         return cls(Hazards.of(scenario, condensed_models(scenario)), prediction_matrices(scenario))
 
-    def left(self, passed: int, states: Sequence[Vector], goals: Sequence[Goal]) -> Hazards:
+    def left(self, passed: int, vehicles: Sequence[Vehicle], goals: Sequence[Goal]) -> Hazards:
         """Return the fleet over the steps that are left.
 
         Parameters
         ----------
         passed : int
             Steps that have been flown.
-        states : sequence of (n,) array
-            Where vehicles are.
+        vehicles : sequence of Vehicle
+            As they begin them.
         goals : sequence of Goal
             Where they are to end.
         """
         whole = self.whole
         last = whole.horizon - passed
         models = tuple(
-            _cut(model, prediction, (last, state, goal))
-            for model, prediction, state, goal in zip(
-                whole.models, self.predictions, states, goals, strict=True
+            _cut(model, prediction, (last, vehicle, goal))
+            for model, prediction, vehicle, goal in zip(
+                whole.models, self.predictions, vehicles, goals, strict=True
             )
         )
         shapes = whole.shapes
@@ -88,14 +90,26 @@ class Ahead:
         )
 
 
+def _known(vehicle: Vehicle, horizon: int) -> Vehicle:
+    """Return a vehicle of which all is known that is under way.
+
+    A filter knows about as much at every step as at the last one.
+    """
+    if not remembers(vehicle):
+        return replace(vehicle, initial_covariance=0.0 * vehicle.initial_covariance)
+    n, unknown = vehicle.start.size, unknown_after(vehicle, horizon)
+    known = Known(np.zeros(n), unknown)
+    return replace(vehicle, initial_covariance=unknown[:n, :n], known=known)
+
+
 def _cut(
-    model: CondensedModel, prediction: PredictionMatrices, left: tuple[int, Vector, Goal]
+    model: CondensedModel, prediction: PredictionMatrices, left: tuple[int, Vehicle, Goal]
 ) -> CondensedModel:
-    """Return a vehicle over so many steps from a state; its reachable box is that of all steps."""
-    last, state, goal = left
+    """Return a vehicle over the steps it begins; its reachable box is that of all steps."""
+    last, begun, goal = left
     vehicle = model.vehicle
     span = last * model.control_bounds.shape[1]
-    coasting = prediction.coasting(state, vehicle.drift, last)
+    coasting = prediction.coasting(begun.start, begun.pushes(last), last)
     velocity, axes = model.velocity, vehicle.system.velocity
     return replace(
         model,

@@ -115,11 +115,10 @@ class WarmSearch:
 
     def _turned(self, asked: Try, left: Scenario) -> tuple[Matrix, ...] | None:
         """Return better controls within given goals; None if limits leave none."""
-        states = [v.start for v in left.vehicles]
         goals = [v.goal for v in left.vehicles]
         if self._ahead is None:
             self._ahead = Ahead.of(self._scenario)
-        hazards = self._ahead.left(self._horizon - left.horizon, states, goals)
+        hazards = self._ahead.left(self._horizon - left.horizon, left.vehicles, goals)
         if not self._groups:
             self._groups = _groups(hazards, asked.controls)
             self._programs = {g: KeptLp(self._ahead.whole, g) for g in self._groups}

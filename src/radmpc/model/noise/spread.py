@@ -18,6 +18,7 @@ whatever the controls; what a measurement takes off the error's covariance, the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +26,9 @@ from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.noise.shared import SharedDisturbance
+
+if TYPE_CHECKING:
+    from radmpc.model.noise.known import Known
 
 __all__ = ["Chain", "Noise", "Spread", "chain_of", "learning", "spread_of", "stacked"]
 
@@ -49,6 +53,8 @@ class Noise:
         What is known of the state; None is all, exactly.
     shared : tuple of SharedDisturbance
         What others meet, too, added to the disturbance.
+    known : Known or None
+        What is known at k = 0 in place of `initial`, measured there already.
     """
 
     initial: Matrix
@@ -56,6 +62,7 @@ class Noise:
     correlation: float
     measurement: Measurement | None
     shared: tuple[SharedDisturbance, ...] = ()
+    known: Known | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,6 +195,8 @@ def chain_of(system: LinearSystem, noise: Noise, gain: Matrix | None) -> Chain:
         initial[own, own] = covariance
         fresh[own, own] = (1.0 - rho**2) * covariance
         at = own.stop
+    if noise.known is not None:
+        initial[: 2 * n, : 2 * n] = noise.known.covariance
     loop = free.copy()
     if gain is not None:
         loop[:n, :n] += system.B @ gain
@@ -224,8 +233,11 @@ def spread_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: 
     unknown = np.empty_like(known)
     before = np.zeros_like(ahead)
     for k in range(horizon + 1):
-        seen, gained = learning(noise.measurement, ahead)
-        learned = gained @ seen
+        if k == 0 and noise.known is not None:
+            learned = np.zeros_like(ahead)
+        else:
+            seen, gained = learning(noise.measurement, ahead)
+            learned = gained @ seen
         unknown[k] = _even(ahead - learned)
         known[k] = _even(before + learned)
         before = loop @ known[k] @ loop.T

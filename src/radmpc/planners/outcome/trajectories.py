@@ -31,7 +31,9 @@ def trajectories_of(
         Trajectory(
             name=vehicle.name,
             controls=controls,
-            means=rollout(vehicle.system, vehicle.start, controls, vehicle.drift),
+            means=rollout(
+                vehicle.system, vehicle.start, controls, vehicle.pushes(scenario.horizon)
+            ),
             covariances=vehicle.covariances(scenario.horizon),
             gain=vehicle.gain,
         )

@@ -104,7 +104,10 @@ class FleetModel:
         rest = controls[k:].ravel()
         prediction = self.prediction_matrices[i]
         steps = self.scenario.horizon - k
-        states = prediction.coasting(mean, self.scenario.vehicles[i].drift, steps)
+        pushes = self.scenario.vehicles[i].pushes(self.scenario.horizon)
+        if pushes is not None and pushes.ndim > 1:
+            pushes = pushes[k:]
+        states = prediction.coasting(mean, pushes, steps)
         return np.asarray(states + prediction.states[: steps + 1, :, : rest.size] @ rest)
 
     def window_risk(

@@ -128,7 +128,8 @@ def standing_obstacle(
     count = len(covariances)
     half = _half_sides(vehicle, covariances[:1], sigmas)[0]
     state = vehicle.system.A @ vehicle.start
-    drifted = state if vehicle.drift is None else state + vehicle.drift
+    pushes = vehicle.pushes(1)
+    drifted = state if pushes is None else state + np.atleast_2d(pushes)[0]
     ends = [
         vehicle.start_position,
         drifted[list(vehicle.system.position)] if intervals else vehicle.start_position,

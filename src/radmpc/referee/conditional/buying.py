@@ -21,14 +21,16 @@ from radmpc.referee.claims import shape_problems
 from radmpc.referee.conditional.choices import Choice, interval_choices
 from radmpc.referee.conditional.compiling import compiled
 from radmpc.referee.conditional.far import Far, far_of
-from radmpc.referee.conditional.loops import Loops, loops_of, since
+from radmpc.referee.conditional.loops import Loops, loops_of, since, together
 from radmpc.referee.conditional.rows import (
+    Flags,
     HalfspaceRows,
     IntegralRows,
     Parties,
     Witnesses,
 )
 from radmpc.referee.conditional.spreads import deviations_of
+from radmpc.referee.conditional.strays import places_at
 from radmpc.referee.conditional.tables import Moments, all_integrals, at_steps, joined, links
 from radmpc.referee.conditional.valuing import are_sharp
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
@@ -59,8 +61,8 @@ def witnesses_of(plan: Plan) -> Witnesses:
     NoPlanError
         If the plan holds no trajectories.
     ScenarioError
-        If its vehicles or arrays do not fit its scenario, or overflow, or an obstacle's place is
-        not known exactly.
+        If its vehicles or arrays do not fit its scenario, or overflow, or what is left of it could
+        not be valued under way: shared noise that lasts, covariances known up to a factor.
     """
     check_plan(plan)
     problems = shape_problems(plan)
@@ -70,8 +72,6 @@ def witnesses_of(plan: Plan) -> Witnesses:
     motion = propagate(scenario, [t.controls for t in plan.trajectories])
     if motion.problems:
         raise ScenarioError("; ".join(motion.problems))
-    if motion.tracks is not None:
-        raise ScenarioError("rows take obstacles whose place is known exactly", ("obstacles",))
     intervals = scenario.avoidance == "intervals"
     purchase = _Purchase(motion)
     obstacles = gather_obstacles(scenario, motion, intervals=intervals)
@@ -158,17 +158,29 @@ class _Purchase:
     def finished(self, plan: Plan, far: Far) -> Witnesses:
         """Return all rows; links that the certificate does not use are cut."""
         none = np.zeros(0, dtype=np.int64)
-        parties = Parties(
-            tuple(self.causes),
-            np.concatenate([none, *self.first]),
-            np.concatenate([none, *self.other]),
-        )
+        first, other = np.concatenate([none, *self.first]), np.concatenate([none, *self.other])
+        parties = Parties(tuple(self.causes), first, other, self._are_hidden(first, other))
         d = self.motion.positions.shape[2]
         loops = loops_of(self.motion)
-        rows = compiled(joined(self.tables, d), parties, loops)
+        tracks = self.motion.tracks
+        rows = compiled(joined(self.tables, d), parties, loops, tracks)
         widths = np.concatenate([np.zeros(0), *self.widths])
         rows = _with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
-        return Witnesses(plan, self.motion, parties, rows, all_integrals(self.integrals, d), far)
+        exact = all_integrals(self.integrals, d)
+        strays = places_at(parties, exact.encounters, exact.windows, tracks, d)
+        exact = replace(exact, strays=strays)
+        return Witnesses(plan, self.motion, parties, rows, exact, far)
+
+    def _are_hidden(self, first: Indices, other: Indices) -> Flags:
+        """Return of which encounters what is measured does not tell if they hit, (B,) bool."""
+        motion, causes = self.motion, np.array(self.causes, dtype=object)
+        estimate = np.array(motion.seen_rows) > 0
+        hidden = estimate[first]
+        pairs, solid = causes == "pair", causes == "obstacle"
+        hidden[pairs] |= estimate[other[pairs]]
+        if motion.tracks is not None:
+            hidden[solid] |= motion.tracks.places[other[solid]] >= 0
+        return np.asarray(hidden, dtype=bool)
 
     def _enter(self, block: Encounters) -> Indices:
         """Give the encounters of a block their numbers."""
@@ -208,6 +220,7 @@ class _Purchase:
                 sites.means[integrated, 0],
                 sites.vertices[integrated, 0],
                 sites.radii[integrated],
+                np.zeros((len(integrated), d, d)),
                 np.repeat(block.directions, steps, axis=0)[integrated],
                 risks[integrated],
                 are_sharp(sites.covariances[integrated, 0], risks[integrated]),
@@ -254,7 +267,9 @@ def _with_telling_links(
     rows: HalfspaceRows, widths: Vector, loops: Loops, parties: Parties, horizon: int
 ) -> HalfspaceRows:
     """Cut the links whose rows the certificate charges whole, because little is gained by them."""
-    spread = deviations_of(rows, parties, since(loops, horizon, 0, is_measured=False))
+    noise = since(loops, horizon, 0, is_measured=False)
+    noise = together(noise, loops, parties.first, parties.others)
+    spread = deviations_of(rows, parties, noise)
     charged = ndtr(-in_deviations(rows.margins, spread))
     sums = np.bincount(rows.encounters, charged, len(parties.causes))
     least = (TELLING * sums / widths)[rows.encounters]

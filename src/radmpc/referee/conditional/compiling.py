@@ -7,12 +7,16 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.referee.conditional.loops import Loops
 from radmpc.referee.conditional.rows import HalfspaceRows, Parties
+from radmpc.referee.conditional.strays import strays_of
 from radmpc.referee.conditional.tables import Moments
+from radmpc.referee.tracks import Tracks
 
 __all__ = ["compiled"]
 
 
-def compiled(moments: Moments, parties: Parties, loops: Loops) -> HalfspaceRows:
+def compiled(
+    moments: Moments, parties: Parties, loops: Loops, tracks: Tracks | None
+) -> HalfspaceRows:
     """Return half-spaces as rows on states, with what they share with the rows before.
 
     Parameters
@@ -23,14 +27,21 @@ def compiled(moments: Moments, parties: Parties, loops: Loops) -> HalfspaceRows:
         The encounters.
     loops : Loops
         Of the fleet.
+    tracks : Tracks or None
+        Obstacles whose place is not known exactly; None where all are.
     """
     first = parties.first[moments.encounters]
     is_pair = parties.are_pairs[moments.encounters]
     other = np.where(is_pair, parties.other[moments.encounters], 0)
-    fresh_of_all = loops.picks @ loops.disturbance @ loops.picks.transpose(0, 2, 1)
+    # What a filter makes of the noise comes on top of the position's own, which is always the same.
+    fresh_of_all = loops.picks @ loops.disturbance[:, 0] @ loops.picks.transpose(0, 2, 1)
     rows_first = _on_states(moments, first, loops)
     rows_other = np.where(is_pair[:, None], _on_states(moments, other, loops), 0.0)
     spread = fresh_of_all[first] + np.where(is_pair[:, None, None], fresh_of_all[other], 0.0)
+    if loops.pushes is not None:
+        met = loops.picks @ loops.pushes
+        both = met[first] @ met[other].transpose(0, 2, 1)
+        spread -= np.where(is_pair[:, None, None], both + both.transpose(0, 2, 1), 0.0)
     own = np.einsum("ed,edf,ef->e", moments.normals, spread, moments.normals)
     linked, at = moments.before >= 0, moments.before
     # The far end of a step's last part stands at the near end of the next one's first.
@@ -41,6 +52,11 @@ def compiled(moments: Moments, parties: Parties, loops: Loops) -> HalfspaceRows:
     others = np.where(is_pair[:, None], others, 0.0)
     crossed = np.einsum("ed,edf,ef->e", normals, spread, moments.normals)
     crossed = moments.shares[at] * moments.shares * crossed
+    fresh, link = np.square(moments.shares) * own, np.where(turns | ~linked, 0.0, crossed)
+    rest = np.zeros(len(link))
+    if tracks is not None:
+        strays = strays_of(moments, parties, tracks)
+        fresh, link, rest = fresh + strays.own, link + strays.linked, strays.before
     return HalfspaceRows(
         encounters=moments.encounters,
         windows=moments.windows,
@@ -52,17 +68,18 @@ def compiled(moments: Moments, parties: Parties, loops: Loops) -> HalfspaceRows:
         nested=moments.nested,
         first=rows_first,
         other=rows_other,
-        fresh=np.square(moments.shares) * own,
+        fresh=fresh,
         link_first=np.where(turns[:, None], positions, rows_first[at]),
         link_other=np.where(turns[:, None], others, rows_other[at]),
-        link_fresh=np.where(turns | ~linked, 0.0, crossed),
+        link_fresh=link,
+        link_rest=rest,
     )
 
 
 def _on_states(moments: Moments, vehicles: Indices, loops: Loops) -> Matrix:
     """Return ``n·[(1 − s) P + s P F − s (1 − s) G − β G]`` per row, (E, n)."""
     s = moments.shares[:, None, None]
-    onward: Tensor = loops.picks @ loops.transitions
+    onward: Tensor = loops.picks @ loops.transitions[:, 0]
     matrix = (1.0 - s) * loops.picks[vehicles] + s * onward[vehicles]
     matrix -= (s * (1.0 - s) + moments.bends[:, None, None]) * loops.bends[vehicles]
     return np.asarray(np.einsum("ed,edn->en", moments.normals, matrix))

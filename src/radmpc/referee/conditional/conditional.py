@@ -1,7 +1,7 @@
 r"""What is left of a certificate, given what has been measured.
 
-For a *leg*, what is flown from some step on, and states measured at step t without error, the
-deviation :math:`e_t = x_t - \bar x_t` is known and
+For a *leg*, what is flown from some step on, and states measured at step t without error under
+noise that is new at every step, the deviation :math:`e_t = x_t - \bar x_t` is known and
 
 .. math:: x_k \mid x_t \sim \mathcal N\Bigl(\bar x_k + F^{k-t} e_t,\
           \sum_{j=t}^{k-1} F^{k-1-j} W (F^{k-1-j})^\top\Bigr), \qquad F = A + B K .
@@ -9,6 +9,14 @@ deviation :math:`e_t = x_t - \bar x_t` is known and
 The rows stay those that the certificate charged; under ``intervals`` the first row of each
 encounter that speaks of what is still to be flown is charged whole, whatever the row before it came
 to.
+
+With a disturbance that lasts, or a filter, the same holds of the longer state ζ of the closed loop:
+given all that was measured it is Gaussian about what is expected of it, with a covariance
+:math:`S_t` that is known beforehand, and :math:`F^{k-t} S_t (F^{k-t})^\top` comes on top. Of
+obstacles nothing is measured, so their places keep the covariances they had. Where this leaves open
+whether anything was hit, every row stays charged without the one before it, also the first one:
+what has been spent on the steps that were flown, and what is left, are then a martingale by
+themselves.
 """
 
 from __future__ import annotations
@@ -23,7 +31,7 @@ from radmpc.arrays import Matrix, Tensor, Vector, as_array, as_vector
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.referee.conditional.buying import unseen_of, witnesses_of
 from radmpc.referee.conditional.far import is_surprised
-from radmpc.referee.conditional.loops import loops_of, since
+from radmpc.referee.conditional.loops import loops_of, since, together
 from radmpc.referee.conditional.rows import HalfspaceRows, IntegralRows, Witnesses
 from radmpc.referee.conditional.valuing import Values, halfspace_values, integral_values
 
@@ -86,9 +94,10 @@ def conditional(
         Of the leg, by `witnesses_of`.
     step : int
         Of the leg, 0..T.
-    states : sequence of (n,) array or None
-        Measured states of all vehicles, in the scenario's order; None before anything is measured
-        at step 0.
+    states : sequence of (n,) or (2 n,) array or None
+        What is known of all vehicles, in the scenario's order: measured states; of those whose
+        disturbances last or who measure with noise the expected state and the expected disturbance
+        over the step that follows. None before anything is measured at step 0.
 
     Returns
     -------
@@ -106,12 +115,12 @@ def conditional(
     """
     measured = None
     if states is not None:
-        vehicles = witnesses.plan.scenario.vehicles
-        if len(states) != len(vehicles):
-            raise ScenarioError(f"must be {len(vehicles)} states, got {len(states)}", ("states",))
+        sizes = _sizes(witnesses)
+        if len(states) != len(sizes):
+            raise ScenarioError(f"must be {len(sizes)} states, got {len(states)}", ("states",))
         measured = [
-            as_vector(x, v.system.num_states, ("states", i))[None]
-            for i, (x, v) in enumerate(zip(states, vehicles, strict=True))
+            as_vector(x, size, ("states", i))[None]
+            for i, (x, size) in enumerate(zip(states, sizes, strict=True))
         ]
     found = conditionals(witnesses, step, measured)
     return Conditional(
@@ -134,8 +143,9 @@ def conditionals(
         Of the leg.
     step : int
         Of the leg, 0..T.
-    states : sequence of (S, n) array or None
-        Measured states of each vehicle; None before anything is measured at step 0.
+    states : sequence of (S, n) or (S, 2 n) array or None
+        What is known of each vehicle, as in `conditional`; None before anything is measured at
+        step 0.
 
     Returns
     -------
@@ -151,15 +161,16 @@ def conditionals(
     """
     motion, intervals = witnesses.motion, witnesses.intervals
     scenario, is_measured = witnesses.plan.scenario, states is not None
-    loops = loops_of(motion)
+    parties, loops = witnesses.parties, loops_of(motion)
     noise = since(loops, scenario.horizon, step, is_measured=is_measured)
-    deviations = _deviations(witnesses, step, states, loops.transitions.shape[1])
-    half = halfspace_values(witnesses.halfspaces, witnesses.parties, noise, deviations)
-    exact = integral_values(witnesses.integrals, witnesses.parties, loops, noise, deviations)
+    noise = together(noise, loops, parties.first, parties.others)
+    deviations = _deviations(witnesses, step, states, loops.initial.shape[1])
+    half = halfspace_values(witnesses.halfspaces, parties, noise, deviations)
+    exact = integral_values(witnesses.integrals, parties, loops, noise, deviations)
     # At steps, what is measured tells what was hit there; an interval's near end tells what is not
     # yet to be hit.
     past = step if is_measured and not intervals else step - 1
-    total, least, soon = _sums(witnesses, past, (half, exact))
+    total, least, soon = _sums(witnesses, past, (half, exact), is_measured=is_measured)
     far = witnesses.far
     if is_measured and is_surprised(far, scenario, motion, (loops, noise), deviations):
         unseen = conditionals(unseen_of(witnesses), step, states)
@@ -174,7 +185,7 @@ def conditionals(
 
 
 def _sums(
-    witnesses: Witnesses, past: int, values: tuple[Values, Values]
+    witnesses: Witnesses, past: int, values: tuple[Values, Values], *, is_measured: bool
 ) -> tuple[Vector, Vector, Vector]:
     """Return what rows after a window come to from above and below, and those of the next one."""
     rows: tuple[HalfspaceRows | IntegralRows, ...] = witnesses.halfspaces, witnesses.integrals
@@ -186,8 +197,12 @@ def _sums(
         np.add.at(below, table.encounters[left], found.below[left])
         following = left[table.windows[left] == past + 1]
         np.add.at(soon, table.encounters[following], found.above[following])
-    # What surely happens once need not be charged for more; as the certificate has it.
-    cap = np.where(witnesses.parties.are_capped, 1.0, np.inf)[:, None]
+    # What surely happens once need not be charged for more; as the certificate has it. Under way
+    # that takes knowing what happened: else what was spent, and what is left, are a sum.
+    capped = witnesses.parties.are_capped
+    if is_measured:
+        capped = capped & ~witnesses.parties.are_hidden
+    cap = np.where(capped, 1.0, np.inf)[:, None]
     scale = np.minimum(cap / np.maximum(above, 1e-300), 1.0)
     sums = (above * scale, np.minimum(below, cap), soon * scale)
     total, least, next_step = (each.sum(axis=0) for each in sums)
@@ -204,12 +219,30 @@ def _deviations(
     if len(states) != len(nominal):
         raise ScenarioError(f"must be {len(nominal)} states, got {len(states)}", ("states",))
     given: list[Matrix] = [
-        as_array(x, (None, path.shape[1]), ("states", i))
-        for i, (x, path) in enumerate(zip(states, nominal, strict=True))
+        as_array(x, (None, length), ("states", i))
+        for i, (x, length) in enumerate(zip(states, _sizes(witnesses), strict=True))
     ]
     if len({len(x) for x in given}) > 1:
         raise ArgumentError(f"states must be equally many each, got {[len(x) for x in given]}")
     result = np.zeros((len(given[0]), len(nominal), size))
+    motion = witnesses.motion
     for i, (measured, path) in enumerate(zip(given, nominal, strict=True)):
-        result[:, i, : path.shape[1]] = measured - path[step]
+        n, seen = path.shape[1], motion.seen_rows[i]
+        unknown, lasting = motion.unknown[i], motion.lasting[i]
+        result[:, i, :n] = measured[:, :n] - path[step]
+        if unknown is None:
+            continue
+        if witnesses.plan.scenario.vehicles[i].disturbance_correlation > 0.0:
+            expected = 0.0 if lasting is None else lasting[step]
+            result[:, i, n : 2 * n] = measured[:, n:] - expected
+        if seen:
+            # What is expected of all there is, is what the filter says.
+            result[:, i, seen : 2 * seen] = result[:, i, :seen]
     return result
+
+
+def _sizes(witnesses: Witnesses) -> list[int]:
+    """Return how many numbers tell what is known of each vehicle."""
+    motion = witnesses.motion
+    pairs = zip(motion.states, motion.unknown, strict=True)
+    return [path.shape[1] * (1 if unknown is None else 2) for path, unknown in pairs]

@@ -125,13 +125,18 @@ def is_surprised(
         return False
     intervals = scenario.avoidance == "intervals"
     step = known[1].step
+    reaches = None
+    if motion.tracks is not None:
+        # Their places are not measured; deviations of two add up to less than their sum.
+        strays = np.vstack([motion.tracks.deviations, np.zeros(scenario.horizon + 1)])
+        reaches = _CLOSER * strays[motion.tracks.places]
     for sample in deviations:
         balls = _balls(motion, known, sample, intervals=intervals)
         found = near_pairs(balls)
         if not np.isin(found[:, 0] * len(sample) + found[:, 1], far.pairs).all():
             return True
         pieces = set(map(tuple, far.pieces.tolist()))
-        for near in near_pieces(scenario, balls, step, intervals=intervals):
+        for near in near_pieces(scenario, balls, step, reaches, intervals=intervals):
             for vehicle in near.vehicles.tolist():
                 if (vehicle, near.obstacle, near.piece) not in pieces:
                     return True

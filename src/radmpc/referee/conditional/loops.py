@@ -2,31 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from radmpc.arrays import Tensor
+from radmpc.arrays import Indices, Tensor
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.referee.motion import FleetMotion
 
-__all__ = ["Loops", "Since", "loops_of", "since"]
+__all__ = ["Loops", "Since", "loops_of", "since", "together"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loops:
     """Closed loops of all vehicles, padded with zeros to the longest state n.
 
+    A loop's state is the vehicle's and what lasts of its disturbance; with a filter, all of that as
+    it is estimated, too.
+
     Attributes
     ----------
-    transitions : (N, n, n) array
-        ``F = A + B K``.
-    initial, disturbance : (N, n, n) array
-        Covariances at k = 0 and of every step.
+    transitions : (N, S, n, n) array
+        ``F = A + B K`` at every step; one for all where S is 1.
+    initial : (N, n, n) array
+        Covariances at k = 0.
+    disturbance : (N, S, n, n) array
+        Covariances of the noise of every step.
     picks : (N, d, n) array
         P, rows that pick the position.
     bends : (N, d, n) array
         ``G = B_p K`` where feedback bends the path between steps, else 0.
+    unknown : (T+1, N, n, n) array or None
+        Covariances given all that is measured up to each step; None is nothing left open.
+    pushes : (N, n, R) array or None
+        What standard normals that several vehicles meet add at every step; None is nothing.
     """
 
     transitions: Tensor
@@ -34,6 +43,8 @@ class Loops:
     disturbance: Tensor
     picks: Tensor
     bends: Tensor
+    unknown: Tensor | None = None
+    pushes: Tensor | None = None
 
     def has_spread(self, noise: Since) -> bool:
         """Whether states are known better than when a leg begins, at the noise's first step."""
@@ -51,12 +62,15 @@ class Since:
     powers : (T − step + 1, N, n, n) array
         ``F^(k − step)`` for k from that step on.
     covariances : (T − step + 1, N, n, n) array
-        Of what noise has added to the state since.
+        Of what noise has added to the state since, and of what the measurement left open.
+    crossed : (T − step + 1, B, n, n) array or None
+        Covariances of the two vehicles of each encounter by noise that both meet; None is none.
     """
 
     step: int
     powers: Tensor
     covariances: Tensor
+    crossed: Tensor | None = None
 
 
 def loops_of(motion: FleetMotion) -> Loops:
@@ -70,35 +84,79 @@ def loops_of(motion: FleetMotion) -> Loops:
     Raises
     ------
     ScenarioError
-        If a loop remembers more than its vehicle's state, which alone is measured, or vehicles
-        have noise in common, or covariances are known up to a factor only.
+        If vehicles share noise that lasts or measure under it, or covariances are known up to a
+        factor only.
     """
-    if motion.common is not None:
-        raise ScenarioError("what is left of a plan is valued under noise that nobody shares")
     if motion.samples is not None:
         raise ScenarioError("what is left of a plan is valued under covariances that are known")
     count, _, d = motion.positions.shape
-    n = max(len(states[0]) for states in motion.states)
-    if any(
-        group.transitions.shape[-1] > n or group.transitions.shape[1] > 1 for group in motion.groups
-    ):
-        raise ScenarioError(
-            "what is left of a plan is valued under noise that is new at every step"
-        )
-    square = (count, n, n)
-    transitions, initial, disturbance = np.zeros(square), np.zeros(square), np.zeros(square)
+    n = max(group.transitions.shape[-1] for group in motion.groups)
+    steps = max(group.transitions.shape[1] for group in motion.groups)
+    transitions, disturbance = np.zeros((2, count, steps, n, n))
+    initial = np.zeros((count, n, n))
     picks, bends = np.zeros((count, d, n)), np.zeros((count, d, n))
     for group in motion.groups:
         size = group.transitions.shape[-1]
         at = np.ix_(group.members, np.arange(size), np.arange(size))
-        transitions[at], initial[at] = group.transitions[:, 0], group.initial
-        disturbance[at] = group.disturbances[:, 0]
+        initial[at] = group.initial
+        each = np.ix_(group.members, np.arange(steps), np.arange(size), np.arange(size))
+        transitions[each], disturbance[each] = group.transitions, group.disturbances
         for member, axes in zip(group.members.tolist(), group.position.tolist(), strict=True):
             picks[member, np.arange(d), axes] = 1.0
             bend = motion.bends[member]
             if bend is not None:
                 bends[member, :, :size] = bend
-    return Loops(transitions, initial, disturbance, picks, bends)
+    pushes = _pushes(motion, n)
+    return Loops(transitions, initial, disturbance, picks, bends, _unknown(motion, n), pushes)
+
+
+def _unknown(motion: FleetMotion, n: int) -> Tensor | None:
+    """Return what measurements leave open of loops at every step, (T+1, N, n, n)."""
+    if all(each is None for each in motion.unknown):
+        return None
+    result = np.zeros((motion.positions.shape[1], len(motion.unknown), n, n))
+    for i, each in enumerate(motion.unknown):
+        if each is not None:
+            result[:, i, : each.shape[1], : each.shape[1]] = each
+    return result
+
+
+def _pushes(motion: FleetMotion, n: int) -> Tensor | None:
+    """Return what noise that several vehicles meet adds at every step, (N, n, R)."""
+    common = motion.common
+    if common is None:
+        return None
+    remember = [each is not None for each in motion.unknown]
+    if common.first.any() or common.pushes[remember].any():
+        raise ScenarioError(
+            "what is left of a plan is valued under shared noise that is new at every step, with "
+            "states known exactly"
+        )
+    pushes = np.zeros((len(common.pushes), n, common.pushes.shape[-1]))
+    pushes[:, : common.pushes.shape[2]] = common.pushes[:, 0]
+    return pushes
+
+
+def together(noise: Since, loops: Loops, first: Indices, other: Indices) -> Since:
+    """Return the same with covariances of vehicles that meet the same noise.
+
+    Parameters
+    ----------
+    noise : Since
+        Of the steps since the measurement.
+    loops : Loops
+        Of the fleet.
+    first, other : (B,) int array
+        The vehicles of each encounter.
+    """
+    if loops.pushes is None:
+        return noise
+    met = loops.pushes[first] @ loops.pushes[other].transpose(0, 2, 1)
+    mine, theirs = loops.transitions[first, 0], loops.transitions[other, 0].transpose(0, 2, 1)
+    crossed = np.zeros((len(noise.powers), *met.shape))
+    for k in range(len(crossed) - 1):
+        crossed[k + 1] = mine @ crossed[k] @ theirs + met
+    return replace(noise, crossed=crossed)
 
 
 def since(loops: Loops, horizon: int, step: int, *, is_measured: bool) -> Since:
@@ -119,12 +177,17 @@ def since(loops: Loops, horizon: int, step: int, *, is_measured: bool) -> Since:
         raise ArgumentError(f"step must be from 0 to {horizon}, got {step}")
     if not is_measured and step:
         raise ArgumentError(f"without measured states step must be 0, got {step}")
-    turned = loops.transitions.transpose(0, 2, 1)
-    powers = np.empty((horizon - step + 1, *loops.transitions.shape))
+    powers = np.empty((horizon - step + 1, *loops.initial.shape))
     covariances = np.empty_like(powers)
-    powers[0] = np.eye(loops.transitions.shape[1])
-    covariances[0] = 0.0 if is_measured else loops.initial
+    powers[0] = np.eye(loops.initial.shape[1])
+    covariances[0] = loops.initial
+    if is_measured:
+        covariances[0] = 0.0 if loops.unknown is None else loops.unknown[step]
+    last = loops.transitions.shape[1] - 1
     for k in range(horizon - step):
-        powers[k + 1] = loops.transitions @ powers[k]
-        covariances[k + 1] = loops.transitions @ covariances[k] @ turned + loops.disturbance
+        at = min(step + k, last)
+        onward = loops.transitions[:, at]
+        powers[k + 1] = onward @ powers[k]
+        moved = onward @ covariances[k] @ onward.transpose(0, 2, 1)
+        covariances[k + 1] = moved + loops.disturbance[:, at]
     return Since(step, powers, 0.5 * (covariances + covariances.transpose(0, 1, 3, 2)))

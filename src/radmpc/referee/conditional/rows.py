@@ -34,11 +34,20 @@ class Parties:
         The vehicle.
     other : (B,) int array
         The other vehicle of a pair, or the obstacle; 0 for the workspace.
+    are_hidden : (B,) bool array
+        Whether what is measured leaves open if anything was hit: a vehicle measures with noise, or
+        the obstacle's place is not known exactly.
     """
 
     causes: tuple[Cause, ...]
     first: Indices
     other: Indices
+    are_hidden: Flags
+
+    @property
+    def others(self) -> Indices:
+        """The other vehicle of pairs, 0 elsewhere, (B,)."""
+        return np.where(self.are_pairs, self.other, 0)
 
     @property
     def are_pairs(self) -> Flags:
@@ -80,11 +89,15 @@ class HalfspaceRows:
     first, other : (E, n) array
         ``n·[…]`` as a row on the state of the vehicle and, its sign turned, of the other one.
     fresh : (E,) array
-        Variance ``s² n·P W Pᵀ n`` that the step's own disturbance adds [m²].
+        Variance ``s² n·P W Pᵀ n`` that the step's own disturbance adds, and all of an obstacle's
+        place, of which nothing is ever measured [m²].
     link_first, link_other : (E, n) array
         `first` and `other` of the row before, as functions of the same δ_k.
     link_fresh : (E,) array
-        Covariance with that row by the step's own disturbance [m²].
+        Covariance with that row by the same [m²].
+    link_rest : (E,) array
+        Variance of that row that comes on top of the same δ_k, where it ends the step before: the
+        obstacle's place [m²].
     """
 
     encounters: Indices
@@ -101,6 +114,7 @@ class HalfspaceRows:
     link_first: Matrix
     link_other: Matrix
     link_fresh: Vector
+    link_rest: Vector
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,6 +131,8 @@ class IntegralRows:
         Corners of the set [m].
     radii : (E,) array
         Radius [m].
+    strays : (E, 2, 2) array
+        Covariance of the obstacle's place; 0 where it is known exactly [m²].
     directions : (E, G, 2) array
         Unit normals worth trying where the noise is singular: faces and axes [-].
     charged : (E,) array
@@ -130,6 +146,7 @@ class IntegralRows:
     means: Matrix
     vertices: Tensor
     radii: Vector
+    strays: Tensor
     directions: Tensor
     charged: Vector
     are_sharp: Flags

@@ -143,7 +143,8 @@ def all_integrals(tables: Sequence[IntegralRows], dimension: int) -> IntegralRow
     if not any(len(t.windows) for t in tables):
         empty = np.zeros((0, 1, dimension))
         none = np.zeros(0)
-        return IntegralRows(ints, ints, empty[:, 0], empty, none, empty, none, none > 0.0)
+        square = np.zeros((0, dimension, dimension))
+        return IntegralRows(ints, ints, empty[:, 0], empty, none, square, empty, none, none > 0.0)
     corners = max(t.vertices.shape[1] for t in tables)
     tried = max(t.directions.shape[1] for t in tables)
     return IntegralRows(
@@ -152,6 +153,7 @@ def all_integrals(tables: Sequence[IntegralRows], dimension: int) -> IntegralRow
         np.concatenate([t.means for t in tables]),
         np.concatenate([_padded(t.vertices, corners) for t in tables]),
         np.concatenate([t.radii for t in tables]),
+        np.concatenate([t.strays for t in tables]),
         np.concatenate([_padded(t.directions, tried) for t in tables]),
         np.concatenate([t.charged for t in tables]),
         np.concatenate([t.are_sharp for t in tables]),

@@ -11,9 +11,14 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.referee.bound.bivariate import exceeds_alone
 from radmpc.referee.bound.planar import grown_polygon_risks
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
+from radmpc.referee.common import relative
 from radmpc.referee.conditional.loops import Loops, Since
 from radmpc.referee.conditional.rows import Flags, HalfspaceRows, IntegralRows, Parties
-from radmpc.referee.conditional.spreads import correlations, deviations_of
+from radmpc.referee.conditional.spreads import (
+    correlations,
+    deviations_before,
+    deviations_of,
+)
 from radmpc.referee.reserve import in_deviations
 from radmpc.referee.sites import Sites
 
@@ -83,16 +88,34 @@ def halfspace_values(
     above = np.where(coming[:, None], ndtr(-levels), 0.0)
     below = above.copy()
     # The row before counts as long as it is not of the past: what it failed with then hit nothing.
-    linked = np.flatnonzero(coming & (rows.before >= 0) & coming[rows.before])
+    # Where nobody knows whether it hit anything, its charge has paid for that.
+    ends = coming & (rows.before >= 0) & ~coming[rows.before] & parties.are_hidden[rows.encounters]
+    linked = np.flatnonzero(coming & (rows.before >= 0) & (coming[rows.before] | ends))
     if linked.size:
-        rho = correlations(rows, parties, noise, spread)
+        levels_before, spread_before = levels[rows.before], spread[rows.before]
+        if ends.any():
+            found = _ended(rows, parties, noise, deviations)
+            levels_before[ends], spread_before[ends] = found[0][ends], found[1][ends]
+        rho = correlations(rows, parties, noise, spread, spread_before)
         row, sample = np.nonzero(above[linked] > _NOTHING)
         below[linked] = 0.0
         row = linked[row]
-        alone = exceeds_alone(levels[rows.before[row], sample], levels[row, sample], rho[row])
+        alone = exceeds_alone(levels_before[row, sample], levels[row, sample], rho[row])
         above[row, sample] = alone
         below[row, sample] = alone / np.where(rows.nested[row], 1.0, _LOOSEST)
     return Values(above, below)
+
+
+def _ended(
+    rows: HalfspaceRows, parties: Parties, noise: Since, deviations: Tensor
+) -> tuple[Matrix, Vector]:
+    """Return levels (E, S) and deviations (E,) of rows before that end at the measurement."""
+    first, other = parties.first[rows.encounters], parties.other[rows.encounters]
+    spread = deviations_before(rows, parties, noise)
+    shift = np.einsum("en,sen->es", rows.link_first, deviations[:, first])
+    theirs = np.where(parties.are_pairs[rows.encounters, None], rows.link_other, 0.0)
+    shift -= np.einsum("en,sen->es", theirs, deviations[:, other * (theirs.any(axis=1))])
+    return in_deviations(rows.margins[rows.before][:, None] + shift, spread[:, None]), spread
 
 
 def integral_values(
@@ -148,7 +171,7 @@ def _moments(
     first, other = parties.first[rows.encounters], parties.other[rows.encounters]
     are_pairs = parties.are_pairs[rows.encounters]
     means = np.repeat(rows.means[:, None], len(deviations), axis=1)
-    covariances = np.zeros((len(rows.windows), 2, 2))
+    covariances = rows.strays.copy()
     for vehicles, sign, at in (
         (first, 1.0, np.arange(len(first))),
         (other, -1.0, np.flatnonzero(are_pairs)),
@@ -159,6 +182,12 @@ def _moments(
         covariances[at] += (
             loops.picks[who] @ noise.covariances[when, who] @ loops.picks[who].transpose(0, 2, 1)
         )
+    if noise.crossed is not None:
+        pairs = np.flatnonzero(are_pairs)
+        crossed = noise.crossed[steps[pairs], rows.encounters[pairs]]
+        picked = loops.picks[first[pairs]] @ crossed
+        picked = picked @ loops.picks[other[pairs]].transpose(0, 2, 1)
+        covariances[pairs] = relative(covariances[pairs], picked)
     return means, covariances
 
 
