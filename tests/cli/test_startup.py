@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -78,17 +79,24 @@ def loaded_by(code: str) -> set[str]:
     return set(done.stdout.split())
 
 
+def write_with_rock(folder: Path, rock: str) -> Path:
+    """Write the crossing with another rock."""
+    path = folder / "reef.yaml"
+    old = next(line for line in CROSSING.splitlines() if "rock" in line)
+    path.write_text(CROSSING.replace(old, rock), encoding="utf-8")
+    return path
+
+
 @pytest.fixture
 def with_rock(tmp_path: Path) -> Callable[[str], Path]:
     """Write the crossing with another rock."""
+    return partial(write_with_rock, tmp_path)
 
-    def write(rock: str) -> Path:
-        path = tmp_path / "reef.yaml"
-        old = next(line for line in CROSSING.splitlines() if "rock" in line)
-        path.write_text(CROSSING.replace(old, rock), encoding="utf-8")
-        return path
 
-    return write
+@pytest.fixture(scope="module")
+def planning(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    """The modules that a small scenario is planned with."""
+    return loaded("plan", write_with_rock(tmp_path_factory.mktemp("plan"), CORNERS))
 
 
 def test_the_version_is_told_without_numbers_files_and_styles() -> None:
@@ -122,21 +130,15 @@ def test_a_check_loads_scipy_only_where_something_is_near_a_start_or_a_goal(
 
 
 @pytest.mark.slow
-def test_of_scipy_only_what_small_scenarios_need_is_loaded(
-    with_rock: Callable[[str], Path],
-) -> None:
-    modules = loaded("plan", with_rock(CORNERS))
-    assert {"scipy.sparse", "scipy.special", "highspy"} <= modules
-    assert modules & (NEVER | {"shapely"}) == set()
+def test_of_scipy_only_what_small_scenarios_need_is_loaded(planning: set[str]) -> None:
+    assert {"scipy.sparse", "scipy.special", "highspy"} <= planning
+    assert planning & (NEVER | {"shapely"}) == set()
 
 
 @pytest.mark.slow
-def test_parts_of_numpy_that_only_scipy_names_are_not_loaded(
-    with_rock: Callable[[str], Path],
-) -> None:
-    modules = loaded("plan", with_rock(CORNERS))
-    assert {"numpy.f2py", "numpy.testing"} <= modules  # their names
-    assert modules & {"numpy.f2py.crackfortran", "numpy.testing.overrides", "unittest"} == set()
+def test_parts_of_numpy_that_only_scipy_names_are_not_loaded(planning: set[str]) -> None:
+    assert {"numpy.f2py", "numpy.testing"} <= planning  # their names
+    assert planning & {"numpy.f2py.crackfortran", "numpy.testing.overrides", "unittest"} == set()
 
 
 def test_a_part_that_waits_is_loaded_by_whoever_asks() -> None:
@@ -153,11 +155,10 @@ def test_a_part_that_waits_is_loaded_by_whoever_asks() -> None:
 
 @pytest.mark.slow
 def test_a_small_scenario_is_planned_without_other_planners_and_fallbacks(
-    with_rock: Callable[[str], Path],
+    planning: set[str],
 ) -> None:
-    modules = loaded("plan", with_rock(CORNERS))
-    assert "radmpc.planners.certified.planning" in modules
-    assert modules & (OTHER_PLANNERS | RARELY) == set()
+    assert "radmpc.planners.certified.planning" in planning
+    assert planning & (OTHER_PLANNERS | RARELY) == set()
 
 
 @pytest.mark.slow

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from radmpc.arrays import Indices, Vector
+from radmpc.arrays import Indices, Vector, frozen
 from radmpc.gaussian import GAUSSIAN, Tail
 
 __all__ = ["DiscTails", "HalfSpaceTails", "Tails", "disc_probability", "tails_of"]
@@ -47,19 +49,27 @@ def disc_probability(radii: Vector, distances: Vector) -> Vector:
     array
         No more than the truth, but for the error of the quadrature.
     """
-    radii, distances = np.broadcast_arrays(radii, distances)
+    return _probability_in(radii)(distances)
+
+
+def _probability_in(radii: Vector) -> Callable[[Vector], Vector]:
+    """Return the probability by the distances: what only the radii decide is computed once."""
     widest = np.arcsin(np.minimum(_WIDEST / radii, 1.0))[..., None]
     angles = widest * _NODES
     side = radii[..., None] * np.sin(angles)
     depth = radii[..., None] * np.cos(angles)
     # ρ − ρ cos, without cancellation: the disc is deep by as much at that side.
     behind = 2.0 * radii[..., None] * np.square(np.sin(0.5 * angles))
-    near = distances[..., None] + behind
-    far = near + 2.0 * depth
     density = np.exp(-0.5 * side**2) / np.sqrt(2.0 * np.pi)
-    within = density * (ndtr(-near) - ndtr(-far)) * depth
-    found: Vector = widest[..., 0] * (within @ _WEIGHTS)
-    return found
+
+    def probability(distances: Vector) -> Vector:
+        near = distances[..., None] + behind
+        far = near + 2.0 * depth
+        within = density * (ndtr(-near) - ndtr(-far)) * depth
+        found: Vector = widest[..., 0] * (within @ _WEIGHTS)
+        return found
+
+    return probability
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,8 +123,9 @@ class DiscTails:
     shifts: Vector
 
     @classmethod
+    @lru_cache(maxsize=64)
     def of(cls, risk_bound: float) -> DiscTails:
-        """Tabulate the tails for a risk bound Δ.
+        """Tabulate the tails for a risk bound Δ; once for many plans.
 
         Parameters
         ----------
@@ -122,15 +133,16 @@ class DiscTails:
             Δ [-].
         """
         low, high = np.zeros(_RADII.size), np.full(_RADII.size, _FARTHEST)
-        reachable = disc_probability(_RADII, low) > risk_bound
+        probability = _probability_in(_RADII)
+        reachable = probability(low) > risk_bound
         for _ in range(40):
             middle = 0.5 * (low + high)
-            is_above = disc_probability(_RADII, middle) > risk_bound
+            is_above = probability(middle) > risk_bound
             low, high = np.where(is_above, middle, low), np.where(is_above, high, middle)
         distances = low + np.linspace(0.0, 1.0, 30)[:, None] * (_FARTHEST - low)
-        tails = np.maximum(disc_probability(_RADII, distances), 1e-300)
+        tails = np.maximum(probability(distances), 1e-300)
         shifts = (-ndtri(tails) - distances).max(axis=0) + _SAFETY
-        return cls(np.where(reachable, low, np.nan), np.maximum(shifts, 0.0))
+        return cls(frozen(np.where(reachable, low, np.nan)), frozen(np.maximum(shifts, 0.0)))
 
     def at(self, radii: Vector) -> tuple[Vector, Vector]:
         """Return the least distances and the shifts of discs.
