@@ -22,8 +22,13 @@ __all__ = ["answer"]
 Args = Mapping[str, Any]
 
 _LONGEST_SEARCH = 24.0 * 3600.0
-_MOST_FLIGHTS = 20_000
+"""Time limit of a search at most [s]."""
+
+_MOST_SAMPLES = 20_000
+"""Samples of one simulation [-]."""
+
 _SIMULATION_SECONDS, _WHY_SECONDS = 120.0, 90.0
+"""Seconds after which simulating, and looking for causes, are given up [s]."""
 
 
 async def answer(desk: Desk, name: object, args: object) -> object:
@@ -169,7 +174,7 @@ async def _why(desk: Desk, args: Args) -> object:
 async def _simulate(desk: Desk, args: Args) -> object:
     """Fly a plan many times."""
     kept = desk.plan(given.text(args, "plan"))
-    flights = given.integer(args, "flights", 1, _MOST_FLIGHTS)
+    flights = given.integer(args, "flights", 1, _MOST_SAMPLES)
     seed = given.integer(args, "seed", 0, 2**32 - 1)
     if not kept.plan.trajectories:
         raise refused("there is nothing to simulate: no plan was found")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
+from itertools import count
 from typing import Any, TypeVar
 
 from radmpc.model.plan import Plan
 from radmpc.serving.desk.flight import Flight
 from radmpc.serving.desk.kept import KeptPlan
+from radmpc.serving.desk.looking import Lookout
 from radmpc.serving.desk.opening import Opened
 from radmpc.serving.desk.search import Search
 from radmpc.serving.documents.document import Document
@@ -34,12 +36,6 @@ _MOST_PASSED = 12
 _MOST_KEPT, _MOST_ENDED = 200, 40
 """Plans, and ended searches and flights, that a document keeps."""
 
-_CONCERNS_PAUSE = 0.15
-"""Seconds without a change before a document is looked at [s]."""
-
-_CONCERNS_SECONDS = 60.0
-"""Seconds that this may take [s]."""
-
 
 class Desk:
     """Documents, plans, searches and flights, and who does the work.
@@ -61,8 +57,8 @@ class Desk:
         self.flights: dict[str, Flight] = {}
         self.first: str | None = None
         self.opening: asyncio.Task[None] | None = None
-        self._last: dict[str, int] = {}
-        self._looking: dict[str, asyncio.Task[None]] = {}
+        self._numbers = {kind: count(1) for kind in "dpsf"}
+        self._lookout = Lookout(self.crew, self._seen)
 
     def document(self, number: str) -> Document:
         """Return a document.
@@ -156,15 +152,17 @@ class Desk:
 
     def look_at(self, document: Document) -> None:
         """Have a document looked at before it is planned, once it rests."""
-        before = self._looking.pop(document.number, None)
-        if before is not None:
-            before.cancel()
-        if document.reading.scenario is not None:
-            task = asyncio.get_running_loop().create_task(self._look(document))
-            self._looking[document.number] = task
+        self._lookout.look_at(document)
 
     def begin_search(self, document: Document, asked: Asked) -> Search:
         """Begin to plan a document.
+
+        Parameters
+        ----------
+        document : Document
+            Which.
+        asked : Asked
+            How.
 
         Raises
         ------
@@ -172,9 +170,8 @@ class Desk:
             If something is wrong with it, or too many searches are under way.
         """
         if document.reading.scenario is None:
-            remark = document.remarks[0] if document.remarks else None
-            text = remark["text"] if remark else "it is no scenario yet"
-            raise refused(text, remark["path"] if remark else None)
+            wrong = document.remarks[0]
+            raise refused(wrong["text"], wrong["path"])
         if sum(not search.is_over for search in self.searches.values()) >= _MOST_SEARCHES:
             raise CallError("limit", f"{_MOST_SEARCHES} searches are under way: stop one")
         search = Search(
@@ -192,6 +189,13 @@ class Desk:
 
     def begin_flight(self, kept: KeptPlan, args: tuple[object, ...]) -> Flight:
         """Begin to fly a plan.
+
+        Parameters
+        ----------
+        kept : KeptPlan
+            Which.
+        args : tuple
+            What the job takes besides.
 
         Raises
         ------
@@ -215,14 +219,12 @@ class Desk:
 
     def end(self) -> None:
         """End whatever is under way."""
-        for task in self._looking.values():
-            task.cancel()
+        self._lookout.end()
         self.crew.end()
 
     def _number(self, kind: str) -> str:
         """Return a new name for a thing."""
-        self._last[kind] = self._last.get(kind, 0) + 1
-        return f"{kind}{self._last[kind]}"
+        return f"{kind}{next(self._numbers[kind])}"
 
     def _add_flown(self, document: Document, kept: KeptPlan, opened: Opened) -> None:
         """Put a flight that was read from its file on the desk."""
@@ -238,17 +240,9 @@ class Desk:
         )
         self.flights[flight.number] = flight
 
-    async def _look(self, document: Document) -> None:
-        """Look at a document, and tell what was seen unless it has changed meanwhile."""
-        await asyncio.sleep(_CONCERNS_PAUSE)
-        revision, content = document.revision, document.content
-        try:
-            seen = await self.crew.run("concerns", content, seconds=_CONCERNS_SECONDS)
-        except CallError:
-            return  # it is a help, and planning says the same later
-        if document.revision == revision and document.number in self.documents:
-            self._looking.pop(document.number, None)
-            document.concerns = tuple(seen)
+    def _seen(self, document: Document) -> None:
+        """Tell what was seen of a document."""
+        if document.number in self.documents:
             self.tell_document(document)
 
     def _search_changed(self, search: Search) -> None:

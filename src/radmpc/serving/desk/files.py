@@ -214,7 +214,15 @@ def _export(plan: Plan, kind: str) -> tuple[str, bytes]:
 
 
 def flight_options(desk: Desk, options: Mapping[str, Any]) -> dict[str, object]:
-    """Return how a plan is flown: a log's place within the folder, all else as it is."""
+    """Return how a plan is flown: a log's place within the folder, all else as it is.
+
+    Parameters
+    ----------
+    desk : Desk
+        Whose folder.
+    options : mapping
+        As they came from the page.
+    """
     found = dict(options)
     for key in ("with", "replan", "log"):
         given.option(options, key)
