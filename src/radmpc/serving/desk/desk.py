@@ -117,16 +117,16 @@ class Desk:
         """
         if len(self.documents) >= _MOST_DOCUMENTS:
             raise CallError("limit", f"{_MOST_DOCUMENTS} documents are open: close one")
-        kept = file if opened.is_scenario else None
-        document = Document(self._number("d"), opened.content, kept, opened.origin)
+        own = file if opened.is_scenario else None
+        document = Document(self._number("d"), opened.content, own, opened.origin)
         await document.read()
         self.documents[document.number] = document
         self.first = self.first or document.number
         if opened.plan is not None:
-            kept_plan = KeptPlan.of(self._number("p"), document.number, opened.plan, 0)
-            self.plans[kept_plan.number] = kept_plan
+            kept = KeptPlan.of(self._number("p"), document.number, opened.plan, 0)
+            self.plans[kept.number] = kept
             if opened.ticks is not None:
-                self._add_flown(document, kept_plan, opened)
+                self._add_flown(kept, opened)
         self.crew.prepare()
         self.look_at(document)
         return document
@@ -207,14 +207,12 @@ class Desk:
         if sum(not flight.is_over for flight in self.flights.values()) >= _MOST_FLIGHTS:
             raise CallError("limit", f"{_MOST_FLIGHTS} flights are under way: stop one")
         scenario = kept.plan.scenario
-        flight = Flight(
-            self._number("f"), kept.document, kept.number, scenario.horizon, scenario.risk_bound
-        )
+        whose = (self._number("f"), kept.document, kept.number)
+        flight = Flight(*whose, scenario.horizon, scenario.risk_bound)
         _forget(self.flights, kept.document, _MOST_ENDED)
         self.flights[flight.number] = flight
-        flight.begin(
-            self.crew, (kept.plan, *args), changed=self._flight_changed, ticked=self._ticked
-        )
+        job = (kept.plan, *args)
+        flight.begin(self.crew, job, changed=self._flight_changed, ticked=self._ticked)
         return flight
 
     def end(self) -> None:
@@ -226,12 +224,12 @@ class Desk:
         """Return a new name for a thing."""
         return f"{kind}{next(self._numbers[kind])}"
 
-    def _add_flown(self, document: Document, kept: KeptPlan, opened: Opened) -> None:
+    def _add_flown(self, kept: KeptPlan, opened: Opened) -> None:
         """Put a flight that was read from its file on the desk."""
         scenario = kept.plan.scenario
         flight = Flight(
             self._number("f"),
-            document.number,
+            kept.document,
             kept.number,
             scenario.horizon,
             scenario.risk_bound,
@@ -265,8 +263,8 @@ class Desk:
         )
         self._forget_plans(search)
         self.plans[kept.number] = kept
-        event = {"event": "plan", "document": kept.document, "summary": kept.summary}
-        self.tell({**event, "search": search.number})
+        said = {"document": kept.document, "summary": kept.summary, "search": search.number}
+        self.tell({"event": "plan", **said})
 
     def _forget_plans(self, search: Search) -> None:
         """Make room: the oldest plans that a search has passed, then the oldest of all."""
