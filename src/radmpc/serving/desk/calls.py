@@ -105,21 +105,21 @@ async def _change(desk: Desk, args: Args) -> object:
     document = _document(desk, args)
     changes = check_changes(args.get("changes"))
     await document.change(_revision(args), changes)
-    return _changed(desk, document)
+    return desk.changed(document)
 
 
 async def _undo(desk: Desk, args: Args) -> object:
     """Undo the last change."""
     document = _document(desk, args)
     await document.undo(_revision(args))
-    return _changed(desk, document)
+    return desk.changed(document)
 
 
 async def _redo(desk: Desk, args: Args) -> object:
     """Do again what was undone."""
     document = _document(desk, args)
     await document.redo(_revision(args))
-    return _changed(desk, document)
+    return desk.changed(document)
 
 
 async def _plan(desk: Desk, args: Args) -> object:
@@ -220,13 +220,6 @@ def _document(desk: Desk, args: Args) -> Document:
 def _revision(args: Args) -> int:
     """Return the revision that a change is of."""
     return given.integer(args, "revision", 0, 2**53)
-
-
-def _changed(desk: Desk, document: Document) -> object:
-    """Tell everybody of a change, and have it looked at."""
-    desk.tell_document(document)
-    desk.look_at(document)
-    return desk.state(document)
 
 
 _CALLS: Mapping[str, Callable[[Desk, Args], Awaitable[object]]] = {

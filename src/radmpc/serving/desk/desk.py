@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from itertools import count
-from typing import Any, TypeVar
+from typing import Any
 
 from radmpc.model.plan import Plan
 from radmpc.serving.desk.flight import Flight
@@ -13,6 +13,7 @@ from radmpc.serving.desk.kept import KeptPlan
 from radmpc.serving.desk.looking import Lookout
 from radmpc.serving.desk.opening import Opened
 from radmpc.serving.desk.search import Search
+from radmpc.serving.desk.things import Changed, forget, known
 from radmpc.serving.documents.document import Document
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.folder import Folder
@@ -21,8 +22,6 @@ from radmpc.serving.protocol import DocumentState, TickView
 from radmpc.serving.work.asking import Asked, Ended
 
 __all__ = ["Desk", "Tell"]
-
-_Thing = TypeVar("_Thing")
 
 Tell = Callable[[Mapping[str, Any]], None]
 """Takes an event, for every page."""
@@ -68,19 +67,19 @@ class Desk:
         CallError
             If it is not open.
         """
-        return _known(self.documents, number, "document")
+        return known(self.documents, number, "document")
 
     def plan(self, number: str) -> KeptPlan:
         """Return a plan that is kept; see `document`."""
-        return _known(self.plans, number, "plan")
+        return known(self.plans, number, "plan")
 
     def search(self, number: str) -> Search:
         """Return a search; see `document`."""
-        return _known(self.searches, number, "search")
+        return known(self.searches, number, "search")
 
     def flight(self, number: str) -> Flight:
         """Return a flight; see `document`."""
-        return _known(self.flights, number, "flight")
+        return known(self.flights, number, "flight")
 
     def state(self, document: Document) -> DocumentState:
         """Return what pages are told of a document."""
@@ -146,9 +145,10 @@ class Desk:
         if self.first == number:
             self.first = next(iter(self.documents), None)
 
-    def tell_document(self, document: Document) -> None:
-        """Tell every page what a document is now."""
-        self.tell({"event": "document", "state": self.state(document)})
+    def changed(self, document: Document) -> Changed:
+        """Return the answer to who has changed a document; every other page is told."""
+        self.look_at(document)
+        return Changed(self.state(document))
 
     def look_at(self, document: Document) -> None:
         """Have a document looked at before it is planned, once it rests."""
@@ -182,7 +182,7 @@ class Desk:
             changed=self._search_changed,
             improved=self._improved,
         )
-        _forget(self.searches, document.number, _MOST_ENDED)
+        forget(self.searches, document.number, _MOST_ENDED)
         self.searches[search.number] = search
         search.begin(self.crew)
         return search
@@ -209,7 +209,7 @@ class Desk:
         scenario = kept.plan.scenario
         whose = (self._number("f"), kept.document, kept.number)
         flight = Flight(*whose, scenario.horizon, scenario.risk_bound)
-        _forget(self.flights, kept.document, _MOST_ENDED)
+        forget(self.flights, kept.document, _MOST_ENDED)
         self.flights[flight.number] = flight
         job = (kept.plan, *args)
         flight.begin(self.crew, job, changed=self._flight_changed, ticked=self._ticked)
@@ -241,7 +241,7 @@ class Desk:
     def _seen(self, document: Document) -> None:
         """Tell what was seen of a document."""
         if document.number in self.documents:
-            self.tell_document(document)
+            self.tell({"event": "document", "state": self.state(document)})
 
     def _search_changed(self, search: Search) -> None:
         """Tell every page how a search stands."""
@@ -284,17 +284,3 @@ class Desk:
         """Tell every page of a tick."""
         if flight.number in self.flights:
             self.tell({"event": "tick", "flight": flight.number, "tick": tick})
-
-
-def _known(things: Mapping[str, _Thing], number: str, kind: str) -> _Thing:
-    """Return a thing by its name."""
-    if number not in things:
-        raise CallError("gone", f"there is no {kind} {number} any more")
-    return things[number]
-
-
-def _forget(things: dict[str, Any], document: str, most: int) -> None:
-    """Forget the oldest of a document's things that are over."""
-    over = [n for n, thing in things.items() if thing.document == document and thing.is_over]
-    for number in over[: max(0, len(over) - most)]:
-        del things[number]
