@@ -12,7 +12,7 @@ from radmpc.serving.processes.worker import Told, Worker
 
 __all__ = ["Crew"]
 
-_MOST_BUSY = 6
+_MOST_BUSY = 12
 """Jobs at once [-]: what takes longer than a moment runs here, and each takes a processor."""
 
 _MOST_JOBS = 20
@@ -48,7 +48,7 @@ class Crew:
             If too many are busy.
         """
         if self._is_over or len(self._busy) >= _MOST_BUSY:
-            raise CallError("limit", f"{_MOST_BUSY} searches and flights are under way: stop one")
+            raise CallError("limit", f"{_MOST_BUSY} jobs are under way: wait, or stop one")
         self.prepare()
         worker = self._reserve.pop()
         self._busy.add(worker)
