@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
 from typing import Literal
 
@@ -25,8 +26,10 @@ _MOST_FILES, _DEEPEST, _MOST_SEEN = 1000, 5, 20_000
 
 FileKind = Literal["scenario", "plan", "flight", "chart"]
 
-_FORMATS: tuple[FileKind, ...] = ("plan", "flight", "scenario")
-"""As files name them; a plan holds a scenario, too."""
+_FORMATS: tuple[FileKind, ...] = ("flight", "plan", "scenario")
+"""As files name them; a flight holds a plan, which holds a scenario."""
+
+_SKIPPED = {"node_modules", "__pycache__"}
 
 _HEAD = 400
 """Bytes in which a file says what it is."""
@@ -95,6 +98,13 @@ class Folder:
     def write(self, place: Path, text: str) -> None:
         """Write a file whole or not at all.
 
+        Parameters
+        ----------
+        place : Path
+            Writable, as `writable` has it.
+        text : str
+            What it is to hold.
+
         Raises
         ------
         CallError
@@ -106,10 +116,17 @@ class Folder:
             reason = error.strerror or type(error).__name__
             raise refused(f"{self.name_of(place)}: {reason}") from error
 
+    def digest(self, place: Path) -> str | None:
+        """Return what tells a file's content from any other; None where it cannot be read."""
+        try:
+            return sha256(place.read_bytes()).hexdigest()
+        except OSError:
+            return None
+
     def files(self) -> list[FileEntry]:
         """Return the files that the page can open, in order."""
         found: list[FileEntry] = []
-        for place in self._walk():
+        for place in self._places():
             kind = _kind(place)
             if kind is not None and len(found) < _MOST_FILES:
                 size = place.stat().st_size
@@ -131,22 +148,30 @@ class Folder:
             raise refused("a path must lead into the folder, without '..' and hidden names")
         return place
 
-    def _walk(self) -> Iterator[Path]:
+    def _places(self) -> Iterator[Path]:
         """Yield the files of the folder, none that is hidden or a link."""
         seen = 0
-        for folder, folders, names in os.walk(self.root):
-            depth = len(Path(folder).relative_to(self.root).parts)
-            hidden = {"node_modules", "__pycache__"}
-            folders[:] = sorted(f for f in folders if f[0] != "." and f not in hidden)
-            if depth >= _DEEPEST:
-                folders[:] = []
-            for name in sorted(names):
+        folders = [(self.root, 0)]
+        while folders:
+            folder, depth = folders.pop()
+            for place in _entries(folder):
                 seen += 1
                 if seen > _MOST_SEEN:
                     return
-                place = Path(folder, name)
-                if name[0] != "." and not place.is_symlink():
+                if place.name.startswith(".") or place.name in _SKIPPED or place.is_symlink():
+                    continue
+                if not place.is_dir():
                     yield place
+                elif depth < _DEEPEST:
+                    folders.append((place, depth + 1))
+
+
+def _entries(folder: Path) -> list[Path]:
+    """Return what is in a folder, nothing where it may not be read."""
+    try:
+        return sorted(folder.iterdir())
+    except OSError:
+        return []
 
 
 def _kind(place: Path) -> FileKind | None:

@@ -16,6 +16,7 @@ from radmpc.model.plan import Plan
 from radmpc.serving.desk import arguments as given
 from radmpc.serving.desk.desk import Desk
 from radmpc.serving.desk.opening import Opened, is_chart, read_file
+from radmpc.serving.desk.things import Changed
 from radmpc.serving.documents import templates as kinds
 from radmpc.serving.documents.document import Document
 from radmpc.serving.documents.text import Origin, text_of
@@ -122,7 +123,10 @@ async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) ->
     if found.plan is not None and found.plan.trajectories:
         judged = await desk.crew.run("judge", found.plan, seconds=_IMPORT_SECONDS)
         found = Opened(found.content, found.origin, found.is_scenario, judged, found.ticks)
-    return await desk.add(found, name if is_kept else None)
+    document = await desk.add(found, name if is_kept else None)
+    if document.file is not None:
+        document.digest = await asyncio.to_thread(desk.folder.digest, place)
+    return document
 
 
 async def _merged(desk: Desk, document: Document, place: Path, name: str) -> object:
@@ -143,28 +147,27 @@ async def _merged(desk: Desk, document: Document, place: Path, name: str) -> obj
         taken.add(fresh)
         entries.append({**entry, "name": fresh})
     await document.change(document.revision, [{"path": ["obstacles"], "value": entries}])
-    desk.tell_document(document)
-    desk.look_at(document)
-    return desk.state(document)
+    return desk.changed(document)
 
 
 async def saved(desk: Desk, args: Args) -> object:
     """Write a document to a file of the folder, with the comments that it was read with."""
     document = desk.document(given.text(args, "document"))
     path = given.text(args, "path")
-    is_its_own = document.file == path
-    overwrite = given.flag(args, "overwrite") or is_its_own
-    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite)
+    overwrite, is_its_own = given.flag(args, "overwrite"), document.file == path
+    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
+    if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
+        raise refused(f"{path}: it is there already, and has changed since it was read")
     async with document.lock:
         content = document.content
         suffix = place.suffix.lower()
         text = await asyncio.to_thread(text_of, content, suffix, document.origin)
         await asyncio.to_thread(desk.folder.write, place, text)
         document.saved_as(desk.folder.name_of(place), content)
+        document.digest = desk.folder.digest(place)
         if suffix != ".json":
             document.origin = Origin(text)
-    desk.tell_document(document)
-    return desk.state(document)
+    return Changed(desk.state(document))
 
 
 async def plan_saved(desk: Desk, args: Args) -> object:
@@ -214,7 +217,15 @@ def _export(plan: Plan, kind: str) -> tuple[str, bytes]:
 
 
 def flight_options(desk: Desk, options: Mapping[str, Any]) -> dict[str, object]:
-    """Return how a plan is flown: a log's place within the folder, all else as it is."""
+    """Return how a plan is flown: a log's place within the folder, all else as it is.
+
+    Parameters
+    ----------
+    desk : Desk
+        Whose folder.
+    options : mapping
+        As they came from the page.
+    """
     found = dict(options)
     for key in ("with", "replan", "log"):
         given.option(options, key)

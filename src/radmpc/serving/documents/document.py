@@ -38,6 +38,7 @@ class Document:
     ) -> None:
         self.number, self.content, self.file, self.origin = number, content, file, origin
         self.lock = asyncio.Lock()
+        self.digest: str | None = None  # of its file, as it was read or written last
         self.revision = 0
         self.reading = Reading(None, None)
         self.view: ScenarioView | None = None
@@ -114,7 +115,15 @@ class Document:
             await self._become(self._undone[-1], [*self._done, self.content], self._undone[:-1])
 
     def saved_as(self, file: str, content: Content) -> None:
-        """Note that a file holds what the document said."""
+        """Note that a file holds what the document said.
+
+        Parameters
+        ----------
+        file : str
+            Its path in the folder.
+        content : mapping
+            What was written.
+        """
         self.file, self._saved = file, content
 
     def _check(self, revision: int) -> None:
