@@ -89,7 +89,9 @@ class Server:
         words = {**parse_qs(parts.query), **parse_qs(parts.fragment)}
         self.socket = f"ws://{parts.netloc}/socket?token={words['token'][0]}"
         self._stack = ExitStack()
-        self._line = self._stack.enter_context(connect(self.socket, max_size=None, open_timeout=60, ping_interval=None))
+        self._line = self._stack.enter_context(
+            connect(self.socket, max_size=None, open_timeout=60, ping_interval=None)
+        )
         self._numbers = itertools.count(1)
 
     def call(self, name: str, **args: Any) -> Any:
