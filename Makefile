@@ -89,7 +89,7 @@ docs: $(INSTALLED_DEV) ## the site, into site/
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "the site is in site/index.html"
 
-pictures: $(INSTALLED_DEV) ## the pictures in docs/images and the gallery's page, made anew
+pictures: $(INSTALLED_DEV) page ## the pictures in docs/images and the gallery's page, made anew
 	$(BIN)/python docs/hooks/figures.py
 
 nightly: export RADMPC_THOROUGH = 1

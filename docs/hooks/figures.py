@@ -1,4 +1,4 @@
-"""The pictures in docs/images, made anew by ``make pictures``: the harbor's and the examples'.
+"""The pictures in docs/images, made anew by ``make pictures``: harbor, page, and examples.
 
 They are kept small and committed: pages show them on a code host, too, and the site is built
 without any planning. The gallery's page is written along with them.
@@ -17,6 +17,7 @@ from PIL import Image, ImageSequence
 
 from gallery import examples, page, picture
 from making import ROOT
+from screens import draw_screens
 
 IMAGES = ROOT / "docs" / "images"
 
@@ -116,11 +117,13 @@ def _write_film(image: Image.Image, target: Path) -> None:
 
 def main() -> None:
     """Write all pictures, and the gallery's page."""
-    (IMAGES / "gallery").mkdir(exist_ok=True)
+    for folder in ("gallery", "page"):
+        (IMAGES / folder).mkdir(exist_ok=True)
     with TemporaryDirectory() as folder:
         for name, draw in FIGURES.items():
             draw(Path(folder) / name)
             write_small(Path(folder) / name, IMAGES / name)
+    draw_screens(write_small, IMAGES)
     for example in examples():
         made = picture(example)
         write_small(made, IMAGES / "gallery" / made.name)

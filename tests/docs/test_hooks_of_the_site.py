@@ -129,7 +129,9 @@ def test_every_committed_picture_is_one_that_is_made_anew_and_is_small(hook) -> 
         hook("figures").FIGURES
     )
     assert {path.stem for path in (IMAGES / "gallery").iterdir()} == stems
-    pictures = [*IMAGES.glob("*.*"), *(IMAGES / "gallery").iterdir()]
+    assert {path.name for path in (IMAGES / "page").iterdir()} == set(hook("screens").SCREENS)
+    folders = (IMAGES, IMAGES / "gallery", IMAGES / "page")
+    pictures = [path for folder in folders for path in folder.glob("*.*")]
     assert max(path.stat().st_size for path in pictures) < 150_000
     assert sum(path.stat().st_size for path in pictures) < 60_000 * len(pictures)
 

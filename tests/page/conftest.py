@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shutil
 import signal
 import subprocess
@@ -18,7 +20,7 @@ from serving_page import FLAGS, Screen, Server, bundle_is_there
 ROOT = Path(__file__).parent.parent.parent
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     """`radmpc serve` in an empty folder."""
     if not bundle_is_there():
@@ -51,7 +53,9 @@ def browser(server: Server) -> Iterator[Any]:
 
 
 @pytest.fixture
-def screen(browser: Any, server: Server) -> Iterator[Callable[..., Screen]]:
+def screen(
+    browser: Any, server: Server, request: pytest.FixtureRequest
+) -> Iterator[Callable[..., Screen]]:
     """Opens pages of the server, each as in a browser of its own; nothing may go wrong in them."""
     contexts: list[Any] = []
     wrong: list[str] = []
@@ -61,17 +65,16 @@ def screen(browser: Any, server: Server) -> Iterator[Callable[..., Screen]]:
         *,
         width: int = 1440,
         height: int = 900,
-        beside: Screen | None = None,
+        line: Callable[[Any], None] | None = None,
         **options: Any,
     ) -> Screen:
-        if beside is None:
-            options = {"reduced_motion": "reduce", **options}
-            context = browser.new_context(viewport={"width": width, "height": height}, **options)
-            contexts.append(context)
-        else:
-            context = beside.page.context
+        options = {"reduced_motion": "reduce", **options}
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        contexts.append(context)
         page = context.new_page()
-        page.set_default_timeout(20_000)
+        if line is not None:
+            page.route_web_socket(re.compile("/socket"), line)
+        page.set_default_timeout(60_000)
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("console", lambda said: said.type == "error" and wrong.append(said.text))
         if document is not None:
@@ -79,12 +82,16 @@ def screen(browser: Any, server: Server) -> Iterator[Callable[..., Screen]]:
                 "if (!sessionStorage.getItem('document')) "
                 f"sessionStorage.setItem('document', {json.dumps(document)})"
             )
-        screen = Screen(page, server, document)
-        screen.wrong = wrong
+        screen = Screen(page, server)
         page.goto(server.address)
         return screen
 
     yield opened
+    # To see what a test saw: RADMPC_SHOTS=folder.
+    if folder := os.environ.get("RADMPC_SHOTS"):
+        pages = [page for context in contexts for page in context.pages]
+        for number, page in enumerate(pages):
+            page.screenshot(path=Path(folder) / f"{request.node.name}-{number}.png")
     for context in contexts:
         context.close()
     assert wrong == []

@@ -7,11 +7,16 @@ import json
 import re
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+import numpy as np
 from websockets.sync.client import connect
+
+import radmpc
+from radmpc.model.dynamics import rollout
 
 FLAGS = (
     "--no-sandbox",
@@ -56,7 +61,7 @@ def bundle_is_there() -> bool:
     return (BUNDLE / "index.html").is_file()
 
 
-def until(found: Callable[[], Any], seconds: float = 30.0) -> Any:
+def until(found: Callable[[], Any], seconds: float = 90.0) -> Any:
     """Return the first answer that is true; fail if there is none in time."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -83,7 +88,10 @@ class Server:
         parts = urlsplit(address)
         words = {**parse_qs(parts.query), **parse_qs(parts.fragment)}
         self.socket = f"ws://{parts.netloc}/socket?token={words['token'][0]}"
-        self._line = connect(self.socket, max_size=None, open_timeout=60)
+        self._stack = ExitStack()
+        self._line = self._stack.enter_context(
+            connect(self.socket, max_size=None, open_timeout=60, ping_interval=None)
+        )
         self._numbers = itertools.count(1)
 
     def call(self, name: str, **args: Any) -> Any:
@@ -120,16 +128,14 @@ class Server:
 
     def close(self) -> None:
         """Hang up."""
-        self._line.close()
+        self._stack.close()
 
 
 class Screen:
     """A page, with places in meters and parts by their names."""
 
-    wrong: list[str]
-
-    def __init__(self, page: Any, server: Server, document: str | None) -> None:
-        self.page, self.server, self._document = page, server, document
+    def __init__(self, page: Any, server: Server) -> None:
+        self.page, self.server = page, server
 
     @property
     def document(self) -> str:
@@ -160,7 +166,7 @@ class Screen:
         self.page.get_by_role("tab", name=name, exact=True).click()
         return self.page.get_by_role("tabpanel")
 
-    def sees(self, text: str | re.Pattern[str], timeout: float = 20_000) -> Any:
+    def sees(self, text: str | re.Pattern[str], timeout: float = 60_000) -> Any:
         """Wait until words are to be seen."""
         found = self.page.get_by_text(text).first
         found.wait_for(timeout=timeout)
@@ -215,3 +221,46 @@ class Screen:
             f"{one['id']}: {one['nodes'][0]['html'][:160]}: {one['nodes'][0]['failureSummary']}"
             for one in found["violations"]
         ]
+
+
+def many_vehicles(count: int, path: Path) -> None:
+    """Write a plan of vehicles that each drive a few meters, on a grid."""
+    horizon, side = 20, int(np.ceil(np.sqrt(count)))
+    system = radmpc.double_integrator(0.5, 2)
+    controls = np.zeros((horizon, 2))
+    controls[0], controls[-1] = (0.5, 0.2), (-0.5, -0.2)
+    covariance = np.diag([0.01, 0.01, 1e-3, 1e-3])
+    vehicles = []
+    for number in range(count):
+        start = np.array([*(4.0 * np.array(divmod(number, side))), 0.0, 0.0])
+        end = rollout(system, start, controls)[-1, :2]
+        goal = radmpc.Goal(end - 0.5, end + 0.5, np.full(2, 0.2))
+        vehicles.append(
+            radmpc.Vehicle(
+                f"v{number}", system, start, goal, 0.3, np.ones(2), covariance, 0.01 * covariance
+            )
+        )
+    scenario = radmpc.Scenario(
+        name="many", dt=0.5, horizon=horizon, vehicles=vehicles, risk_bound=0.05
+    )
+    tracks = tuple(
+        radmpc.Trajectory(
+            vehicle.name,
+            controls,
+            rollout(system, vehicle.start, controls),
+            vehicle.covariances(horizon),
+        )
+        for vehicle in vehicles
+    )
+    plan = radmpc.Plan(
+        scenario=scenario,
+        planner="drawn",
+        seed=0,
+        status=radmpc.Status.FEASIBLE,
+        cost=1.0,
+        lower_bound=None,
+        risk=radmpc.Risk(0.05),
+        sets=tuple((vehicle.name,) for vehicle in vehicles),
+        trajectories=tracks,
+    )
+    radmpc.save_plan(plan, path)

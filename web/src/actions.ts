@@ -1,7 +1,7 @@
 /** What an operator can ask the server for; what it refuses is told in a notice. */
 
 import { batch } from "@preact/signals";
-import { call, connect, listen, onOpen } from "./connection";
+import { call, CallError, connect, listen, onOpen } from "./connection";
 import type { Change, DocumentState, Event, FlightState, PlanView, SearchState } from "./protocol";
 import { accept, document } from "./state/document";
 import { comparedId, shownId, summaries, trails, views } from "./state/plans";
@@ -62,28 +62,49 @@ export async function attempt<T>(promise: Promise<T>): Promise<T | null> {
   }
 }
 
+/** Changes wait for one another, as each is made to the revision that the one before leaves. */
+let last: Promise<unknown> = Promise.resolve();
+
+function next(make: (state: DocumentState) => Promise<DocumentState> | null): Promise<boolean> {
+  const done = last.then(async () => {
+    const state = document.peek();
+    const asked = state === null ? null : make(state);
+    if (asked === null) return false;
+    try {
+      accept(await asked);
+      return true;
+    } catch (error) {
+      await refused(error);
+      return false;
+    }
+  });
+  last = done;
+  return done;
+}
+
+/** What was changed on another page is fetched, so that the operator sees to what it was changed. */
+async function refused(error: unknown): Promise<void> {
+  const state = document.peek();
+  if (!(error instanceof CallError) || error.failure.kind !== "stale" || state === null) {
+    complain(error);
+    return;
+  }
+  complain(new Error("Changed on another page meanwhile; look at it, then do it again"));
+  const newest = await attempt(call("state", { document: state.document }));
+  if (newest !== null) accept(newest);
+}
+
 /** Change the document: one step of undo, named by `label`. */
-export async function change(changes: readonly Change[], label: string): Promise<boolean> {
-  const state = document.peek();
-  if (state === null) return false;
-  const { document: id, revision } = state;
-  const next = await attempt(call("change", { document: id, revision, changes, label }));
-  if (next !== null) accept(next);
-  return next !== null;
+export function change(changes: readonly Change[], label: string): Promise<boolean> {
+  return next(({ document: id, revision }) => call("change", { document: id, revision, changes, label }));
 }
 
-export async function undo(): Promise<void> {
-  const state = document.peek();
-  if (state?.canUndo !== true) return;
-  const next = await attempt(call("undo", { document: state.document, revision: state.revision }));
-  if (next !== null) accept(next);
+export function undo(): Promise<boolean> {
+  return next(({ document: id, revision, canUndo }) => (canUndo ? call("undo", { document: id, revision }) : null));
 }
 
-export async function redo(): Promise<void> {
-  const state = document.peek();
-  if (state?.canRedo !== true) return;
-  const next = await attempt(call("redo", { document: state.document, revision: state.revision }));
-  if (next !== null) accept(next);
+export function redo(): Promise<boolean> {
+  return next(({ document: id, revision, canRedo }) => (canRedo ? call("redo", { document: id, revision }) : null));
 }
 
 /** Show a plan on the map. */

@@ -9,7 +9,7 @@ import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
 import { Scene } from "./scene/scene";
 import { document as opened } from "./state/document";
-import { hello, notice, tab, type Tab } from "./state/session";
+import { hello, notice, sheet, tab, type Tab } from "./state/session";
 import { Toolbar } from "./toolbar";
 
 const TABS: readonly (readonly [Tab, string])[] = [
@@ -23,7 +23,7 @@ export function Shell() {
   const isDropping = useSignal(false);
   return (
     <div
-      class={isDropping.value ? "shell dropping" : "shell"}
+      class={`shell ${sheet.value} ${isDropping.value ? "dropping" : ""}`}
       onDragOver={(event) => {
         event.preventDefault();
         isDropping.value = true;
@@ -90,12 +90,16 @@ function Side() {
             aria-selected={tab.value === name}
             aria-controls="panel"
             tabIndex={tab.value === name ? 0 : -1}
-            onClick={() => (tab.value = name)}
+            onClick={() => {
+              tab.value = name;
+              if (sheet.value === "low") sheet.value = "half";
+            }}
           >
             {label}
           </button>
         ))}
       </div>
+      <SheetButton />
       <div class="panel" id="panel" role="tabpanel" aria-labelledby={`tab-${tab.value}`} tabIndex={0}>
         {tab.value === "plan" && <PlanRegion />}
         {tab.value === "risk" && <RiskRegion />}
@@ -103,6 +107,21 @@ function Side() {
         {tab.value === "scene" && <ScenePanel />}
       </div>
     </aside>
+  );
+}
+
+/** Raises and lowers the panels where they are a sheet below the map. */
+function SheetButton() {
+  const next = { low: "half", half: "tall", tall: "low" } as const;
+  return (
+    <button
+      type="button"
+      class="sheet plain"
+      aria-label={sheet.value === "tall" ? "Lower the panels" : "Raise the panels"}
+      onClick={() => (sheet.value = next[sheet.value])}
+    >
+      {sheet.value === "tall" ? "▾" : "▴"}
+    </button>
   );
 }
 

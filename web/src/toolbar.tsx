@@ -62,6 +62,7 @@ export function Toolbar() {
   const state = document.value;
   return (
     <header class="toolbar">
+      <h1 class="unseen">radmpc{state?.view == null ? "" : `: ${state.view.name}`}</h1>
       <div class="group file">
         <IconButton icon="open" label="Open or new" act={() => (dialog.value = "open")} />
         <IconButton icon="save" label="Save" keys="Ctrl+S" isOff={state === null} act={() => void save()} />

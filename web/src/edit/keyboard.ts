@@ -4,8 +4,9 @@ import { redo, undo } from "../actions";
 import { save } from "../files/saving";
 import { helpIsOpen } from "../state/session";
 import { selected } from "../state/selection";
-import { drawn } from "../state/playback";
+import { drawn, seek, togglePlaying } from "../state/playback";
 import { camera, fit, panBy, zoom } from "../scene/viewport";
+import { insertCorner, removeCorner } from "./corners";
 import { remove, pick } from "./create";
 import { activeHandle, decimals } from "./drag";
 import { nudge, settle } from "./nudge";
@@ -34,7 +35,8 @@ export const KEYS: readonly (readonly [string, string])[] = [
   ["Alt + arrows", "Pan, whatever is selected"],
   ["[ and ]", "Previous, next handle of what is selected"],
   ["Enter", "Set a point; with nothing new to set, end the outline"],
-  ["Backspace", "Take back the last point"],
+  ["Backspace", "Take back the last point; remove the chosen corner of an obstacle"],
+  ["Insert, double click", "A new corner after the chosen one; on the edge"],
   ["Delete", "Remove what is selected"],
   ["Escape", "Drop what is being drawn; let go of what is selected"],
   ["+ and −", "Zoom"],
@@ -100,6 +102,11 @@ function plain(event: KeyboardEvent): boolean {
     case "?":
       helpIsOpen.value = true;
       return true;
+    case " ":
+      // Buttons, boxes and lists do something else with it.
+      if (event.target instanceof HTMLElement && event.target.closest("button, summary, a, [role=option]") !== null) return false;
+      togglePlaying();
+      return true;
     default:
       return event.key.toLowerCase() === "f" ? (fit(), true) : false;
   }
@@ -141,7 +148,8 @@ function other(event: KeyboardEvent): boolean {
     case "Enter":
       return enter();
     case "Backspace":
-      tools.takeBack();
+      if (tools.tool.peek() === "select") void settle().then(() => removeCorner());
+      else tools.takeBack();
       return true;
     case "+":
     case "=":
@@ -149,6 +157,15 @@ function other(event: KeyboardEvent): boolean {
       return true;
     case "-":
       zoom(0.8);
+      return true;
+    case "Home":
+      seek(0);
+      return true;
+    case "End":
+      seek(Infinity);
+      return true;
+    case "Insert":
+      void settle().then(() => insertCorner());
       return true;
     case "[":
     case "]":

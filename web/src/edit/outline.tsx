@@ -1,7 +1,7 @@
 /** All things of the scenario as a list, which does from the keyboard what the map does by hand. */
 
 import { useComputed, useSignal } from "@preact/signals";
-import { useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { ScenarioView } from "../protocol";
 import { document as opened } from "../state/document";
 import { hovered, sameThing, selected, type Thing } from "../state/selection";
@@ -23,6 +23,9 @@ export function Outline() {
     const things = thingsOf(scenario);
     return wanted === "" ? things : things.filter((thing) => nameOf(scenario, thing).toLowerCase().includes(wanted));
   }).value;
+  useEffect(() => {
+    list.current?.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest" });
+  }, [selected.value]);
   if (view === null) return null;
   const listed = all.slice(0, MAX_LISTED);
   const current = listed.findIndex((thing) => sameThing(thing, selected.value));
@@ -94,11 +97,12 @@ function Row({ view, thing, isFirst }: { view: ScenarioView; thing: Thing; isFir
   const place = placeOf(view, thing);
   const isPart = thing.kind === "goal" || thing.kind === "waypoint";
   const name = nameOf(view, thing);
+  // What is a vehicle's stands below it, and is only read out with its name.
+  const cut = isPart ? name.lastIndexOf(": ") + 2 : 0;
   return (
     <li
       role="option"
       aria-selected={isSelected}
-      aria-label={`${name}${wrong.length > 0 ? `, ${wrong.length} remarks` : ""}`}
       tabIndex={isSelected || isFirst ? 0 : -1}
       class={isPart ? "part" : ""}
       onClick={() => choose(view, thing)}
@@ -110,8 +114,15 @@ function Row({ view, thing, isFirst }: { view: ScenarioView; thing: Thing; isFir
       onPointerEnter={() => (hovered.value = thing)}
       onPointerLeave={() => (hovered.value = null)}
     >
-      <span>{isPart ? name.slice(name.lastIndexOf(": ") + 2) : name}</span>
-      {wrong.length > 0 && <span class={wrong.some((each) => each.severity !== "warning") ? "dot error" : "dot warning"}>!</span>}
+      <span>
+        {isPart && <span class="unseen">{name.slice(0, cut)}</span>}
+        {name.slice(cut)}
+      </span>
+      {wrong.length > 0 && (
+        <span class={wrong.some((each) => each.severity !== "warning") ? "dot error" : "dot"}>
+          !<span class="unseen"> {wrong.length} remarks</span>
+        </span>
+      )}
       <span class="muted number">{place === null ? "" : place.slice(0, 3).map(coordinate).join(", ")}</span>
     </li>
   );

@@ -8,7 +8,7 @@ import { drawn } from "../state/playback";
 import { selected } from "../state/selection";
 import { remove } from "./create";
 import { fieldsOf, type Cell, type Row } from "./fields";
-import { get } from "./paths";
+import { get, startsWith } from "./paths";
 import { RemarkLine } from "./remarks";
 import { exists, nameOf, remarksOn } from "./things";
 
@@ -18,6 +18,11 @@ export function Properties() {
   if (state === null) return null;
   const thing = selected.value !== null && scenario !== null && exists(scenario, selected.value) ? selected.value : null;
   const groups = fieldsOf(state.content, thing);
+  const rows = groups.flatMap((group) => group.rows);
+  const rest =
+    thing === null
+      ? []
+      : remarksOn(remarks.value, thing.path).filter((remark) => !rows.some((row) => startsWith(remark.path, row.path)));
   const isRemovable = thing !== null && thing.kind !== "goal";
   return (
     <section class="properties" aria-label="Properties">
@@ -29,6 +34,9 @@ export function Properties() {
           </button>
         )}
       </header>
+      {rest.map((remark, i) => (
+        <RemarkLine key={i} remark={remark} />
+      ))}
       {groups.map((group, i) => (
         <fieldset key={group.title}>
           <legend class={i > 0 ? "" : "unseen"}>{group.title}</legend>

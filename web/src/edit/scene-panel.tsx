@@ -1,7 +1,9 @@
-/** The tab of the scene: what is wrong, properties, all things. */
+/** The tab of the scene: what is wrong, all things, properties of the selected one. */
 
 import { useComputed } from "@preact/signals";
 import { document, remarks } from "../state/document";
+import { selected } from "../state/selection";
+import { startsWith } from "./paths";
 import { Outline } from "./outline";
 import { Properties } from "./properties";
 import { RemarkLine } from "./remarks";
@@ -15,14 +17,16 @@ export function ScenePanel() {
   return (
     <>
       <RemarkList />
-      <Properties />
       <Outline />
+      <Properties />
     </>
   );
 }
 
 function RemarkList() {
-  const all = remarks.value;
+  // Those on the selected thing stand at its fields.
+  const { value: thing } = selected;
+  const all = thing === null ? remarks.value : remarks.value.filter((remark) => !startsWith(remark.path, thing.path));
   if (all.length === 0) return null;
   return (
     <section aria-label="Remarks" class="remarks">

@@ -51,16 +51,23 @@ export const DARK: Colors = {
 
 /** Shares of white (> 0) or black (< 0), far apart so that vehicles of a set differ in gray, too. */
 const SHADES = [0, -0.55, 0.42, -0.28, 0.2];
+const SHADES_ON_DARK = [0, 0.6, -0.4, 0.3, -0.2];
 
-const cache = new WeakMap<readonly string[], Map<Colors, readonly string[]>>();
+type Sets = readonly (readonly string[])[];
+
+const cache = new WeakMap<Sets, WeakMap<readonly string[], Map<Colors, readonly string[]>>>();
 
 /** Color per vehicle: one hue per set of vehicles planned together, one shade for each in it. */
 export function vehicleColors(
   names: readonly string[],
-  sets: readonly (readonly string[])[],
+  sets: Sets,
   colors: Colors,
 ): readonly string[] {
-  const known = cache.get(names)?.get(colors);
+  const ofSets = cache.get(sets) ?? new WeakMap<readonly string[], Map<Colors, readonly string[]>>();
+  cache.set(sets, ofSets);
+  const ofNames = ofSets.get(names) ?? new Map<Colors, readonly string[]>();
+  ofSets.set(names, ofNames);
+  const known = ofNames.get(colors);
   if (known !== undefined) return known;
   const listed = new Set(sets.flat());
   const groups = [...sets, ...names.filter((name) => !listed.has(name)).map((name) => [name])];
@@ -68,14 +75,12 @@ export function vehicleColors(
   groups.forEach((group, i) =>
     group.forEach((name, j) => {
       const hue = colors.palette[i % colors.palette.length] ?? colors.accent;
-      const amount = SHADES[j % SHADES.length] ?? 0;
-      // Black would sink into a dark ground.
-      found.set(name, mixed(hue, colors.isDark && amount < 0 ? -amount * 0.8 : amount));
+      const shades = colors.isDark ? SHADES_ON_DARK : SHADES;
+      found.set(name, mixed(hue, shades[j % shades.length] ?? 0));
     }),
   );
   const result = names.map((name) => found.get(name) ?? colors.accent);
-  const themes = cache.get(names) ?? new Map<Colors, readonly string[]>();
-  cache.set(names, themes.set(colors, result));
+  ofNames.set(colors, result);
   return result;
 }
 

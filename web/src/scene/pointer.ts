@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { activeHandle, decimals, finish, rounded, show } from "../edit/drag";
+import { insertAt } from "../edit/corners";
 import { pick } from "../edit/create";
 import { handlesOf } from "../edit/things";
 import * as tools from "../edit/tools";
@@ -107,7 +108,11 @@ export function listenTo(canvas: HTMLElement): () => void {
     tools.hover(null);
   };
 
-  const doubled = () => tools.end();
+  const doubled = (event: MouseEvent) => {
+    const [px, py] = at(event);
+    if (tools.tool.peek() !== "select") tools.end();
+    else void insertAt(roundPlace(px, py), MOUSE / camera.peek().scale);
+  };
 
   canvas.addEventListener("pointerdown", down);
   canvas.addEventListener("pointermove", move);

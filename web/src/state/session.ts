@@ -33,3 +33,6 @@ export const helpIsOpen = signal(false);
 
 /** Whether a scene in space is looked at from above, which is how it is edited. */
 export const isFromAbove = signal(false);
+
+/** On small screens, how much of it the panels take. */
+export const sheet = signal<"low" | "half" | "tall">("half");

@@ -1,0 +1,92 @@
+"""Nothing is lost: reloads, broken lines, two pages at once, files from elsewhere."""
+
+from __future__ import annotations
+
+import re
+
+from serving_page import ROOT, STRAIT, until
+
+LOST = re.compile("^Connection lost")
+
+
+def test_a_reload_loses_nothing(screen, server):
+    document = server.open("reloaded.yaml", STRAIT)
+    page = screen(document)
+    page.map.wait_for()
+    page.drag((2, 5), (3, 8))
+    until(lambda: page.content["vehicles"][0]["start"] != [2, 5])
+    page.button("Zoom in").click()
+    place = page.at(10, 6)
+    page.page.wait_for_timeout(400)  # the camera is kept once it rests
+    page.page.reload()
+    page.map.wait_for()
+    assert page.document == document
+    page.button("Undo").wait_for()
+    until(lambda: page.button("Undo").is_enabled())
+    again = page.at(10, 6)
+    assert max(abs(a - b) for a, b in zip(place, again, strict=True)) < 3
+    page.button("Undo").click()
+    until(lambda: page.content["vehicles"][0]["start"] == [2, 5])
+
+
+def test_a_connection_that_was_lost_comes_back_with_what_was_done_since(screen, server):
+    lines, is_cut = [], [False]
+
+    def connected(line):
+        lines.append(line)
+        if is_cut[0]:
+            line.close(code=1012)
+        else:
+            line.connect_to_server()
+
+    document = server.open("lost.yaml", STRAIT)
+    page = screen(document, line=connected)
+    page.tab("Scene").get_by_text("2 vehicles, 1 obstacle").wait_for()
+    is_cut[0] = True
+    lines[-1].close(code=1012)
+    page.sees(LOST)
+    change = [{"path": ["obstacles"], "value": []}]
+    revision = server.state(document)["revision"]
+    server.call("change", document=document, revision=revision, changes=change, label="Clear")
+    is_cut[0] = False
+    page.tab("Scene").get_by_text("2 vehicles, 0 obstacles").wait_for()
+    page.page.get_by_text(LOST).wait_for(state="hidden")
+
+
+def test_two_pages_show_the_same_document(screen, server):
+    document = server.open("shared.yaml", STRAIT)
+    one = screen(document)
+    two = screen(document)
+    for page in (one, two):
+        page.map.wait_for()
+    one.drag((2, 5), (3, 8))
+    until(lambda: one.content["vehicles"][0]["start"] != [2, 5])
+    until(lambda: two.button("Undo").is_enabled())
+    two.button("Undo").click()
+    until(lambda: two.content["vehicles"][0]["start"] == [2, 5])
+    until(lambda: one.button("Redo").is_enabled())
+
+
+def test_a_chart_dropped_on_the_page_becomes_obstacles(screen):
+    page = screen()
+    page.button("Open or new").first.wait_for()
+    chart = (ROOT / "instances" / "drawn" / "marina.geojson").read_text(encoding="utf-8")
+    transfer = page.page.evaluate_handle(
+        """(content) => {
+            const transfer = new DataTransfer();
+            transfer.items.add(new File([content], "marina.geojson"));
+            return transfer;
+        }""",
+        chart,
+    )
+    page.page.dispatch_event(".shell", "drop", {"dataTransfer": transfer})
+    until(lambda: page.document is not None)
+    assert len(page.state["view"]["obstacles"]) > 0
+    page.tab("Scene").get_by_text(re.compile(r"\d+ vehicles?, \d+ obstacle")).wait_for()
+
+
+def test_a_page_with_another_token_is_told_so_and_shown_nothing(screen):
+    page = screen()
+    page.page.evaluate("sessionStorage.setItem('token', 'wrong')")
+    page.page.reload()
+    page.sees(re.compile("does not know this page"))
