@@ -193,10 +193,7 @@ class _SearchResult:
 def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     """Search for the best plan; where the search finds none, try what else leads to one."""
     limits = run.limits
-    seconds = limits.seconds_left
-    kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
-    kept += PROOF_TUNING.reserve * seconds
-    begin = limits if seconds == float("inf") else limits.within(seconds - kept)
+    begin = _limits_of_search(limits)
     hazards = Hazards.of(scenario, condensed_models(scenario))
     bound = scenario.risk_bound
     begun = hazards
@@ -233,6 +230,15 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     last = last_resort(search.with_limits(begin if first.controls else limits), state)
     stopped_by = stopped_by or begin.reason or None
     return _SearchResult(last.search, last.state, first, last.answer, stopped_by)
+
+
+def _limits_of_search(limits: Limits) -> Limits:
+    """Return limits that leave time for turning half-spaces and for the proof."""
+    seconds = limits.seconds_left
+    if seconds == float("inf"):
+        return limits
+    kept = max(TUNING.time_share * seconds, min(TUNING.seconds, TUNING.most_time_share * seconds))
+    return limits.within(seconds - kept - PROOF_TUNING.reserve * seconds)
 
 
 def _tell_first(run: Run, incumbent: FleetIncumbent) -> None:
