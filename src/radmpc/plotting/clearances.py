@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -15,6 +15,7 @@ from radmpc.geometry import Polytope, hull, planar
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.relations.concerns import is_for
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.plotting.curves import mean_path, positions
 from radmpc.plotting.interpolation import moving_outline
 
@@ -41,7 +42,8 @@ class Clearance:
     times : (p,) array
         When [s].
     distance : (p,) array
-        Between the hulls on the mean paths [m]; negative where they overlap.
+        Between the hulls on the mean paths, negative where they overlap; of a range that is kept,
+        what is left of it [m].
     sigma : (p,) array
         Standard deviation of the distance along the line between the two [m].
     stride : int
@@ -89,6 +91,12 @@ def closest_clearances(plan: Plan, most: int) -> tuple[Clearance, ...]:
         for i in range(len(paths)):
             if is_for(obstacle, scenario.vehicles[i].name):
                 found.append(_of_obstacle(plan, i, obstacle, paths[i], noise[i], times))
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    for i, j, within in keep_pairs(scenario.keep, names):
+        pair = _of_pair(plan, i, j, paths, noise, times)
+        touching = scenario.vehicles[i].radius + scenario.vehicles[j].radius
+        left = within - (pair.distance + touching)
+        found.append(replace(pair, name=f"{pair.name}, range", distance=left))
     at_steps = scenario.avoidance == "steps"
     return tuple(sorted(found, key=lambda c: c.least(at_steps=at_steps))[:most])
 

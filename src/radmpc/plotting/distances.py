@@ -71,7 +71,8 @@ def plot_distances(plan: Plan, ax: Axes | None = None, *, most: int = 6) -> Axes
             fontsize=TICK_SIZE, color=MUTED, gid="avoidance",
         )  # fmt: skip
     _settle_view(axes, plan, [(c.distance, c.sigma) for c in clearances])
-    axes.set_ylabel("distance of hulls [m]", fontsize=LABEL_SIZE, labelpad=1.0)
+    what = "distance of hulls, left of ranges" if plan.scenario.keep else "distance of hulls"
+    axes.set_ylabel(f"{what} [m]", fontsize=LABEL_SIZE, labelpad=1.0)
     axes.grid(axis="y", color="#E4E4E4", linewidth=0.4, zorder=0)
     if clearances:
         draw_key(axes, 3)
