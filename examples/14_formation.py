@@ -1,10 +1,10 @@
 """Drones change their formation.
 
-Eight drones fly from a line to a ring, and any may take any place. Alone and from rest to rest a move
-by L along an axis costs 2 L / (T - 1), so the cheapest assignment in empty space is a linear
-assignment of distances along the axes; its cost is a bound on every plan of every assignment. With
-it, drones in a row keep their order, and the certified plan costs hardly more. The number is what it
-costs relative to that bound: no other assignment, however planned, saves more than the rest.
+Eight drones fly from a line to a ring, and any may take any place. Alone and from rest to rest a
+move by L along an axis costs 2 L / (T - 1), so the cheapest assignment in empty space is a linear
+assignment of distances along the axes; its cost is a bound on every plan of every assignment.
+With it nobody is in anybody's way. The number is what the certified plan costs relative to that
+bound: no other assignment, however planned, is cheaper.
 """
 
 from pathlib import Path

@@ -1,9 +1,9 @@
 """Ferries on time.
 
-Two ferries cross a channel and call at one jetty in the middle, each within its own two minutes: the
-first from the west, the second from the east. A call is a stop in a box as wide as a ferry is long,
-so they have to take turns, and an islet lies beside the jetty. Before and after, they sail when they
-like. Below, their calls may take place at any step. The number is the effort of the timetable
+Two ferries cross a channel and call at one jetty in the middle, each within a window of its own:
+the first from the west, the second from the east. A call is a stop in a box, so they take turns,
+and an islet lies beside the jetty. Before and after, they sail when they like. Below, both
+windows are wider by a step at either end. The number is the effort of the tight timetable
 relative to that.
 """
 
@@ -14,15 +14,16 @@ from matplotlib.figure import Figure
 
 import radmpc
 
-EXPECTED, TOLERANCE = 1.2, 0.01
+EXPECTED, TOLERANCE = 1.030, 0.004  # plans are made to a gap of 0.1 %
 
 DT, HORIZON = 30.0, 14
 SYSTEM = radmpc.double_integrator(DT, dimension=2)
 WAYS = {"west": ([0.0, 0.0], [600.0, 40.0]), "east": ([600.0, 0.0], [0.0, 40.0])}
-TIMETABLE = {"west": [4, 5], "east": [8, 9]}
+TIMETABLE = {"west": [4, 5], "east": [9, 10]}
+WIDER = {name: [first - 1, last + 1] for name, (first, last) in TIMETABLE.items()}
 
 
-def ferry(name: str, between: list[int] | None) -> radmpc.Vehicle:
+def ferry(name: str, between: list[int]) -> radmpc.Vehicle:
     """Return a ferry that calls at the jetty within a window."""
     start, goal = WAYS[name]
     return radmpc.Vehicle(
@@ -35,14 +36,14 @@ def ferry(name: str, between: list[int] | None) -> radmpc.Vehicle:
 
 
 def main(out: Path) -> float:
-    """Plan with and without a timetable, draw, and return the ratio of efforts."""
+    """Plan with both timetables, draw, and return the ratio of efforts."""
     islet = radmpc.Obstacle.polygon("islet", [[260, -30], [340, -30], [320, 30], [280, 30]])
     figure = Figure(figsize=(4.5, 3.4), dpi=200, layout="constrained")
     efforts = []
-    for axes, timetable in zip(figure.subplots(2), (TIMETABLE, {}), strict=True):
-        fleet = [ferry(name, timetable.get(name)) for name in WAYS]
+    for axes, timetable in zip(figure.subplots(2), (TIMETABLE, WIDER), strict=True):
+        fleet = [ferry(name, timetable[name]) for name in WAYS]
         plan = radmpc.plan(radmpc.Scenario("ferries", DT, HORIZON, 0.01, fleet, [islet])).require()
-        title = "by the timetable" if timetable else "at any time"
+        title = "tight windows" if timetable is TIMETABLE else "wider windows"
         radmpc.plot_plan(plan, axes, details=False, title=title)
         efforts.append(plan.cost or 0.0)
     figure.savefig(out / "15_ferries.png")
@@ -50,4 +51,4 @@ def main(out: Path) -> float:
 
 
 if __name__ == "__main__":
-    print("effort by the timetable relative to that at any time:", main(Path()))
+    print("effort of the tight timetable relative to a wider one:", main(Path()))

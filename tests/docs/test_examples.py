@@ -41,8 +41,8 @@ def example(request: pytest.FixtureRequest) -> Path:
     return request.param
 
 
-def test_there_are_twelve_examples_in_order():
-    assert [path.name[:3] for path in EXAMPLES] == [f"{n:02}_" for n in range(1, 13)]
+def test_there_are_fifteen_examples_in_order():
+    assert [path.name[:3] for path in EXAMPLES] == [f"{n:02}_" for n in range(1, 16)]
 
 
 def test_every_example_is_short(example):

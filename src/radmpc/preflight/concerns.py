@@ -11,6 +11,7 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.preflight.cures import control_cures, saturation_cures, time_cures
 from radmpc.preflight.noise import NoiseKind, noise_warnings
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
 from radmpc.preflight.places import Narrowest
@@ -124,7 +125,7 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
 
 def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
     """Yield what is to be said of one vehicle."""
-    yield from _control(vehicle, seen)
+    yield from _control(scenario, vehicle, seen)
     yield from _time(scenario, vehicle, seen)
     if seen.visits:
         from radmpc.preflight.visits import told_of_visits  # noqa: PLC0415 - few visit anything
@@ -133,13 +134,14 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
             yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0)
     if isinstance(seen.narrowest, Narrowest):
         yield from _narrow(scenario, seen, seen.narrowest)
-    if seen.saturation is not None and seen.saturation > _SMALL * scenario.risk_bound:
+    most = _SMALL * scenario.risk_bound
+    if seen.saturation is not None and seen.saturation > most:
         yield _Found(
             "saturation",
             seen.name,
             f"feedback asks for more control than the cheapest plan leaves with a probability of "
             f"{seen.saturation:.2g} (risk_bound {scenario.risk_bound:g}), and a certificate does "
-            "not speak of that: raise control_sigmas or control_limit, or soften the gain",
+            f"not speak of that: {saturation_cures(scenario, vehicle, most)}",
             seen.saturation,
         )
     ratio = seen.end_deviation / vehicle.radius
@@ -154,7 +156,7 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
         )
 
 
-def _control(vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
+def _control(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
     """Yield what is to be said of the control that feedback keeps back."""
     reserve = seen.reserve
     if reserve.share <= _MUCH:
@@ -165,8 +167,7 @@ def _control(vehicle: Vehicle, seen: VehicleOutlook) -> Iterator[_Found]:
         seen.name,
         f"feedback keeps back {reserve.kept:.3g} of {reserve.limit:.3g}{unit} "
         f"({100.0 * reserve.share:.0f} % of control_limit) on axis {reserve.axis} at step "
-        f"{reserve.step}: soften the gain (lqr: a larger R), reduce the noise, or raise "
-        "control_limit",
+        f"{reserve.step}: {control_cures(scenario, vehicle, _MUCH)}",
         reserve.share,
         is_fatal=reserve.share > 1.0,
     )
@@ -179,9 +180,10 @@ def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterato
         return  # without control no horizon helps
     seconds = f"{horizon} steps ({horizon * scenario.dt:g} s)"
     if least is None:
+        cures = time_cures(scenario, vehicle)
         text = (
             f"goal out of reach in many times the horizon of {seconds}, with nothing in the way: "
-            "raise speed_limit or control_limit, or check units"
+            f"check units{', or ' if cures else ''}{cures}"
         )
         yield _Found("time", seen.name, text, np.inf, is_fatal=True)
         return
@@ -190,7 +192,8 @@ def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterato
     head = f"goal {least} steps away at least{kept}, horizon {seconds}"
     more = max(ceil(_ROOMY * least), horizon + 1)
     if least > horizon:
-        text = f"{head}: lengthen it to {least} or more, or raise speed_limit or control_limit"
+        cures = time_cures(scenario, vehicle)
+        text = f"{head}: lengthen it to {least} or more{', or ' if cures else ''}{cures}"
     else:
         left = horizon - least
         text = (
