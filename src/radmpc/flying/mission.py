@@ -30,7 +30,7 @@ from radmpc.flying.knowing import Observer, expected_anew, expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
 from radmpc.flying.sources import Moment, Sources, Timer
-from radmpc.flying.tick import Contact, Entry, Tick
+from radmpc.flying.tick import Contact, Entry, Tick, entered
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
@@ -109,8 +109,7 @@ class Mission:
         self._sources.prepare(self._leg)
         self._enter("opened", self._account.tail)
         self._observer = Observer.of(plan.scenario)
-        self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
-        self._known = self._expected
+        self._known = self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
 
     @property
     def scenario(self) -> Scenario:
@@ -164,9 +163,8 @@ class Mission:
         Parameters
         ----------
         states : mapping, sequence of (n,) array, or None
-            What is measured, by vehicle or in the scenario's order; of who has a `measurement`, the
-            estimate of the model's filter. None, or what is not finite, is no measurement: the tail
-            is flown from where vehicles are expected.
+            Measured or, of who has a `measurement`, estimated; by vehicle or in the scenario's
+            order. None, or what is not finite, is no measurement: the tail is flown as expected.
         deadline : float or None
             Seconds from now until which the decision is needed; None plans without a limit.
         contacts : sequence of Contact
@@ -187,8 +185,7 @@ class Mission:
         begun = self._clock()
         if self.is_over:
             raise ArgumentError(f"the mission of {self._scenario.horizon} steps is over")
-        if deadline is not None:
-            check_number(deadline, "deadline")
+        check_number(0.0 if deadline is None else deadline, "deadline")
         self._contacts += contacts
         given = measured(self._scenario, states)
         known = self._expected
@@ -243,8 +240,7 @@ class Mission:
     def start_again(self, result: Result | Plan) -> None:
         """Open the account anew, for what the start had no law for: an obstacle that appeared.
 
-        What is promised then is promised from here on, given what has happened: the log says
-        "new grant".
+        What is promised then is promised from here on: the log says "new grant".
 
         Parameters
         ----------
@@ -262,7 +258,6 @@ class Mission:
         """
         plan = plan_of(result)
         check_continues(plan, self._scenario, self._scenario.horizon - self._step)
-        check_memory(plan.scenario)
         self._leg, self._account = opened(plan, self._step)
         self._observer = Observer.of(plan.scenario, self._step)
         self._expected = expected_anew(plan.scenario, self._expected)
@@ -292,8 +287,8 @@ class Mission:
             self._account, self._leg = self._account.adopted(decision.price), decision.leg
             self._enter("adopted", decision.price)
         found = commanded(self._leg, self._step, states, alarms)
-        seconds = self._clock() - begun
-        tick = decision.tick(self._step, found.segments, wealth, (alarms, seconds))
+        told = alarms, self._clock() - begun
+        tick = decision.tick(self._step, found.segments, wealth, told)
         self._ticks.append(tick)
         self._expected = found.expected
         self._step += 1
@@ -301,7 +296,4 @@ class Mission:
 
     def _enter(self, what: str, price: float | None) -> None:
         """Write a row of the account."""
-        now = self._account
-        self._entries.append(
-            Entry(self._step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
-        )
+        self._entries.append(entered(self._step, what, self._account, price))
