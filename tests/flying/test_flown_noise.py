@@ -230,6 +230,15 @@ def test_a_recorded_mission_is_recomputed_from_its_rows(scene):
     assert again.balance.wealth == mission.balance.wealth
 
 
+@pytest.mark.parametrize("scene", SCENES)
+def test_half_spaces_are_turned_to_where_vehicles_are_expected_to_drift(scene):
+    plan = by_hand(scene())
+    mission = Mission(plan, planner=None, warm=True)
+    flight = radmpc.fly(mission, Model(plan.scenario, 3))
+    assert not [t.reason for t in flight.ticks if "failed" in t.reason]
+    assert any(entry.what == "adopted" for entry in flight.account)
+
+
 def test_states_tell_of_gusts_what_a_filter_of_both_tells():
     """With exact states the last disturbance is seen; an estimate tells as much as its filter."""
     scenario = gusty()

@@ -70,9 +70,7 @@ def test_a_program_that_is_kept_is_the_one_that_is_built_anew(
     kept = KeptLp(ahead.whole, everyone)
     for passed in (0, 1, 4):
         left = left_of(scenario, passed, pushed(plan, passed, passed), 0.05)
-        hazards = ahead.left(
-            passed, [v.start for v in left.vehicles], [v.goal for v in left.vehicles]
-        )
+        hazards = ahead.left(passed, left.vehicles, [v.goal for v in left.vehicles])
         kept.move(hazards)
         paths = Paths(hazards)
         for i, path in enumerate(plan.trajectories):

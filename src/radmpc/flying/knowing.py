@@ -18,7 +18,15 @@ from radmpc.model.noise.known import Learning, learning_of
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 
-__all__ = ["Observer", "expected_start", "known_loop", "remembers", "unknown_after"]
+__all__ = [
+    "Observer",
+    "expected_anew",
+    "expected_start",
+    "known_loop",
+    "moved",
+    "remembers",
+    "unknown_after",
+]
 
 
 def remembers(vehicle: Vehicle) -> bool:
@@ -48,6 +56,20 @@ def expected_start(vehicle: Vehicle) -> Vector:
     return np.concatenate([vehicle.start, lasting])
 
 
+def expected_anew(scenario: Scenario, expected: Sequence[Vector]) -> tuple[Vector, ...]:
+    """Return what is expected where another scenario begins under way.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the steps that are left.
+    expected : sequence of (n,) or (2 n,) array
+        What was.
+    """
+    pairs = zip(scenario.vehicles, expected, strict=True)
+    return tuple(expected_start(v) if remembers(v) else x for v, x in pairs)
+
+
 def known_loop(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix | None]:
     """Return A, B and K of what is known of a vehicle.
 
@@ -63,6 +85,25 @@ def known_loop(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix | None]:
     longer = np.block([[A, one], [none, vehicle.disturbance_correlation * one]])
     held = None if gain is None else np.hstack([gain, np.zeros_like(gain)])
     return longer, np.vstack([B, np.zeros_like(B)]), held
+
+
+def moved(vehicle: Vehicle, known: Vector, control: Vector) -> Vector:
+    """Return what is expected to be known a step later.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    known : (n,) or (2 n,) array
+        What is known.
+    control : (m,) array
+        What is flown over the step.
+    """
+    A, B, _ = known_loop(vehicle)
+    later = np.asarray(A @ known + B @ control)
+    if vehicle.drift is not None:
+        later[: vehicle.drift.size] += vehicle.drift
+    return later
 
 
 def unknown_after(vehicle: Vehicle, passed: int) -> Matrix:

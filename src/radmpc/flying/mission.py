@@ -26,11 +26,11 @@ from radmpc.flying.deciding import (
     opened,
     plan_ahead,
 )
-from radmpc.flying.knowing import Observer, expected_start, remembers
+from radmpc.flying.knowing import Observer, expected_anew, expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
 from radmpc.flying.sources import Moment, Sources, Timer
-from radmpc.flying.tick import Contact, Entry, Tick
+from radmpc.flying.tick import Contact, Entry, Tick, entered
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
@@ -42,9 +42,8 @@ class Mission:
     """A plan that is flown, and made anew from what is measured as far as its risk bound allows.
 
     The probability of any collision in the mission is at most Δ, by whatever planner and however
-    often it is planned anew, as long as the model holds, states are measured without error or
-    estimated by the model's filter, and controls do not saturate (docs/flying.md). The leg in the
-    air, the tail, may always be flown on.
+    often it is planned anew, as long as the model and its filters hold and controls do not saturate
+    (docs/flying.md). The leg in the air, the tail, may always be flown on.
 
     Parameters
     ----------
@@ -78,8 +77,7 @@ class Mission:
     RiskError
         If the plan's certificate exceeds Δ.
     ScenarioError
-        If there is no such planner, shared disturbances outlast a step or meet who measures with
-        noise, or covariances are known up to a factor only.
+        If there is no such planner, or a mission does not take its noise.
     """
 
     def __init__(
@@ -111,8 +109,7 @@ class Mission:
         self._sources.prepare(self._leg)
         self._enter("opened", self._account.tail)
         self._observer = Observer.of(plan.scenario)
-        self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
-        self._known = self._expected
+        self._known = self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
 
     @property
     def scenario(self) -> Scenario:
@@ -166,10 +163,8 @@ class Mission:
         Parameters
         ----------
         states : mapping, sequence of (n,) array, or None
-            What is measured, by vehicle or in the scenario's order; of vehicles with a
-            `measurement` the estimate of their filter, which must be that of the model. None, or
-            what is not finite, is no measurement: the tail is flown from where vehicles are
-            expected.
+            Measured or, of who has a `measurement`, estimated; by vehicle or in the scenario's
+            order. None, or what is not finite, is no measurement: the tail is flown as expected.
         deadline : float or None
             Seconds from now until which the decision is needed; None plans without a limit.
         contacts : sequence of Contact
@@ -190,21 +185,17 @@ class Mission:
         begun = self._clock()
         if self.is_over:
             raise ArgumentError(f"the mission of {self._scenario.horizon} steps is over")
-        if deadline is not None:
-            check_number(deadline, "deadline")
+        check_number(0.0 if deadline is None else deadline, "deadline")
         self._contacts += contacts
         given = measured(self._scenario, states)
         known = self._expected
         alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
         if given is not None:
             known = self._observer.known(self._step, self._expected, given)
-            # What was not measured at the last step may be off by the noise of two.
+            # What was not measured at the last step may be off by twice the noise.
             is_certain = not self._ticks or self._ticks[-1].value is not None
-            told = self._observer.told(self._step)
-            if is_certain:
-                alarms = self._watcher.look(self._expected, given, self._step, told)
-            else:
-                alarms = []
+            seen = self._expected, given, self._step, self._observer.told(self._step)
+            alarms = self._watcher.look(*seen) if is_certain else []
             end = float("inf") if deadline is None else begun + deadline
             decision = self._decided(known, alarms, Timer(self._clock, end))
         self._known = known
@@ -249,8 +240,7 @@ class Mission:
     def start_again(self, result: Result | Plan) -> None:
         """Open the account anew, for what the start had no law for: an obstacle that appeared.
 
-        What is promised then is promised from here on, given what has happened: the log says
-        "new grant".
+        What is promised then is promised from here on: the log says "new grant".
 
         Parameters
         ----------
@@ -268,11 +258,9 @@ class Mission:
         """
         plan = plan_of(result)
         check_continues(plan, self._scenario, self._scenario.horizon - self._step)
-        check_memory(plan.scenario)
         self._leg, self._account = opened(plan, self._step)
         self._observer = Observer.of(plan.scenario, self._step)
-        if any(remembers(v) for v in plan.scenario.vehicles):
-            self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
+        self._expected = expected_anew(plan.scenario, self._expected)
         self._sources.renew(self._leg)
         self._enter("new grant", self._account.tail)
 
@@ -299,8 +287,8 @@ class Mission:
             self._account, self._leg = self._account.adopted(decision.price), decision.leg
             self._enter("adopted", decision.price)
         found = commanded(self._leg, self._step, states, alarms)
-        seconds = self._clock() - begun
-        tick = decision.tick(self._step, found.segments, wealth, (alarms, seconds))
+        told = alarms, self._clock() - begun
+        tick = decision.tick(self._step, found.segments, wealth, told)
         self._ticks.append(tick)
         self._expected = found.expected
         self._step += 1
@@ -308,7 +296,4 @@ class Mission:
 
     def _enter(self, what: str, price: float | None) -> None:
         """Write a row of the account."""
-        now = self._account
-        self._entries.append(
-            Entry(self._step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
-        )
+        self._entries.append(entered(self._step, what, self._account, price))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.flying.knowing import expected_start, known_loop
+from radmpc.flying.knowing import expected_start, moved
 from radmpc.model.noise.known import Learning, learning_of
 from radmpc.model.obstacle import TrackShape
 from radmpc.model.scenario import Scenario
@@ -89,10 +89,7 @@ class Estimator:
         control : (m,) array
             What was flown over the step.
         """
-        A, B, _ = known_loop(self.vehicle)
-        self.known, self.step = A @ self.known + B @ control, self.step + 1
-        if self.vehicle.drift is not None:
-            self.known[: self.vehicle.drift.size] += self.vehicle.drift
+        self.known, self.step = moved(self.vehicle, self.known, control), self.step + 1
 
 
 class Nature:
@@ -150,8 +147,8 @@ class Nature:
                 added[i] = added[i] + part.matrix @ drawn[part.name]
         for i, shape in self._tracks.items():
             place, speed = np.split(self._places[i], 2)
-            moved = np.concatenate([place + self._scenario.dt * speed, speed])
-            self._places[i] = moved + self._drawn(shape.disturbance_covariance)
+            onward = np.concatenate([place + self._scenario.dt * speed, speed])
+            self._places[i] = onward + self._drawn(shape.disturbance_covariance)
         return added
 
     def told(

@@ -10,6 +10,7 @@ from radmpc.arrays import Vector
 from radmpc.flying.account import Account
 from radmpc.flying.background import Background
 from radmpc.flying.candidates import Candidate, Order, Planning, answered, failed, leg_judged
+from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
 from radmpc.flying.warm.goals import widened
@@ -141,7 +142,7 @@ class Sources:
         if not self.is_warm:
             return
         scenario = leg.plan.scenario
-        starts = [v.start for v in scenario.vehicles]
+        starts = [expected_start(v) for v in scenario.vehicles]
         left = left_of(scenario, 0, starts, scenario.risk_bound)
         controls = tuple(path.controls for path in leg.plan.trajectories)
         for _ in range(_REHEARSALS):

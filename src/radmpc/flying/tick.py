@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from radmpc.arrays import Vector
+from radmpc.flying.account import Account
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 
-__all__ = ["Contact", "Entry", "Segment", "Tick", "segments"]
+__all__ = ["Contact", "Entry", "Segment", "Tick", "entered", "segments"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +81,23 @@ class Entry:
     bank: float
     wealth: float
     price: float | None = None
+
+
+def entered(step: int, what: str, now: Account, price: float | None) -> Entry:
+    """Return a row of the account.
+
+    Parameters
+    ----------
+    step : int
+        Of the mission.
+    what : str
+        As in `Entry`.
+    now : Account
+        Afterwards.
+    price : float or None
+        What the leg that was adopted cost [-].
+    """
+    return Entry(step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from radmpc.arguments import check_kind, field_integer, field_number, field_parts
-from radmpc.arrays import Frozen, Matrix, Tensor, Vector, as_matrix, as_vector
+from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.integrator import integrator_rates
 
@@ -229,10 +229,7 @@ def growth(system: LinearSystem, gain: Matrix | None, horizon: int) -> float:
 
 
 def rollout(
-    system: LinearSystem,
-    start: npt.ArrayLike,
-    controls: npt.ArrayLike,
-    drift: Vector | Matrix | None = None,
+    system: LinearSystem, start: npt.ArrayLike, controls: npt.ArrayLike, drift: Matrix | None = None
 ) -> Matrix:
     """Return the mean states under nominal controls.
 

@@ -229,18 +229,12 @@ class Vehicle(Frozen):
         return Noise(self.initial_covariance, *own, self.measurement, self.shared, self.known)
 
     def pushes(self, horizon: int) -> Vector | Matrix | None:
-        """Return what every step adds to the mean state besides the control.
+        """Return what steps add to the mean besides control, (n,) or (T, n); None is nothing.
 
         Parameters
         ----------
         horizon : int
             Number of steps T.
-
-        Returns
-        -------
-        (n,) or (T, n) array or None
-            The drift; where a disturbance that lasts has been seen, with what is expected of it,
-            step by step. None is nothing.
         """
         known = self.known
         if known is None or not self.disturbance_correlation or not known.disturbance.any():

@@ -19,7 +19,7 @@ from radmpc.flying.deciding import opened
 from radmpc.flying.knowing import Observer, expected_start
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.remainder import left_of
-from radmpc.flying.tick import Contact, Entry, Segment, Tick, segments
+from radmpc.flying.tick import Contact, Entry, Segment, Tick, entered, segments
 from radmpc.io.flight.record import TickRow
 from radmpc.model.plan import Plan
 
@@ -79,10 +79,7 @@ class Booking:
         price : float or None
             What the leg that was adopted cost [-].
         """
-        now = self.account
-        self.entries.append(
-            Entry(step, what, now.risk_bound, now.tail, now.bank, now.wealth, price)
-        )
+        self.entries.append(entered(step, what, self.account, price))
 
 
 def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:

@@ -12,6 +12,7 @@ from radmpc.arguments import check_integer
 from radmpc.arrays import Tensor
 from radmpc.flying.alarms import Watcher
 from radmpc.flying.flight import Flight, fly
+from radmpc.flying.knowing import Observer, expected_start, moved
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Backend
 from radmpc.model.plan import Plan
@@ -109,16 +110,15 @@ def rate_of(scenario: Scenario, missions: Sequence[Flight]) -> Rate:
 
 def _is_doubted(scenario: Scenario, flight: Flight) -> bool:
     """Whether its disturbances are unlikely by the scenario's noise, whatever is risked."""
-    watcher = Watcher(scenario)
-    expected = [v.start for v in scenario.vehicles]
+    watcher, observer = Watcher(scenario), Observer.of(scenario)
+    expected = [expected_start(v) for v in scenario.vehicles]
     for step, (states, tick) in enumerate(zip(flight.states, flight.ticks, strict=True)):
-        if watcher.look(expected, states, step):
+        if watcher.look(expected, states, step, observer.told(step)):
             return True
+        known = observer.known(step, expected, states)
         if tick.segments:
-            expected = [
-                v.system.A @ x + v.system.B @ u + (0.0 if v.drift is None else v.drift)
-                for v, x, u in zip(scenario.vehicles, states, tick.controls, strict=True)
-            ]
+            pairs = zip(scenario.vehicles, known, tick.controls, strict=True)
+            expected = [moved(v, x, u) for v, x, u in pairs]
     return False
 
 
