@@ -69,7 +69,7 @@ types: package ## mypy --strict on src, the examples and the pages' programs
 	@packages=$$(echo $(USER)/lib/python3*/site-packages) \
 	    && $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
 	        > $$packages/beside.pth \
-	    && $(PIP) install --quiet --no-deps --target $$packages .
+	    && $(PIP) install --quiet --no-deps --no-compile --target $$packages .
 	$(BIN)/mypy --strict --config-file= --cache-dir=.mypy_cache/programs \
 	    --python-executable $(USER)/bin/python examples build/programs
 

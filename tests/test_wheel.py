@@ -105,6 +105,7 @@ def test_the_installed_copy_tells_its_version(installed: Path, tmp_path: Path) -
     assert said == f"radmpc {radmpc.__version__}\n"
 
 
+@pytest.mark.nightly
 def test_the_demo_runs_outside_the_checkout(installed: Path, tmp_path: Path) -> None:
     said = run(installed, tmp_path, "-m", "radmpc", "demo", "--out", ".")
     assert "harbor: 5 vehicles" in said

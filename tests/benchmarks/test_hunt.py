@@ -33,8 +33,7 @@ SURE = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("chunk", range(25))
 def test_nothing_is_caught_in_small_nasty_scenes(chunk: int):
     caught = [run_scene(SEED, i, EFFORT) for i in range(chunk * CHUNK, (chunk + 1) * CHUNK)]

@@ -275,7 +275,7 @@ def test_the_script_refuses_peers_and_interpreters_that_make_no_sense(extra, cap
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("peer", "packages"),
     [

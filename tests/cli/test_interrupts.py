@@ -103,7 +103,7 @@ def assert_whole(folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("words", COMMANDS.values(), ids=list(COMMANDS))
 def test_ctrl_c_at_any_time_leaves_lines_and_whole_files(
     folder: Path, words: tuple[str, ...]

@@ -145,7 +145,9 @@ def scenario_of(ends: Sequence[tuple], horizon: int, obstacles: tuple = ()) -> S
     return replace(paper(1, 0), vehicles=vehicles, obstacles=obstacles, horizon=horizon)
 
 
-@pytest.mark.parametrize("goal", [(6.0, 0.4), pytest.param((6.0, -0.6), marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("goal", [(6.0, 0.4), (6.0, -0.6)])
 def test_a_plan_around_a_box_is_no_dearer_than_by_any_directions(goal: tuple[float, float]) -> None:
     box = Obstacle.polygon("box", BOX)
     scenario = scenario_of([((0.0, 0.0), goal)], 4, (box,))
@@ -158,7 +160,9 @@ def test_a_plan_around_a_box_is_no_dearer_than_by_any_directions(goal: tuple[flo
     assert everywhere.cost <= best * (1.0 + TOLERANCE)
 
 
-@pytest.mark.parametrize("offset", [pytest.param(0.0, marks=pytest.mark.slow), 0.3])
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("offset", [0.0, 0.3])
 def test_a_plan_of_two_that_cross_is_no_dearer_than_by_any_directions(offset: float) -> None:
     ends = [((0.0, 0.0), (5.0, 0.0)), ((2.5 + offset, -2.5), (2.5 + offset, 2.5))]
     scenario = scenario_of(ends, 4)

@@ -153,7 +153,7 @@ def _initializer(kind: type, names: tuple[str, ...], given: Mapping[str, Any]) -
     made = known["__init__"]
     made.__qualname__ = f"{kind.__qualname__}.__init__"
     made.__module__ = kind.__module__
-    hints = vars(kind)["__annotations__"]
+    hints = vars(kind).get("__annotations__", {})
     # After "_self", up to what is said of defaults.
     told = (name.partition("=")[0] for name in parameters[1:])
     made.__annotations__ = {name: hints[name] for name in told} | {"return": None}
