@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from served import CallFailedError
+from served import CallFailedError, Site
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from radmpc.serving.failures import CallError
@@ -187,11 +187,13 @@ def test_nonsense_is_refused_in_words(site, name, args):
     assert tempfile.gettempdir() not in failure["text"]
 
 
-def test_a_message_that_is_too_long_ends_the_socket(site):
-    with site.connect() as line:
+def test_a_message_that_is_too_long_ends_the_socket(tmp_path, quiet_crew, monkeypatch):
+    assert pages.MOST_BYTES == 24 * 2**20
+    monkeypatch.setattr("radmpc.serving.web.listener.MOST_BYTES", 2**20)
+    with Site(tmp_path) as site, site.connect() as line:
         # The server may have closed before all of it was sent.
         with suppress(ConnectionClosed):
-            line.send("x" * (pages.MOST_BYTES + 1))
+            line.send("x" * (2**20 + 1))
         with pytest.raises(ConnectionClosed):
             line.recv(timeout=30)
     assert line.close_code == 1009

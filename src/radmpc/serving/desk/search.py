@@ -191,13 +191,13 @@ class Search:
     def _take(self, kind: str, news: Any) -> None:
         """Take news of the worker."""
         if kind == "begun":
-            self._begun = time.monotonic() - self._held
+            self._begun, self._stage = time.monotonic() - self._held, "planning"
         elif kind == "progress":
             stage, done, total = news
             self._stage = f"{stage} {done}/{total}" if total and total > 1 else str(stage)
         elif kind == "found":
             cost, bound = news
-            self._stage = "first plans" if self._stage == "starting" else self._stage
+            self._stage = "first plans" if self._stage == "planning" else self._stage
             if self._cost is None or cost < self._cost:
                 self._cost = float(cost)
             self._bound = self._bound if bound is None else float(bound)
