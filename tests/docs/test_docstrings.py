@@ -16,7 +16,8 @@ FILES = [
     file
     for file in sorted(PACKAGE.rglob("*.py"))
     # Options of commands document themselves in their help.
-    if file.name not in {"cli.py", "flying_commands.py"}  # what users read as help
+    if file.name
+    not in {"cli.py", "flying_commands.py", "serving_commands.py"}  # what users read as help
 ]
 TUNED = [file for file in FILES if file.stem.endswith("tuning")]
 NUMBER = re.compile(r"[-\d.e_+*/ ()]+")

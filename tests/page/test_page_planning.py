@@ -103,7 +103,7 @@ def test_the_slider_says_what_another_risk_bound_would_cost_and_two_plans_are_co
     slider.press("ArrowLeft")
     slider.press("PageDown")
     until(lambda: said.inner_text() != before)
-    page.button(re.compile("^Compare with")).first.click()
+    page.button(re.compile("^Compare vs")).first.click()
     panel.get_by_role("heading", name="Compared").wait_for()
     assert page.button(re.compile(r"^(tug|ferry), at most .* apart")).count() >= 1
 

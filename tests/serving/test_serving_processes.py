@@ -188,3 +188,15 @@ def test_a_port_that_is_taken_or_a_missing_extra_is_one_line(tmp_path, monkeypat
     said = capsys.readouterr().err
     assert "pip install 'radmpc[serve]'" in said
     assert said.count("\n") == 1
+
+
+def test_ctrl_c_while_the_file_is_being_opened_ends_without_a_word(tmp_path):
+    (tmp_path / "harbor.yaml").write_text(HARBOR, encoding="utf-8")
+    command = [sys.executable, "-m", "radmpc", "serve", "harbor.yaml"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as server:
+        assert server.stdout.readline().startswith("http://127.0.0.1:")
+        server.send_signal(signal.SIGINT)
+        out, err = server.communicate(timeout=PATIENCE)
+    assert (server.returncode, out, err) == (0, "", "")

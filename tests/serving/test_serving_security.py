@@ -226,7 +226,7 @@ def test_pages_beyond_the_limit_are_let_go(site, monkeypatch):
 
 def test_a_defect_is_told_without_what_it_says(site, monkeypatch):
     def broken(self):
-        raise RuntimeError("/home/somebody/secret")
+        raise RuntimeError("somebody's secret")
 
     monkeypatch.setattr(Folder, "files", broken)
     with pytest.raises(CallFailedError, match=r"^internal error: RuntimeError$") as caught:

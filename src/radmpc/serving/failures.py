@@ -30,7 +30,15 @@ class CallError(RadmpcError):
 
 
 def refused(text: str, path: Path | None = None) -> CallError:
-    """Return the error of bad input."""
+    """Return the error of bad input.
+
+    Parameters
+    ----------
+    text : str
+        What is wrong, in one line.
+    path : path or None
+        Where in the document.
+    """
     return CallError("refused", text, path)
 
 

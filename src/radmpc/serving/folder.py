@@ -28,6 +28,8 @@ FileKind = Literal["scenario", "plan", "flight", "chart"]
 _FORMATS: tuple[FileKind, ...] = ("plan", "flight", "scenario")
 """As files name them; a plan holds a scenario, too."""
 
+_SKIPPED = {"node_modules", "__pycache__"}
+
 _HEAD = 400
 """Bytes in which a file says what it is."""
 
@@ -95,6 +97,13 @@ class Folder:
     def write(self, place: Path, text: str) -> None:
         """Write a file whole or not at all.
 
+        Parameters
+        ----------
+        place : Path
+            Writable, as `writable` has it.
+        text : str
+            What it is to hold.
+
         Raises
         ------
         CallError
@@ -109,7 +118,7 @@ class Folder:
     def files(self) -> list[FileEntry]:
         """Return the files that the page can open, in order."""
         found: list[FileEntry] = []
-        for place in self._walk():
+        for place in self._places():
             kind = _kind(place)
             if kind is not None and len(found) < _MOST_FILES:
                 size = place.stat().st_size
@@ -131,22 +140,30 @@ class Folder:
             raise refused("a path must lead into the folder, without '..' and hidden names")
         return place
 
-    def _walk(self) -> Iterator[Path]:
+    def _places(self) -> Iterator[Path]:
         """Yield the files of the folder, none that is hidden or a link."""
         seen = 0
-        for folder, folders, names in os.walk(self.root):
-            depth = len(Path(folder).relative_to(self.root).parts)
-            hidden = {"node_modules", "__pycache__"}
-            folders[:] = sorted(f for f in folders if f[0] != "." and f not in hidden)
-            if depth >= _DEEPEST:
-                folders[:] = []
-            for name in sorted(names):
+        folders = [(self.root, 0)]
+        while folders:
+            folder, depth = folders.pop()
+            for place in _entries(folder):
                 seen += 1
                 if seen > _MOST_SEEN:
                     return
-                place = Path(folder, name)
-                if name[0] != "." and not place.is_symlink():
+                if place.name.startswith(".") or place.name in _SKIPPED or place.is_symlink():
+                    continue
+                if not place.is_dir():
                     yield place
+                elif depth < _DEEPEST:
+                    folders.append((place, depth + 1))
+
+
+def _entries(folder: Path) -> list[Path]:
+    """Return what is in a folder, nothing where it may not be read."""
+    try:
+        return sorted(folder.iterdir())
+    except OSError:
+        return []
 
 
 def _kind(place: Path) -> FileKind | None:

@@ -7,7 +7,22 @@ other. Python's null is None, its undefined a key that is not there.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NotRequired, TypedDict
+from typing import Any, Literal, TypedDict
+
+from radmpc.serving.scenes import (
+    Box,
+    Change,
+    Cure,
+    Ellipse,
+    GoalView,
+    Handle,
+    ObstacleView,
+    Path,
+    Point,
+    Remark,
+    ScenarioView,
+    VehicleView,
+)
 
 __all__ = [
     "CALLS",
@@ -62,9 +77,7 @@ CALLS = (
 EVENTS = ("document", "search", "plan", "flight", "tick")
 """Everything that the server tells unasked."""
 
-Path = Sequence[str | int]
 Content = Mapping[str, Any]
-Point = Sequence[float]
 FailureKind = Literal["stale", "refused", "limit", "gone", "internal"]
 
 
@@ -74,106 +87,6 @@ class Failure(TypedDict):
     kind: FailureKind
     text: str
     path: Path | None
-
-
-class Change(TypedDict):
-    """One value of a document to be replaced, or taken away."""
-
-    path: Path
-    value: NotRequired[Any]
-
-
-class Cure(TypedDict):
-    """A change that removes a cause."""
-
-    label: str
-    changes: Sequence[Change]
-
-
-class Remark(TypedDict):
-    """Something wrong, or worth knowing."""
-
-    severity: Literal["error", "fatal", "warning"]
-    text: str
-    path: Path
-    vehicles: Sequence[str]
-    at: Point | None
-    cures: Sequence[Cure]
-
-
-class Handle(TypedDict):
-    """A point that can be dragged, and the numbers that move with it."""
-
-    at: Point
-    x: Sequence[Path]
-    y: Sequence[Path]
-    z: Sequence[Path]
-
-
-class Ellipse(TypedDict):
-    """One standard deviation of a place."""
-
-    axes: Sequence[float]
-    angle: float
-    rotation: Sequence[float] | None
-
-
-class Box(TypedDict):
-    """A box of the map."""
-
-    min: Point
-    max: Point
-
-
-class ObstacleView(TypedDict):
-    """One obstacle, ready to be drawn."""
-
-    name: str
-    path: Path
-    kind: Literal["polygon", "line", "solid"]
-    rings: Sequence[Sequence[Point]]
-    corners: Sequence[Point]
-    triangles: Sequence[Sequence[int]]
-    moving: Sequence[Sequence[Point]] | None
-    uncertain: Sequence[Ellipse] | None
-    handles: Sequence[Handle]
-
-
-class GoalView(TypedDict):
-    """A box to visit or to come to."""
-
-    box: Box
-    path: Path
-    label: str
-    handles: Sequence[Handle]
-
-
-class VehicleView(TypedDict):
-    """One vehicle, ready to be drawn."""
-
-    name: str
-    path: Path
-    radius: float
-    start: Point
-    startHandle: Handle | None
-    goal: GoalView
-    via: Sequence[GoalView]
-
-
-class ScenarioView(TypedDict):
-    """A scenario, ready to be drawn."""
-
-    name: str
-    dimension: int
-    dt: float
-    horizon: int
-    riskBound: float
-    avoidance: Literal["intervals", "steps"]
-    workspace: Box | None
-    workspaceHandles: Sequence[Handle]
-    vehicles: Sequence[VehicleView]
-    obstacles: Sequence[ObstacleView]
-    extent: Box
 
 
 class PlanSummary(TypedDict):
@@ -318,7 +231,7 @@ class Trail(TypedDict):
 
 
 class TrailsView(TypedDict):
-    """Simulated missions of a plan."""
+    """Samples of a plan."""
 
     plan: str
     flights: int

@@ -110,12 +110,18 @@ async def _served(serving: Serving, port: socket.socket, said: Callable[[str], N
     if serving.file is not None:
         # After the first answer: a large file takes seconds.
         desk.opening = loop.create_task(open_first(desk, serving.file))
-        desk.opening.add_done_callback(lambda task: server.end() if task.exception() else None)
+        desk.opening.add_done_callback(lambda task: server.end() if _failure(task) else None)
     try:
         await server.serve(sockets=[port])
     finally:
         desk.end()
-    if desk.opening is not None and desk.opening.done() and not desk.opening.cancelled():
-        failure = desk.opening.exception()
-        if failure is not None:
-            raise failure
+    failure = _failure(desk.opening)
+    if failure is not None:
+        raise failure
+
+
+def _failure(opening: asyncio.Task[None] | None) -> BaseException | None:
+    """Return why the file that the command names could not be opened."""
+    if opening is None or not opening.done() or opening.cancelled():
+        return None
+    return opening.exception()

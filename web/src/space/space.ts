@@ -69,7 +69,7 @@ export class Space {
     });
     const sun = new DirectionalLight(0xffffff, 1.6);
     sun.position.set(-0.4, -0.7, 1);
-    this.#scene.add(new HemisphereLight(0xffffff, 0x8a8a8a, 1.8), sun);
+    this.#scene.add(new HemisphereLight(0xffffff, 0xb4b4b4, 2), sun);
     this.#watch = new ResizeObserver(() => this.#resize());
     this.#watch.observe(host);
     this.#resize();

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -204,12 +205,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
         from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         begun = at_good_visits(hazards)
-
-    def found_first(incumbent: FleetIncumbent) -> None:
-        run.found(incumbent.cost, None)
-        run.improved(incumbent.controls)
-
-    task = Task(begun, run.judge, begin, planner.gap, bound, found_first)
+    task = Task(begun, run.judge, begin, planner.gap, bound, partial(_tell_first, run))
     first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng)
     fleet = Fleet.of(
         scenario,
@@ -233,6 +229,12 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     last = last_resort(search.with_limits(begin if first.controls else limits), state)
     stopped_by = stopped_by or begin.reason or None
     return _SearchResult(last.search, last.state, first, last.answer, stopped_by)
+
+
+def _tell_first(run: Run, incumbent: FleetIncumbent) -> None:
+    """Tell of a plan made before the search."""
+    run.found(incumbent.cost, None)
+    run.improved(incumbent.controls)
 
 
 def _draft(

@@ -16,6 +16,15 @@ _LONGEST = 500
 def text(args: Mapping[str, Any], key: str, longest: int = _LONGEST) -> str:
     """Return a text.
 
+    Parameters
+    ----------
+    args : mapping
+        Of the call.
+    key : str
+        Which one.
+    longest : int
+        Letters that it may have.
+
     Raises
     ------
     CallError
@@ -28,12 +37,34 @@ def text(args: Mapping[str, Any], key: str, longest: int = _LONGEST) -> str:
 
 
 def option(args: Mapping[str, Any], key: str) -> str | None:
-    """Return a text or None; see `text`."""
+    """Return a text or None.
+
+    Parameters
+    ----------
+    args : mapping
+        Of the call.
+    key : str
+        Which one.
+
+    Raises
+    ------
+    CallError
+        As in `text`.
+    """
     return None if args.get(key) is None else text(args, key)
 
 
 def integer(args: Mapping[str, Any], key: str, least: int, most: int) -> int:
     """Return a whole number within bounds.
+
+    Parameters
+    ----------
+    args : mapping
+        Of the call.
+    key : str
+        Which one.
+    least, most : int
+        Its bounds.
 
     Raises
     ------
@@ -49,6 +80,15 @@ def integer(args: Mapping[str, Any], key: str, least: int, most: int) -> int:
 def number(args: Mapping[str, Any], key: str, least: float, most: float) -> float:
     """Return a number within bounds.
 
+    Parameters
+    ----------
+    args : mapping
+        Of the call.
+    key : str
+        Which one.
+    least, most : float
+        Its bounds.
+
     Raises
     ------
     CallError
@@ -62,6 +102,13 @@ def number(args: Mapping[str, Any], key: str, least: float, most: float) -> floa
 
 def flag(args: Mapping[str, Any], key: str) -> bool:
     """Return True or False.
+
+    Parameters
+    ----------
+    args : mapping
+        Of the call.
+    key : str
+        Which one.
 
     Raises
     ------

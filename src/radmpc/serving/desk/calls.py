@@ -22,8 +22,13 @@ __all__ = ["answer"]
 Args = Mapping[str, Any]
 
 _LONGEST_SEARCH = 24.0 * 3600.0
-_MOST_FLIGHTS = 20_000
+"""Time limit of a search at most [s]."""
+
+_MOST_SAMPLES = 20_000
+"""Samples of one simulation [-]."""
+
 _SIMULATION_SECONDS, _WHY_SECONDS = 120.0, 90.0
+"""Seconds after which simulating, and looking for causes, are given up [s]."""
 
 
 async def answer(desk: Desk, name: object, args: object) -> object:
@@ -100,21 +105,21 @@ async def _change(desk: Desk, args: Args) -> object:
     document = _document(desk, args)
     changes = check_changes(args.get("changes"))
     await document.change(_revision(args), changes)
-    return _changed(desk, document)
+    return desk.changed(document)
 
 
 async def _undo(desk: Desk, args: Args) -> object:
     """Undo the last change."""
     document = _document(desk, args)
     await document.undo(_revision(args))
-    return _changed(desk, document)
+    return desk.changed(document)
 
 
 async def _redo(desk: Desk, args: Args) -> object:
     """Do again what was undone."""
     document = _document(desk, args)
     await document.redo(_revision(args))
-    return _changed(desk, document)
+    return desk.changed(document)
 
 
 async def _plan(desk: Desk, args: Args) -> object:
@@ -169,7 +174,7 @@ async def _why(desk: Desk, args: Args) -> object:
 async def _simulate(desk: Desk, args: Args) -> object:
     """Fly a plan many times."""
     kept = desk.plan(given.text(args, "plan"))
-    flights = given.integer(args, "flights", 1, _MOST_FLIGHTS)
+    flights = given.integer(args, "flights", 1, _MOST_SAMPLES)
     seed = given.integer(args, "seed", 0, 2**32 - 1)
     if not kept.plan.trajectories:
         raise refused("there is nothing to simulate: no plan was found")
@@ -215,13 +220,6 @@ def _document(desk: Desk, args: Args) -> Document:
 def _revision(args: Args) -> int:
     """Return the revision that a change is of."""
     return given.integer(args, "revision", 0, 2**53)
-
-
-def _changed(desk: Desk, document: Document) -> object:
-    """Tell everybody of a change, and have it looked at."""
-    desk.tell_document(document)
-    desk.look_at(document)
-    return desk.state(document)
 
 
 _CALLS: Mapping[str, Callable[[Desk, Args], Awaitable[object]]] = {

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from itertools import count
+from typing import Any
 
 from radmpc.model.plan import Plan
 from radmpc.serving.desk.flight import Flight
 from radmpc.serving.desk.kept import KeptPlan
+from radmpc.serving.desk.looking import Lookout
 from radmpc.serving.desk.opening import Opened
 from radmpc.serving.desk.search import Search
+from radmpc.serving.desk.things import Changed, forget, known
 from radmpc.serving.documents.document import Document
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.folder import Folder
@@ -19,8 +22,6 @@ from radmpc.serving.protocol import DocumentState, TickView
 from radmpc.serving.work.asking import Asked, Ended
 
 __all__ = ["Desk", "Tell"]
-
-_Thing = TypeVar("_Thing")
 
 Tell = Callable[[Mapping[str, Any]], None]
 """Takes an event, for every page."""
@@ -33,12 +34,6 @@ _MOST_PASSED = 12
 
 _MOST_KEPT, _MOST_ENDED = 200, 40
 """Plans, and ended searches and flights, that a document keeps."""
-
-_CONCERNS_PAUSE = 0.15
-"""Seconds without a change before a document is looked at [s]."""
-
-_CONCERNS_SECONDS = 60.0
-"""Seconds that this may take [s]."""
 
 
 class Desk:
@@ -61,8 +56,8 @@ class Desk:
         self.flights: dict[str, Flight] = {}
         self.first: str | None = None
         self.opening: asyncio.Task[None] | None = None
-        self._last: dict[str, int] = {}
-        self._looking: dict[str, asyncio.Task[None]] = {}
+        self._numbers = {kind: count(1) for kind in "dpsf"}
+        self._lookout = Lookout(self.crew, self._seen)
 
     def document(self, number: str) -> Document:
         """Return a document.
@@ -72,19 +67,19 @@ class Desk:
         CallError
             If it is not open.
         """
-        return _known(self.documents, number, "document")
+        return known(self.documents, number, "document")
 
     def plan(self, number: str) -> KeptPlan:
         """Return a plan that is kept; see `document`."""
-        return _known(self.plans, number, "plan")
+        return known(self.plans, number, "plan")
 
     def search(self, number: str) -> Search:
         """Return a search; see `document`."""
-        return _known(self.searches, number, "search")
+        return known(self.searches, number, "search")
 
     def flight(self, number: str) -> Flight:
         """Return a flight; see `document`."""
-        return _known(self.flights, number, "flight")
+        return known(self.flights, number, "flight")
 
     def state(self, document: Document) -> DocumentState:
         """Return what pages are told of a document."""
@@ -121,16 +116,16 @@ class Desk:
         """
         if len(self.documents) >= _MOST_DOCUMENTS:
             raise CallError("limit", f"{_MOST_DOCUMENTS} documents are open: close one")
-        kept = file if opened.is_scenario else None
-        document = Document(self._number("d"), opened.content, kept, opened.origin)
+        own = file if opened.is_scenario else None
+        document = Document(self._number("d"), opened.content, own, opened.origin)
         await document.read()
         self.documents[document.number] = document
         self.first = self.first or document.number
         if opened.plan is not None:
-            kept_plan = KeptPlan.of(self._number("p"), document.number, opened.plan, 0)
-            self.plans[kept_plan.number] = kept_plan
+            kept = KeptPlan.of(self._number("p"), document.number, opened.plan, 0)
+            self.plans[kept.number] = kept
             if opened.ticks is not None:
-                self._add_flown(document, kept_plan, opened)
+                self._add_flown(kept, opened)
         self.crew.prepare()
         self.look_at(document)
         return document
@@ -150,21 +145,24 @@ class Desk:
         if self.first == number:
             self.first = next(iter(self.documents), None)
 
-    def tell_document(self, document: Document) -> None:
-        """Tell every page what a document is now."""
-        self.tell({"event": "document", "state": self.state(document)})
+    def changed(self, document: Document) -> Changed:
+        """Return the answer to who has changed a document; every other page is told."""
+        self.look_at(document)
+        return Changed(self.state(document))
 
     def look_at(self, document: Document) -> None:
         """Have a document looked at before it is planned, once it rests."""
-        before = self._looking.pop(document.number, None)
-        if before is not None:
-            before.cancel()
-        if document.reading.scenario is not None:
-            task = asyncio.get_running_loop().create_task(self._look(document))
-            self._looking[document.number] = task
+        self._lookout.look_at(document)
 
     def begin_search(self, document: Document, asked: Asked) -> Search:
         """Begin to plan a document.
+
+        Parameters
+        ----------
+        document : Document
+            Which.
+        asked : Asked
+            How.
 
         Raises
         ------
@@ -172,9 +170,8 @@ class Desk:
             If something is wrong with it, or too many searches are under way.
         """
         if document.reading.scenario is None:
-            remark = document.remarks[0] if document.remarks else None
-            text = remark["text"] if remark else "it is no scenario yet"
-            raise refused(text, remark["path"] if remark else None)
+            wrong = document.remarks[0]
+            raise refused(wrong["text"], wrong["path"])
         if sum(not search.is_over for search in self.searches.values()) >= _MOST_SEARCHES:
             raise CallError("limit", f"{_MOST_SEARCHES} searches are under way: stop one")
         search = Search(
@@ -185,13 +182,20 @@ class Desk:
             changed=self._search_changed,
             improved=self._improved,
         )
-        _forget(self.searches, document.number, _MOST_ENDED)
+        forget(self.searches, document.number, _MOST_ENDED)
         self.searches[search.number] = search
         search.begin(self.crew)
         return search
 
     def begin_flight(self, kept: KeptPlan, args: tuple[object, ...]) -> Flight:
         """Begin to fly a plan.
+
+        Parameters
+        ----------
+        kept : KeptPlan
+            Which.
+        args : tuple
+            What the job takes besides.
 
         Raises
         ------
@@ -203,33 +207,29 @@ class Desk:
         if sum(not flight.is_over for flight in self.flights.values()) >= _MOST_FLIGHTS:
             raise CallError("limit", f"{_MOST_FLIGHTS} flights are under way: stop one")
         scenario = kept.plan.scenario
-        flight = Flight(
-            self._number("f"), kept.document, kept.number, scenario.horizon, scenario.risk_bound
-        )
-        _forget(self.flights, kept.document, _MOST_ENDED)
+        whose = (self._number("f"), kept.document, kept.number)
+        flight = Flight(*whose, scenario.horizon, scenario.risk_bound)
+        forget(self.flights, kept.document, _MOST_ENDED)
         self.flights[flight.number] = flight
-        flight.begin(
-            self.crew, (kept.plan, *args), changed=self._flight_changed, ticked=self._ticked
-        )
+        job = (kept.plan, *args)
+        flight.begin(self.crew, job, changed=self._flight_changed, ticked=self._ticked)
         return flight
 
     def end(self) -> None:
         """End whatever is under way."""
-        for task in self._looking.values():
-            task.cancel()
+        self._lookout.end()
         self.crew.end()
 
     def _number(self, kind: str) -> str:
         """Return a new name for a thing."""
-        self._last[kind] = self._last.get(kind, 0) + 1
-        return f"{kind}{self._last[kind]}"
+        return f"{kind}{next(self._numbers[kind])}"
 
-    def _add_flown(self, document: Document, kept: KeptPlan, opened: Opened) -> None:
+    def _add_flown(self, kept: KeptPlan, opened: Opened) -> None:
         """Put a flight that was read from its file on the desk."""
         scenario = kept.plan.scenario
         flight = Flight(
             self._number("f"),
-            document.number,
+            kept.document,
             kept.number,
             scenario.horizon,
             scenario.risk_bound,
@@ -238,18 +238,10 @@ class Desk:
         )
         self.flights[flight.number] = flight
 
-    async def _look(self, document: Document) -> None:
-        """Look at a document, and tell what was seen unless it has changed meanwhile."""
-        await asyncio.sleep(_CONCERNS_PAUSE)
-        revision, content = document.revision, document.content
-        try:
-            seen = await self.crew.run("concerns", content, seconds=_CONCERNS_SECONDS)
-        except CallError:
-            return  # it is a help, and planning says the same later
-        if document.revision == revision and document.number in self.documents:
-            self._looking.pop(document.number, None)
-            document.concerns = tuple(seen)
-            self.tell_document(document)
+    def _seen(self, document: Document) -> None:
+        """Tell what was seen of a document."""
+        if document.number in self.documents:
+            self.tell({"event": "document", "state": self.state(document)})
 
     def _search_changed(self, search: Search) -> None:
         """Tell every page how a search stands."""
@@ -271,8 +263,8 @@ class Desk:
         )
         self._forget_plans(search)
         self.plans[kept.number] = kept
-        event = {"event": "plan", "document": kept.document, "summary": kept.summary}
-        self.tell({**event, "search": search.number})
+        said = {"document": kept.document, "summary": kept.summary, "search": search.number}
+        self.tell({"event": "plan", **said})
 
     def _forget_plans(self, search: Search) -> None:
         """Make room: the oldest plans that a search has passed, then the oldest of all."""
@@ -292,17 +284,3 @@ class Desk:
         """Tell every page of a tick."""
         if flight.number in self.flights:
             self.tell({"event": "tick", "flight": flight.number, "tick": tick})
-
-
-def _known(things: Mapping[str, _Thing], number: str, kind: str) -> _Thing:
-    """Return a thing by its name."""
-    if number not in things:
-        raise CallError("gone", f"there is no {kind} {number} any more")
-    return things[number]
-
-
-def _forget(things: dict[str, Any], document: str, most: int) -> None:
-    """Forget the oldest of a document's things that are over."""
-    over = [n for n, thing in things.items() if thing.document == document and thing.is_over]
-    for number in over[: max(0, len(over) - most)]:
-        del things[number]

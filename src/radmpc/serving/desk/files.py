@@ -16,6 +16,7 @@ from radmpc.model.plan import Plan
 from radmpc.serving.desk import arguments as given
 from radmpc.serving.desk.desk import Desk
 from radmpc.serving.desk.opening import Opened, is_chart, read_file
+from radmpc.serving.desk.things import Changed
 from radmpc.serving.documents import templates as kinds
 from radmpc.serving.documents.document import Document
 from radmpc.serving.documents.text import Origin, text_of
@@ -143,9 +144,7 @@ async def _merged(desk: Desk, document: Document, place: Path, name: str) -> obj
         taken.add(fresh)
         entries.append({**entry, "name": fresh})
     await document.change(document.revision, [{"path": ["obstacles"], "value": entries}])
-    desk.tell_document(document)
-    desk.look_at(document)
-    return desk.state(document)
+    return desk.changed(document)
 
 
 async def saved(desk: Desk, args: Args) -> object:
@@ -163,8 +162,7 @@ async def saved(desk: Desk, args: Args) -> object:
         document.saved_as(desk.folder.name_of(place), content)
         if suffix != ".json":
             document.origin = Origin(text)
-    desk.tell_document(document)
-    return desk.state(document)
+    return Changed(desk.state(document))
 
 
 async def plan_saved(desk: Desk, args: Args) -> object:
@@ -214,7 +212,15 @@ def _export(plan: Plan, kind: str) -> tuple[str, bytes]:
 
 
 def flight_options(desk: Desk, options: Mapping[str, Any]) -> dict[str, object]:
-    """Return how a plan is flown: a log's place within the folder, all else as it is."""
+    """Return how a plan is flown: a log's place within the folder, all else as it is.
+
+    Parameters
+    ----------
+    desk : Desk
+        Whose folder.
+    options : mapping
+        As they came from the page.
+    """
     found = dict(options)
     for key in ("with", "replan", "log"):
         given.option(options, key)

@@ -133,6 +133,9 @@ class Flight:
                 self._told = told
         except CallError as error:
             self._has_failed, self._told = True, str(error)
+        except Exception as error:
+            # Else it would seem to go on for ever.
+            self._has_failed, self._told = True, f"internal error: {type(error).__name__}"
         self._is_over = True
         changed(self)
 

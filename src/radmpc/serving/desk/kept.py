@@ -32,7 +32,7 @@ class KeptPlan:
     is_final : bool
         Whether it is what a search ended with.
     trails : dict
-        Simulated missions by how many and by seed.
+        Samples by how many and by seed.
     """
 
     number: str
@@ -57,7 +57,15 @@ class KeptPlan:
         search: str | None = None,
         is_final: bool = True,
     ) -> KeptPlan:
-        """Return a plan to keep; see the attributes."""
+        """Return a plan to keep.
+
+        Parameters
+        ----------
+        number, document, plan, remarks, search, is_final
+            As in the attributes.
+        revision : int
+            Of the document that it is of.
+        """
         summary = plan_summary(plan, number, revision)
         return cls(number, document, plan, summary, remarks, search, is_final)
 

@@ -153,6 +153,9 @@ class Search:
                 self._finish(ended)
         except CallError as error:
             self._fail(error)
+        except Exception as error:
+            # Else it would seem to go on for ever.
+            self._fail(CallError("internal", f"internal error: {type(error).__name__}"))
 
     def _finish(self, ended: Ended) -> None:
         """Take the plan at the end, or none."""

@@ -12,8 +12,9 @@ from radmpc.serving.protocol import Change, Content, Path
 
 __all__ = ["changed", "check_changes", "check_size"]
 
-_MOST_CHANGES = 20_000
-_MOST_KEYS = 20
+_MOST_CHANGES, _MOST_KEYS = 20_000, 20
+"""Values that one change replaces, and keys of a path [-]."""
+
 _MOST_BYTES = 16 * 2**20
 """Size of a document as JSON [bytes]."""
 

@@ -114,7 +114,15 @@ class Document:
             await self._become(self._undone[-1], [*self._done, self.content], self._undone[:-1])
 
     def saved_as(self, file: str, content: Content) -> None:
-        """Note that a file holds what the document said."""
+        """Note that a file holds what the document said.
+
+        Parameters
+        ----------
+        file : str
+            Its path in the folder.
+        content : mapping
+            What was written.
+        """
         self.file, self._saved = file, content
 
     def _check(self, revision: int) -> None:

@@ -42,7 +42,13 @@ class Rounding:
 
     @classmethod
     def of(cls, lower: Matrix, upper: Matrix) -> Rounding:
-        """Return what fits a map between two corners [m]."""
+        """Return what fits a map.
+
+        Parameters
+        ----------
+        lower, upper : (d,) array
+            Its corners [m].
+        """
         size = float(np.max(upper - lower, initial=0.0))
         return cls(_SHARE - (math.ceil(math.log10(size)) if size > 0.0 else 0))
 

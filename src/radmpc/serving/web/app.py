@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from starlette.applications import Starlette
@@ -57,48 +58,63 @@ def application(
     bundle : Path
         Where the page's files are.
     """
+    site = _Site(desk, pages, guard, started, bundle)
+    routes = [
+        Route("/", site.page),
+        Route("/{name}", site.part),
+        WebSocketRoute(SOCKET, site.socket),
+    ]
+    return _Guarded(Starlette(routes=routes, lifespan=site.lifespan), guard)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Site:
+    """What is answered where."""
+
+    desk: Desk
+    pages: Pages
+    guard: Guard
+    started: Callable[[], None]
+    bundle: Path
 
     @asynccontextmanager
-    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+    async def lifespan(self, app: Starlette) -> AsyncIterator[None]:
+        """Tell when it starts, and take everything along when it ends."""
         del app
-        started()
+        self.started()
         try:
             yield
         finally:
-            desk.end()
+            self.desk.end()
 
-    async def page(request: Request) -> Response:
+    async def page(self, request: Request) -> Response:
+        """Answer with the page itself, or with how it is built."""
         del request
-        index = bundle / "index.html"
+        index = self.bundle / "index.html"
         if not index.is_file():
             return HTMLResponse(_NO_PAGE)
         return FileResponse(index, media_type=_TYPES[".html"])
 
-    async def part(request: Request) -> Response:
+    async def part(self, request: Request) -> Response:
+        """Answer with a file of the page."""
         name = request.path_params["name"]
-        place = bundle / name
+        place = self.bundle / name
         # One folder, without folders in it: a name is a file's or none.
         is_ours = place.suffix in _TYPES and place.name == name and place.is_file()
         if not is_ours or place.is_symlink():
             return PlainTextResponse("not found", 404)
         return FileResponse(place, media_type=_TYPES[place.suffix])
 
-    async def socket(websocket: WebSocket) -> None:
-        if not guard.is_origin(websocket.headers):
+    async def socket(self, websocket: WebSocket) -> None:
+        """Speak with a page, if it is ours."""
+        if not self.guard.is_origin(websocket.headers):
             await websocket.close()  # before it is accepted: answered by 403
             return
         await websocket.accept()
-        if not guard.is_token(websocket.query_params.get("token", "")):
+        if not self.guard.is_token(websocket.query_params.get("token", "")):
             await websocket.close(REFUSED, "another token")
             return
-        await pages.serve(websocket, desk)
-
-    routes = [
-        Route("/", page),
-        Route("/{name}", part),
-        WebSocketRoute(SOCKET, socket),
-    ]
-    return _Guarded(Starlette(routes=routes, lifespan=lifespan), guard)
+        await self.pages.serve(websocket, self.desk)
 
 
 class _Guarded:

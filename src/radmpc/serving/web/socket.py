@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from radmpc.serving.desk.calls import answer
 from radmpc.serving.desk.desk import Desk
+from radmpc.serving.desk.things import Changed
 from radmpc.serving.failures import CallError
 from radmpc.serving.web.guard import Rate
 
-__all__ = ["MOST_BYTES", "Pages", "dumped"]
+__all__ = ["MOST_BYTES", "Page", "Pages"]
 
 MOST_BYTES = 24 * 2**20
 """Size of a message from a page: four million letters, each spelled out in six [bytes]."""
@@ -34,13 +35,19 @@ _MOST_QUEUED = 512
 _TOO_SLOW, _TOO_MANY = 1013, 1013
 
 
-def dumped(message: Mapping[str, Any]) -> str:
+def _dumped(message: object) -> str:
     """Return a message as text."""
     return json.dumps(message, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
 
 
-class _Page:
-    """A page that looks."""
+class Page:
+    """A page that looks.
+
+    Parameters
+    ----------
+    socket : WebSocket
+        Accepted.
+    """
 
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
@@ -61,13 +68,25 @@ class Pages:
     """All pages of a server."""
 
     def __init__(self) -> None:
-        self._pages: set[_Page] = set()
+        self._pages: set[Page] = set()
 
     def tell(self, event: Mapping[str, Any]) -> None:
         """Tell every page of an event."""
         if self._pages:
-            text = dumped(event)
-            for page in self._pages:
+            self.put(_dumped(event))
+
+    def put(self, text: str, but: Page | None = None) -> None:
+        """Have a message sent to every page.
+
+        Parameters
+        ----------
+        text : str
+            The message.
+        but : Page or None
+            Who knows it already.
+        """
+        for page in self._pages:
+            if page is not but:
                 page.put(text)
 
     async def serve(self, socket: WebSocket, desk: Desk) -> None:
@@ -83,10 +102,10 @@ class Pages:
         if len(self._pages) >= _MOST_PAGES:
             await socket.close(_TOO_MANY, "too many pages")
             return
-        page = _Page(socket)
+        page = Page(socket)
         self._pages.add(page)
         tasks = [
-            asyncio.create_task(_receive(page, desk)),
+            asyncio.create_task(self._receive(page, desk)),
             asyncio.create_task(_send(page)),
             asyncio.create_task(page.is_slow.wait()),
         ]
@@ -94,36 +113,56 @@ class Pages:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
             self._pages.discard(page)
-            for task in (*tasks, *page.calls):
+            # What was asked for is done all the same: a change may be half made.
+            for task in tasks:
                 task.cancel()
-            await asyncio.gather(*tasks, *page.calls, return_exceptions=True)
+            await asyncio.gather(*tasks, return_exceptions=True)
         if page.is_slow.is_set():
             await socket.close(_TOO_SLOW, "too slow")
 
+    async def _receive(self, page: Page, desk: Desk) -> None:
+        """Take calls, each answered in its own time."""
+        while True:
+            try:
+                text = await page.socket.receive_text()
+            except (WebSocketDisconnect, KeyError):  # KeyError: bytes, which no page of ours sends
+                return
+            number, name, args = _parsed(text)
+            if number is None:
+                return
+            if not page.rate.takes() or len(page.calls) >= _MOST_OPEN:
+                failure = CallError("limit", "too many calls: wait a moment").failure
+                page.put(_dumped({"id": number, "failure": failure}))
+                continue
+            task = asyncio.create_task(self._answered(page, desk, number, name, args))
+            page.calls.add(task)
+            task.add_done_callback(page.calls.discard)
 
-async def _send(page: _Page) -> None:
+    async def _answered(
+        self, page: Page, desk: Desk, number: int, name: object, args: object
+    ) -> None:
+        """Answer one call; a change is news to the other pages."""
+        try:
+            result = await answer(desk, name, args)
+            # Large, and the same in both messages.
+            text = _dumped(result.state if isinstance(result, Changed) else result)
+        except CallError as error:
+            failure = error.failure
+        except Exception as error:
+            what = f"internal error: {type(error).__name__}"
+            failure = CallError("internal", what).failure
+        else:
+            page.put(f'{{"id":{number},"result":{text}}}')
+            if isinstance(result, Changed):
+                self.put(f'{{"event":"document","state":{text}}}', but=page)
+            return
+        page.put(_dumped({"id": number, "failure": failure}))
+
+
+async def _send(page: Page) -> None:
     """Send what is to be sent, in order."""
     while True:
         await page.socket.send_text(await page.queue.get())
-
-
-async def _receive(page: _Page, desk: Desk) -> None:
-    """Take calls, each answered in its own time."""
-    while True:
-        try:
-            text = await page.socket.receive_text()
-        except (WebSocketDisconnect, KeyError):  # KeyError: bytes, which no page of ours sends
-            return
-        number, name, args = _parsed(text)
-        if number is None:
-            return
-        if not page.rate.takes() or len(page.calls) >= _MOST_OPEN:
-            failure = CallError("limit", "too many calls: wait a moment").failure
-            page.put(dumped({"id": number, "failure": failure}))
-            continue
-        task = asyncio.create_task(_answered(page, desk, number, name, args))
-        page.calls.add(task)
-        task.add_done_callback(page.calls.discard)
 
 
 def _parsed(text: str) -> tuple[int | None, object, object]:
@@ -143,21 +182,3 @@ def _parsed(text: str) -> tuple[int | None, object, object]:
 def _refuse(word: str) -> float:
     """Refuse what is no number in JSON."""
     raise ValueError(word)
-
-
-async def _answered(page: _Page, desk: Desk, number: int, name: object, args: object) -> None:
-    """Answer one call."""
-    message: Mapping[str, Any]
-    try:
-        message = {"id": number, "result": await answer(desk, name, args)}
-    except CallError as error:
-        message = {"id": number, "failure": error.failure}
-    except Exception as error:
-        what = f"internal error: {type(error).__name__}"
-        message = {"id": number, "failure": CallError("internal", what).failure}
-    send: Callable[[str], None] = page.put
-    try:
-        send(dumped(message))
-    except ValueError:  # a number that is none
-        failure = CallError("internal", "internal error: the answer is no JSON").failure
-        send(dumped({"id": number, "failure": failure}))

@@ -51,7 +51,15 @@ def concern_remarks(outlook: Outlook, content: Content) -> list[Remark]:
 
 
 def horizon_cure(scenario: Scenario, horizon: int) -> Cure:
-    """Return the cure of a longer horizon."""
+    """Return the cure of a longer horizon.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose step counts.
+    horizon : int
+        Steps.
+    """
     label = f"Horizon {horizon} steps ({horizon * scenario.dt:g} s)"
     return {"label": label, "changes": [{"path": ["horizon"], "value": horizon}]}
 
@@ -116,7 +124,19 @@ def _cures(concern: Concern, scenario: Scenario, content: Content, whom: list[in
 def feedback_changes(
     content: Content, scenario: Scenario, whom: list[int], weight: float = 1.0
 ) -> list[Change]:
-    """Return changes that put a regulator to some vehicles: in the defaults where all are meant."""
+    """Return changes that put a regulator to some vehicles: in the defaults where all are meant.
+
+    Parameters
+    ----------
+    content : mapping
+        The document.
+    scenario : Scenario
+        What it says.
+    whom : list of int
+        The vehicles.
+    weight : float
+        R of the regulator, with Q = 1 [-].
+    """
     regulator = {"lqr": {"Q": 1.0, "R": weight}}
     stated = [i for i, entry in enumerate(content["vehicles"]) if "feedback" in entry]
     if len(whom) == scenario.num_vehicles and not stated:

@@ -1,4 +1,4 @@
-"""Simulated missions as trails: drawn and tested as `radmpc.simulate` does, and remembered.
+"""Samples as trails: drawn and tested as `radmpc.simulate` does, and remembered.
 
 What is flown and what counts as a collision is the simulation's own exact geometry, which shares
 nothing with the bounds of the certificate.
