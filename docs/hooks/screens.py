@@ -105,6 +105,7 @@ def draw_screens(write: Callable[[Path, Path], None], images: Path) -> None:
                     "color_scheme": colors,
                 }
                 page = browser.new_page(**looks)
+                page.set_default_timeout(120_000)
                 page.goto(address)
                 act(page)
                 page.screenshot(path=folder / target)
