@@ -95,7 +95,8 @@ class Site:
         """Return the context of a socket."""
         said = self.guard.token if token is None else token
         address = f"ws://127.0.0.1:{self.guard.port}{SOCKET}?token={said}"
-        return connect(address, max_size=None, **options)
+        # What is not read yet must not keep the end from being read.
+        return connect(address, max_size=None, max_queue=None, **options)
 
     def page(self) -> Page:
         """Return a page that is there until the site is closed."""

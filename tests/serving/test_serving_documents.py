@@ -133,6 +133,19 @@ def test_saving_keeps_comments_and_reads_back_equal(site, harbor):
         page.call("save", document=state["document"], path="other.yaml", overwrite=False)
 
 
+def test_a_file_that_somebody_else_has_changed_is_not_replaced_in_silence(site, harbor):
+    page, state = harbor
+    state = move(page, state, 2.5)
+    theirs = HARBOR.replace("dt: 1.0", "dt: 2.0")
+    (site.folder / "harbor.yaml").write_text(theirs, encoding="utf-8")
+    where = {"document": state["document"], "path": "harbor.yaml"}
+    with pytest.raises(CallFailedError, match="has changed since it was read"):
+        page.call("save", **where, overwrite=False)
+    assert (site.folder / "harbor.yaml").read_text(encoding="utf-8") == theirs
+    assert page.call("save", **where, overwrite=True)["isSaved"]
+    assert page.call("save", **where, overwrite=False)["isSaved"]
+
+
 @pytest.mark.parametrize("kind", ["boats", "drones", "warehouse"])
 def test_a_template_that_is_changed_everywhere_keeps_its_comments(kind):
     path = files("radmpc.data").joinpath("templates", f"{kind}.yaml")

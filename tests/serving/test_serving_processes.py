@@ -136,11 +136,12 @@ def test_the_command_prints_its_address_and_takes_its_workers_along(tmp_path, nu
         assert line.startswith("http://127.0.0.1:")
         base, token = line.split("/#token=")
         address = f"{base.replace('http', 'ws')}/socket?token={token}"
-        with connect(address, max_size=None) as socket:
+        with connect(address, max_size=None, max_queue=None) as socket:
             page = Page(socket)
             document = page.call("hello")["document"]
-            begin(page, document)
+            search = begin(page, document)["search"]
             running(page)
+            page.call("pause", search=search)  # who stands still goes, too
             children = Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text("utf-8")
             server.send_signal(number)
             out, err = server.communicate(timeout=PATIENCE)
@@ -200,3 +201,36 @@ def test_ctrl_c_while_the_file_is_being_opened_ends_without_a_word(tmp_path):
         server.send_signal(signal.SIGINT)
         out, err = server.communicate(timeout=PATIENCE)
     assert (server.returncode, out, err) == (0, "", "")
+
+
+@pytest.mark.nightly
+def test_plans_and_flights_are_kept_and_opened_again(served):
+    page = served.page()
+    document = page.call("open", path="two.json")["document"]
+    search = begin(page, document, "distance", 20.0)["search"]
+    assert ended(page, search)["state"] == "ended"
+    plan = page.call("state", document=document)["plans"][-1]["plan"]
+    trails = page.call("simulate", plan=plan, flights=50, seed=1)
+    assert trails["flights"] == 50
+    assert page.call("export", plan=plan, format="csv")["name"].endswith(".csv")
+    assert page.call("savePlan", plan=plan, path="two.plan.json", overwrite=False) is None
+    opened = page.call("open", path="two.plan.json")
+    assert opened["file"] is None
+    (kept,) = opened["plans"]
+    assert kept["cost"] == pytest.approx(page.call("view", plan=plan)["summary"]["cost"])
+    options = {"replan": "none", "log": "two.jsonl"}
+    flight = page.call("fly", plan=plan, seed=2, pace=0.0, options=options)["flight"]
+    done = page.event("flight", lambda message: message["state"]["state"] != "running")["state"]
+    assert done["flight"] == flight
+    assert done["told"].startswith("flown to its end")
+    assert [tick["step"] for tick in done["ticks"]] == list(range(9))
+    again = page.call("open", path="two.jsonl")["flights"][0]
+    assert again["state"] == "ended"
+    assert again["ticks"] == done["ticks"]
+    kinds = {entry["path"]: entry["kind"] for entry in page.call("files")}
+    assert kinds["two.plan.json"] == "plan"
+    assert kinds["two.jsonl"] == "flight"
+    fly = page.call("fly", plan=plan, seed=2, pace=0.0, options={"with": "mavlink"})
+    failed = page.event("flight", lambda m: m["state"]["flight"] == fly["flight"])["state"]
+    assert failed["state"] == "failed"
+    assert "not flown from a page" in failed["told"]

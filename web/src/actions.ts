@@ -2,7 +2,7 @@
 
 import { batch } from "@preact/signals";
 import { call, CallError, connect, listen, onOpen } from "./connection";
-import type { Change, DocumentState, Event, PlanView, SearchState } from "./protocol";
+import type { Change, DocumentState, Event, FlightState, PlanView, SearchState } from "./protocol";
 import { accept, document } from "./state/document";
 import { comparedId, shownId, summaries, trails, views } from "./state/plans";
 import { seek } from "./state/playback";
@@ -152,21 +152,36 @@ function hear(event: Event): void {
       if (event.document === state.document) hearPlan(state, event);
       break;
     case "flight":
-      if (event.state.document === state.document) {
-        const others = state.flights.filter((other) => other.flight !== event.state.flight);
-        document.value = { ...state, flights: [...others, event.state] };
-      }
+      takeFlight(event.state);
       break;
-    case "tick": {
-      const flights = state.flights.map((flight) =>
-        flight.flight === event.flight
-          ? { ...flight, step: event.tick.step, ticks: [...flight.ticks, event.tick] }
-          : flight,
-      );
-      document.value = { ...state, flights };
+    case "tick":
+      hearTick(state, event);
       break;
-    }
   }
+}
+
+/** Take a flight as the server has it, unless more of it is known here. */
+export function takeFlight(flight: FlightState): void {
+  const state = document.peek();
+  if (state?.document !== flight.document) return;
+  const known = state.flights.find((other) => other.flight === flight.flight);
+  if (known !== undefined && flight.state === "running" && known.ticks.length > flight.ticks.length) return;
+  const others = state.flights.filter((other) => other !== known);
+  document.value = { ...state, flights: [...others, flight] };
+}
+
+/** A tick follows those that are known; of a flight that is not, all of it is asked for. */
+function hearTick(state: DocumentState, { flight, tick }: Extract<Event, { event: "tick" }>): void {
+  if (!state.flights.some((known) => known.flight === flight)) {
+    void call("flight", { flight }).then(takeFlight, () => undefined);
+    return;
+  }
+  const flights = state.flights.map((known) => {
+    if (known.flight !== flight) return known;
+    const before = known.ticks.filter((other) => other.step < tick.step);
+    return { ...known, step: tick.step, ticks: [...before, tick] };
+  });
+  document.value = { ...state, flights };
 }
 
 /** A plan that a search found is shown at once, where its search is the one watched. */

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
 from typing import Literal
 
@@ -25,8 +26,8 @@ _MOST_FILES, _DEEPEST, _MOST_SEEN = 1000, 5, 20_000
 
 FileKind = Literal["scenario", "plan", "flight", "chart"]
 
-_FORMATS: tuple[FileKind, ...] = ("plan", "flight", "scenario")
-"""As files name them; a plan holds a scenario, too."""
+_FORMATS: tuple[FileKind, ...] = ("flight", "plan", "scenario")
+"""As files name them; a flight holds a plan, which holds a scenario."""
 
 _SKIPPED = {"node_modules", "__pycache__"}
 
@@ -114,6 +115,13 @@ class Folder:
         except OSError as error:
             reason = error.strerror or type(error).__name__
             raise refused(f"{self.name_of(place)}: {reason}") from error
+
+    def digest(self, place: Path) -> str | None:
+        """Return what tells a file's content from any other; None where it cannot be read."""
+        try:
+            return sha256(place.read_bytes()).hexdigest()
+        except OSError:
+            return None
 
     def files(self) -> list[FileEntry]:
         """Return the files that the page can open, in order."""

@@ -1,7 +1,7 @@
 /** What the panels ask the server for, and what they keep between one drawing and the next. */
 
 import { computed, effect, signal } from "@preact/signals";
-import { attempt, simulate, showPlan } from "../actions";
+import { attempt, simulate, showPlan, takeFlight } from "../actions";
 import { call, line } from "../connection";
 import type { Remark, SearchState } from "../protocol";
 import { document, remarks, scenario } from "../state/document";
@@ -140,11 +140,16 @@ export async function runSimulation(plan: string, flights: number, seed: number)
 /** Longest time between ticks that is asked for [s]. */
 const SLOWEST = 60;
 
+/** Least time that a decision is given [s]: with less nothing new is ever planned. */
+const DECISION = 0.5;
+
 export async function startFlight(plan: string, order: FlightOrder): Promise<void> {
   const pace = order.pace === 0 ? 0 : Math.min(dt.peek() / order.pace, SLOWEST);
-  const options = { replan: order.replans ? "certified" : "none", ...(order.log === "" ? {} : { log: order.log }) };
+  const deadline = Math.max(pace, DECISION);
+  const options = { replan: order.replans ? "certified" : "none", deadline, ...(order.log === "" ? {} : { log: order.log }) };
   const state = await attempt(call("fly", { plan, seed: order.seed, pace, options }));
   if (state === null) return;
+  takeFlight(state);
   isFollowing.value = true;
   flightId.value = state.flight;
   seek(0);

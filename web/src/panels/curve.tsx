@@ -145,6 +145,8 @@ function drawPresent(plot: uPlot, at: number | null, color: string): void {
   ctx.save();
   ctx.strokeStyle = color;
   ctx.lineWidth = 1;
+  // The last curve may have been dashed.
+  ctx.setLineDash([]);
   ctx.beginPath();
   ctx.moveTo(x, bbox.top);
   ctx.lineTo(x, bbox.top + bbox.height);

@@ -174,6 +174,9 @@ function Account({ flight, dt, time }: FlightProps & { flight: FlightState }) {
       />
       <Curve label={label} lines={lines} height={120} xUnit="s" xTo={flight.steps * dt} fromZero format={bound} at={time * dt} />
       <Key lines={lines} />
+      {flight.ticks.some((tick) => tick.left > flight.riskBound) && (
+        <p class="p-note">Above Δ where what was measured was bad news.</p>
+      )}
     </>
   );
 }

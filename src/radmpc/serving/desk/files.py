@@ -123,7 +123,10 @@ async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) ->
     if found.plan is not None and found.plan.trajectories:
         judged = await desk.crew.run("judge", found.plan, seconds=_IMPORT_SECONDS)
         found = Opened(found.content, found.origin, found.is_scenario, judged, found.ticks)
-    return await desk.add(found, name if is_kept else None)
+    document = await desk.add(found, name if is_kept else None)
+    if document.file is not None:
+        document.digest = await asyncio.to_thread(desk.folder.digest, place)
+    return document
 
 
 async def _merged(desk: Desk, document: Document, place: Path, name: str) -> object:
@@ -151,15 +154,17 @@ async def saved(desk: Desk, args: Args) -> object:
     """Write a document to a file of the folder, with the comments that it was read with."""
     document = desk.document(given.text(args, "document"))
     path = given.text(args, "path")
-    is_its_own = document.file == path
-    overwrite = given.flag(args, "overwrite") or is_its_own
-    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite)
+    overwrite, is_its_own = given.flag(args, "overwrite"), document.file == path
+    place = desk.folder.writable(path, *SCENARIOS, overwrite=overwrite or is_its_own)
+    if not overwrite and place.exists() and desk.folder.digest(place) != document.digest:
+        raise refused(f"{path}: it is there already, and has changed since it was read")
     async with document.lock:
         content = document.content
         suffix = place.suffix.lower()
         text = await asyncio.to_thread(text_of, content, suffix, document.origin)
         await asyncio.to_thread(desk.folder.write, place, text)
         document.saved_as(desk.folder.name_of(place), content)
+        document.digest = desk.folder.digest(place)
         if suffix != ".json":
             document.origin = Origin(text)
     return Changed(desk.state(document))

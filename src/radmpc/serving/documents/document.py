@@ -38,6 +38,7 @@ class Document:
     ) -> None:
         self.number, self.content, self.file, self.origin = number, content, file, origin
         self.lock = asyncio.Lock()
+        self.digest: str | None = None  # of its file, as it was read or written last
         self.revision = 0
         self.reading = Reading(None, None)
         self.view: ScenarioView | None = None

@@ -12,8 +12,11 @@ from radmpc.serving.processes.worker import Told, Worker
 
 __all__ = ["Crew"]
 
-_MOST_BUSY = 6
+_MOST_BUSY = 12
 """Jobs at once [-]: what takes longer than a moment runs here, and each takes a processor."""
+
+_MOST_RESERVE = 2
+"""Idle workers that are kept [-]: one for the next search, one for what takes a moment."""
 
 _MOST_JOBS = 20
 """Jobs after which a worker is replaced: what libraries keep in memory goes with it [-]."""
@@ -48,7 +51,7 @@ class Crew:
             If too many are busy.
         """
         if self._is_over or len(self._busy) >= _MOST_BUSY:
-            raise CallError("limit", f"{_MOST_BUSY} searches and flights are under way: stop one")
+            raise CallError("limit", f"{_MOST_BUSY} jobs are under way: wait, or stop one")
         self.prepare()
         worker = self._reserve.pop()
         self._busy.add(worker)
@@ -59,8 +62,8 @@ class Crew:
             is_fine = True
         finally:
             self._busy.discard(worker)
-            is_needed = not self._reserve and not self._is_over and worker.jobs < _MOST_JOBS
-            if is_fine and is_needed and worker.is_alive:
+            is_young = worker.jobs < _MOST_JOBS and not self._is_over
+            if is_fine and is_young and len(self._reserve) < _MOST_RESERVE and worker.is_alive:
                 self._reserve.append(worker)
             else:
                 worker.kill()

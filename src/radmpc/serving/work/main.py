@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
@@ -27,6 +29,9 @@ JOBS = {
 }
 """What a worker can be asked for, and where it is."""
 
+_SET_DEATH_SIGNAL = 1
+"""Number of that request to the system."""
+
 _AHEAD = ("radmpc.serving.work.planning", "radmpc.planners.certified.planning")
 """Loaded before anything is asked for, so that planning begins at once."""
 
@@ -45,6 +50,7 @@ def work(line: Connection, stop: Flags, paused: Flags) -> None:
     """
     # Terminals send Ctrl-C to all: the server decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _die_with_parent()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     stop_the_clock(paused)
     for name in _AHEAD:
@@ -80,6 +86,13 @@ def _done(job: str, control: Control, args: tuple[Any, ...]) -> tuple[str, objec
     except Exception as error:
         what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         return "failed", f"internal error: {what}"
+
+
+def _die_with_parent() -> None:
+    """Have the system kill this process when the server is gone, also while it is held."""
+    with suppress(OSError, AttributeError):  # what Linux has, others do without
+        libc = ctypes.CDLL(None, use_errno=True)
+        libc.prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
 
 
 def _end_with_parent() -> None:

@@ -18,7 +18,7 @@ export const drawTrails: Layer = (ctx, frame) => {
   const { trails, plan, switches, camera, vehicleColors, colors } = frame;
   if (trails === null || plan === null || !switches.trails || trails.plan !== plan.plan) return;
   const names = plan.tracks.map((track) => track.name);
-  const { calm, colliding } = drawnOf(trails, names);
+  const { calm, colliding } = drawnOf(trails, names, plan.scenario.horizon * plan.scenario.dt);
   ctx.save();
   toMeters(ctx, camera);
   ctx.lineJoin = "round";
@@ -40,15 +40,19 @@ function toMeters(ctx: CanvasRenderingContext2D, camera: Camera): void {
   ctx.transform(camera.scale, 0, 0, -camera.scale, camera.px(0), camera.py(0));
 }
 
-function drawnOf(trails: TrailsView, names: readonly string[]): Drawn {
+/** Paths of trails; `seconds` is how long a mission takes. */
+function drawnOf(trails: TrailsView, names: readonly string[], seconds: number): Drawn {
   const found = known.get(trails);
   if (found !== undefined) return found;
   const calm = names.map(() => new Path2D());
   const colliding = new Path2D();
   for (const trail of trails.trails) {
     for (const [i, path] of trail.paths.entries()) {
-      const involved = trail.collision?.names.includes(names[i] ?? "") ?? false;
-      add(involved ? colliding : (calm[i] ?? colliding), path);
+      const { collision } = trail;
+      const isHit = collision?.names.includes(names[i] ?? "") ?? false;
+      // What would come after a collision says nothing.
+      const until = collision !== null && isHit ? collision.time / seconds : 1;
+      add(isHit ? colliding : (calm[i] ?? colliding), path.slice(0, Math.ceil(until * (path.length - 1)) + 1));
     }
   }
   const made = { calm, colliding };
