@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from serving_page import ROOT, STRAIT, Server, many_vehicles, until
 
-pytestmark = pytest.mark.slow  # each in a browser
-
 import radmpc
+
+pytestmark = pytest.mark.slow  # each in a browser
 
 
 @pytest.fixture(scope="module")
