@@ -10,6 +10,8 @@ from serving_page import ROOT, STRAIT, Server, many_vehicles, until
 
 import radmpc
 
+pytestmark = pytest.mark.slow  # each in a browser
+
 
 @pytest.fixture(scope="module")
 def strait(server: Server) -> str:
@@ -47,7 +49,7 @@ def test_time_is_scrubbed_and_played_to_the_end(screen, strait):
 
 def test_a_line_of_the_ledger_leads_to_its_place_and_time(screen, strait):
     page = shown(screen, strait)
-    row = page.tab("Risk").get_by_role("button", name=re.compile(r", most at step \d+,")).first
+    row = page.tab("Risk").get_by_role("button", name=re.compile(r"most at step \d+")).first
     row.hover()
     step = float(re.search(r"most at step\s+(\d+)", row.text_content())[1])
     until(lambda: steps(page) == step)
