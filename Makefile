@@ -78,7 +78,7 @@ floors: $(INSTALLED_DEV) ## who may import whom
 
 # Each of the three is left out while its sources are as they were; the bundle is in wheels, so that it
 # is made before `types` builds one.
-page: node ## types, lint and bundle of the page of `radmpc serve`
+page: node ## types, lint, tests and bundle of the page of `radmpc serve`
 	@$(PAGE) check
 
 # The system's Node.js, or one that comes as a package.

@@ -5,7 +5,7 @@ in them, so that a fresh checkout with an old bundle is as good as an old one. N
 more than Python: the build of a wheel runs it, too.
 
     python web/page.py build      the bundle
-    python web/page.py check      types and lint besides
+    python web/page.py check      types, lint and tests besides
     python web/page.py node       is there a Node.js
     python web/page.py npm …      npm, by the Node.js that the others use
 """
@@ -143,7 +143,7 @@ def build(node: Node) -> None:
 
 
 def check(node: Node) -> None:
-    """Make the bundle, and look at types and lint, unless all of that was done.
+    """Make the bundle, and look at types, lint and tests, unless all of that was done.
 
     Raises
     ------
@@ -155,6 +155,7 @@ def check(node: Node) -> None:
         _install(node)
         node.run("run", "--silent", "types")
         node.run("run", "--silent", "lint")
+        node.run("run", "--silent", "test")
         stamp.write_text(digest + "\n", encoding="utf-8")
     build(node)
 

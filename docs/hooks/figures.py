@@ -123,7 +123,7 @@ def main() -> None:
         for name, draw in FIGURES.items():
             draw(Path(folder) / name)
             write_small(Path(folder) / name, IMAGES / name)
-    draw_screens(write_small, IMAGES)
+    draw_screens(IMAGES)
     for example in examples():
         made = picture(example)
         write_small(made, IMAGES / "gallery" / made.name)

@@ -13,9 +13,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from PIL import Image
+
 from making import ROOT
 
 __all__ = ["SCREENS", "draw_screens"]
+
+_WIDTH, _COLORS = 1100, 128  # of a picture [px], of its palette
 
 _FLAGS = (
     "--no-sandbox",
@@ -78,13 +82,11 @@ SCREENS: dict[str, tuple[str, tuple[int, int], str, Callable[[Any], None]]] = {
 """Scenario, size [px], colors and what is done, by the picture's name."""
 
 
-def draw_screens(write: Callable[[Path, Path], None], images: Path) -> None:
+def draw_screens(images: Path) -> None:
     """Draw the page, if it was built and a browser is here.
 
     Parameters
     ----------
-    write : callable
-        Writes a picture small, from one path to another.
     images : Path
         Where to.
     """
@@ -105,12 +107,23 @@ def draw_screens(write: Callable[[Path, Path], None], images: Path) -> None:
                     "color_scheme": colors,
                 }
                 page = browser.new_page(**looks)
+                page.set_default_timeout(120_000)
                 page.goto(address)
                 act(page)
                 page.screenshot(path=folder / target)
                 page.close()
-            write(folder / target, images / "page" / target)
+            _write_small(folder / target, images / "page" / target)
         browser.close()
+
+
+def _write_small(source: Path, target: Path) -> None:
+    """Write a screen with few pixels and a palette that keeps the colors of small things."""
+    with Image.open(source) as image:
+        width = min(image.width, _WIDTH)
+        size = width, round(image.height * width / image.width)
+        small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+    method = Image.Quantize.MAXCOVERAGE
+    small.quantize(_COLORS, method, dither=Image.Dither.NONE).save(target, optimize=True)
 
 
 def _planned(scenario: str, folder: Path) -> Path:

@@ -146,7 +146,7 @@ def test_types_and_lint_are_looked_at_once_for_the_same_sources(sources):
     npm = Npm()
     page.check(npm)
     page.check(npm)
-    assert npm.asked == ["ci", "types", "lint", "build"]
+    assert npm.asked == ["ci", "types", "lint", "test", "build"]
 
 
 def test_packages_are_installed_anew_when_the_lock_file_changes(sources):

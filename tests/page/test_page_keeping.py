@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from serving_page import ROOT, STRAIT, until
+
+pytestmark = pytest.mark.slow  # each in a browser
 
 LOST = re.compile("^Connection lost")
 

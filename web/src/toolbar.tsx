@@ -107,7 +107,12 @@ function DocumentName() {
   return (
     <button type="button" class="document" title={state.file ?? "never saved"} onClick={() => (dialog.value = "save")}>
       <span class="name">{state.file ?? state.view?.name ?? "unnamed"}</span>
-      {!state.isSaved && <span class="changed" title="not saved">{isBusy ? "…" : "•"}<span class="unseen">, not saved</span></span>}
+      {!state.isSaved && (
+        <span class="changed" title="not saved">
+          •<span class="unseen">, not saved</span>
+        </span>
+      )}
+      {isBusy && <span class="busy muted" title="waiting for the server">…</span>}
     </button>
   );
 }

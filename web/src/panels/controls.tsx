@@ -17,6 +17,11 @@ export function Block(props: { title: string; aside?: ComponentChildren; childre
   );
 }
 
+/** What is heard between numbers that are seen in columns. */
+export function Heard({ text }: { text: string }) {
+  return <span class="p-heard">{text}</span>;
+}
+
 interface ButtonProps {
   readonly children: ComponentChildren;
   readonly onClick: () => void;

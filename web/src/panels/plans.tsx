@@ -84,7 +84,7 @@ function Row(props: PlansProps & { plan: PlanSummary; name: string }) {
       <td class={plan.holds ? "p-holds" : "p-fails"}>{verdict(plan)}</td>
       <td>
         {!isShown && shown !== null && plan.cost !== null && (
-          <Button kind="quiet" pressed={isCompared} label={`Compare with cost ${what} at Δ ${bound(plan.riskBound)}`} onClick={() => props.onCompare(isCompared ? null : plan.plan)}>
+          <Button kind="quiet" pressed={isCompared} label={`Compare vs cost ${what} at Δ ${bound(plan.riskBound)}`} onClick={() => props.onCompare(isCompared ? null : plan.plan)}>
             vs
           </Button>
         )}

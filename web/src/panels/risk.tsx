@@ -2,7 +2,7 @@
 
 import { useMemo, useState } from "preact/hooks";
 import type { LedgerLine, PlanView } from "../protocol";
-import { Block, Button, Empty, Facts } from "./controls";
+import { Block, Button, Empty, Facts, Heard } from "./controls";
 import { bound as deltaText, percent, percentUp, share } from "./format";
 import { between, CAUSE_WORDS, grouped, sum, type Cause, type CauseGroup, type Hazard } from "./ledger";
 import { rove } from "./roving";
@@ -147,27 +147,42 @@ function HazardRow(props: GroupProps & { hazard: Hazard }) {
         data-entry
         tabIndex={props.isFirst ? 0 : -1}
         aria-expanded={isOpen}
-        aria-label={`${between(hazard)}, ${percentUp(hazard.risk)}, ${share(hazard.risk / bound)} of Δ, most at step ${peak.step}`}
         onMouseEnter={() => props.onPoint(hazard.lines)}
         onFocus={() => props.onPoint(hazard.lines)}
         onBlur={() => props.onPoint(null)}
         onClick={toggle}
       >
         <span class="p-name">{between(hazard)}</span>
-        <span class="p-step">{`${peak.step}`}</span>
-        <span class="p-risk">{percentUp(hazard.risk)}</span>
-        <span class="p-share">{share(hazard.risk / bound)}</span>
+        <span class="p-step">
+          <Heard text=", most at step " />
+          {`${peak.step}`}
+        </span>
+        <span class="p-risk">
+          <Heard text=", " />
+          {percentUp(hazard.risk)}
+        </span>
+        <span class="p-share">
+          <Heard text=", " />
+          {share(hazard.risk / bound)}
+          <Heard text=" of Δ" />
+        </span>
         <Bar cause={hazard.cause} part={hazard.risk / bound} />
       </button>
       {isOpen && (
         <ul class="p-lines" aria-label={`${between(hazard)} by steps`}>
           {[...hazard.lines].sort((a, b) => a.step - b.step).map((line) => (
             <li key={line.step}>
-              <button type="button" class="p-entry p-hazard" data-entry tabIndex={-1} aria-label={`Step ${line.step}, ${percentUp(line.risk)}`} onMouseEnter={() => props.onPoint([line])} onFocus={() => props.onPoint([line])} onBlur={() => props.onPoint(null)} onClick={() => props.onGo([line])}>
+              <button type="button" class="p-entry p-hazard" data-entry tabIndex={-1} onMouseEnter={() => props.onPoint([line])} onFocus={() => props.onPoint([line])} onBlur={() => props.onPoint(null)} onClick={() => props.onGo([line])}>
                 <span class="p-name">{`step ${line.step}, ${Number((line.step * dt).toPrecision(6))} s`}</span>
                 <span class="p-step" />
-                <span class="p-risk">{percentUp(line.risk)}</span>
-                <span class="p-share">{share(line.risk / bound)}</span>
+                <span class="p-risk">
+                  <Heard text=", " />
+                  {percentUp(line.risk)}
+                </span>
+                <span class="p-share">
+                  <Heard text=", " />
+                  {share(line.risk / bound)}
+                </span>
                 <Bar cause={line.cause} part={line.risk / bound} />
               </button>
             </li>
