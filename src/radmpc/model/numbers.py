@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arguments import field_integer, field_number, field_parts, told
-from radmpc.arrays import Vector
+from radmpc.arrays import Vector, as_axes
 from radmpc.errors import ScenarioError, all_checked, raise_together
 
 __all__ = [
@@ -13,7 +14,9 @@ __all__ = [
     "check_not_negative",
     "check_positive",
     "check_scenario_numbers",
+    "check_speedless",
     "check_vehicle_numbers",
+    "settled_limits",
     "step_window",
 ]
 
@@ -201,3 +204,48 @@ def axes_under(norm: object, axes: Vector, name: str) -> tuple[float, Vector]:
     least: Vector = np.minimum(axes, number)
     least.flags.writeable = False
     return number, least
+
+
+def settled_limits(
+    norm: object, axes: npt.ArrayLike | None, size: int, name: str
+) -> tuple[float | None, Vector | None]:
+    """Return a limit's norm and its values per axis, none of these larger than the norm.
+
+    Parameters
+    ----------
+    norm : number or None
+        Largest Euclidean norm; None is free.
+    axes : number, (size,) array, or None
+        Largest values per axis; None is free.
+    size : int
+        Number of axes.
+    name : str
+        Of the limit.
+
+    Raises
+    ------
+    ScenarioError
+        If one of them is none.
+    """
+    limits = None if axes is None else as_axes(axes, size, (name,))
+    if norm is None:
+        return None, limits
+    return axes_under(norm, np.full(size, np.inf) if limits is None else limits, name)
+
+
+def check_speedless(**limits: object) -> None:
+    """Refuse limits of speeds where dynamics do not tell which states are velocities.
+
+    Parameters
+    ----------
+    **limits
+        By key; None is no limit.
+
+    Raises
+    ------
+    ScenarioError
+        If there is one.
+    """
+    for name, limit in limits.items():
+        if limit is not None:
+            raise ScenarioError("a speed needs dynamics whose velocity indices are given", (name,))

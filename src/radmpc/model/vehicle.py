@@ -15,7 +15,6 @@ from radmpc.arrays import (
     Matrix,
     Tensor,
     Vector,
-    as_axes,
     as_covariance,
     as_matrix,
     as_vector,
@@ -24,10 +23,11 @@ from radmpc.errors import ScenarioError, all_checked
 from radmpc.model.dynamics import LinearSystem, covariances
 from radmpc.model.goal import Goal
 from radmpc.model.numbers import (
-    axes_under,
     check_correlation,
     check_positive,
+    check_speedless,
     check_vehicle_numbers,
+    settled_limits,
 )
 from radmpc.model.states import as_state
 
@@ -153,7 +153,11 @@ class Vehicle(Frozen):
             put(self, "gain", as_matrix(self.gain, (m, n), ("feedback", "gain")))
         if self.drift is not None:
             put(self, "drift", as_vector(self.drift, n, ("drift", "state")))
-        self._settle_limits(("control", m), ("speed", d))
+        for name, size in (("control", m), ("speed", d)):
+            norm, axes = getattr(self, f"{name}_norm"), getattr(self, f"{name}_limit")
+            norm, axes = settled_limits(norm, axes, size, f"{name}_limit")
+            put(self, f"{name}_norm", norm)
+            put(self, f"{name}_limit", axes)
         limit = self.speed_limit
         all_checked(
             lambda: None if limit is None else check_positive(limit, "speed_limit", "m/s"),
@@ -172,24 +176,7 @@ class Vehicle(Frozen):
                 ("goal",),
             )
         if self.system.velocity is None:
-            for name, limit in (("speed_limit", self.speed_limit), ("goal", self.goal.speed)):
-                if limit is not None:
-                    raise ScenarioError(
-                        "a speed needs dynamics whose velocity indices are given", (name,)
-                    )
-
-    def _settle_limits(self, *sizes: tuple[str, int]) -> None:
-        """Make limits arrays, and none per axis larger than that of the norm."""
-        put = object.__setattr__
-        for name, size in sizes:
-            norm, axes = getattr(self, f"{name}_norm"), getattr(self, f"{name}_limit")
-            if axes is not None:
-                axes = as_axes(axes, size, (f"{name}_limit",))
-            if norm is not None:
-                axes = np.full(size, np.inf) if axes is None else axes
-                norm, axes = axes_under(norm, axes, f"{name}_limit")
-            put(self, f"{name}_norm", norm)
-            put(self, f"{name}_limit", axes)
+            check_speedless(speed_limit=self.speed_limit, goal=self.goal.speed)
 
     def _check_kinds(self) -> None:
         """Refuse parts of another kind, and make numbers Python's."""
@@ -236,12 +223,9 @@ class Vehicle(Frozen):
         horizon : int
             Number of steps T.
         """
-        known = self.known
-        if known is None or not self.disturbance_correlation or not known.disturbance.any():
+        if self.known is None:
             return self.drift
-        shares = self.disturbance_correlation ** np.arange(horizon)
-        expected = shares[:, None] * known.disturbance
-        return expected if self.drift is None else expected + self.drift
+        return self.known.pushes(self.disturbance_correlation, self.drift, horizon)
 
     @property
     def has_memory(self) -> bool:
@@ -287,13 +271,8 @@ class Vehicle(Frozen):
         check_integer(horizon, "horizon", 0)
         if self.has_memory:
             return self.spread(horizon).states
-        return covariances(
-            self.system,
-            self.initial_covariance,
-            self.disturbance_covariance,
-            self.gain,
-            horizon,
-        )
+        own = self.initial_covariance, self.disturbance_covariance
+        return covariances(self.system, *own, self.gain, horizon)
 
     def control_bounds(self, covariances: Tensor) -> Matrix:
         """Return the largest nominal |ū| at each step.

@@ -10,6 +10,7 @@ from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.positions import PositionResponse
 from radmpc.model.vehicle import Vehicle
+from radmpc.program.reach import reach_by_boxes, reach_by_speeds
 
 __all__ = [
     "CondensedModel",
@@ -180,9 +181,9 @@ def condense(
     velocity = None if prediction.velocity is None else prediction.velocity[: horizon + 1, :, :span]
     still = states[:, axes]
     drift_velocity = None if system.velocity is None else states[:, list(system.velocity)]
-    lower, upper = _reach_by_boxes(vehicle, position, still, np.maximum(bounds, 0.0).ravel())
+    lower, upper = reach_by_boxes(vehicle, position, still, np.maximum(bounds, 0.0).ravel())
     if system.rates is not None and (drift is None or drift.ndim == 1):
-        low, high = _reach_by_speeds(vehicle, system.rates, start, np.maximum(bounds, 0.0))
+        low, high = reach_by_speeds(vehicle, system.rates, start, np.maximum(bounds, 0.0))
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
     # The start is fixed, even where no admissible control leads from it to the goal.
     lower[0] = upper[0] = still[0]
@@ -239,64 +240,3 @@ def bent_covariances(vehicle: Vehicle, covariances: Tensor, first_step: int = 0)
         return vehicle.spread(last).of_sums(slice(first_step, last), picked, -bend)
     bent = np.eye(system.num_states)[place] - system.B[place] @ vehicle.gain
     return np.asarray(bent @ covariances[:-1] @ bent.T)
-
-
-def _reach_by_boxes(
-    vehicle: Vehicle, position: Tensor, drift: Matrix, bounds: Vector
-) -> tuple[Matrix, Matrix]:
-    """Bound positions from the start forward and from the goal backward, any dynamics."""
-    spread = np.abs(position) @ bounds
-    to_goal = np.abs(position[-1] - position) @ bounds
-    still = drift[-1] - drift
-    lower = np.maximum(drift - spread, vehicle.goal.lower - still - to_goal)
-    upper = np.minimum(drift + spread, vehicle.goal.upper - still + to_goal)
-    return lower, upper
-
-
-def _reach_by_speeds(
-    vehicle: Vehicle, rates: tuple[tuple[int, ...], float], start: Vector, bounds: Matrix
-) -> tuple[Matrix, Matrix]:
-    """Bound a double integrator's positions by full throttle from both ends, speed limits held."""
-    system = vehicle.system
-    d, horizon = system.dimension, len(bounds)
-    velocity, dt = list(rates[0]), rates[1]
-    place, speed = start[list(system.position)], start[velocity]
-    # The speed limits hold the velocities that the vehicle names, in whatever order.
-    is_named = system.velocity == rates[0]
-    limit = np.full(d, np.inf)
-    if vehicle.speed_limit is not None and is_named:
-        limit = vehicle.speed_limit
-    goal_speed = limit
-    if vehicle.goal.speed is not None and is_named:
-        goal_speed = np.minimum(vehicle.goal.speed, limit)
-    pushes = bounds @ np.abs(system.B[velocity]).T / dt
-    if vehicle.drift is None:
-        forward_up = _full_throttle(speed, pushes, limit, dt)
-        forward_down = _full_throttle(-speed, pushes, limit, dt)
-        # Seen backwards in time the vehicle leaves its goal at most at the goal speed.
-        backward_up = backward_down = _full_throttle(goal_speed, pushes[::-1], limit, dt)[::-1]
-    else:
-        # Positions gain the mean of both velocities times dt, and what drift adds beyond its share
-        # in that mean.
-        gust = vehicle.drift[velocity] / dt
-        shift = vehicle.drift[list(system.position)] - 0.5 * dt**2 * gust
-        carried = np.arange(horizon + 1)[:, None] * shift
-        forward_up = _full_throttle(speed, pushes + gust, limit, dt) + carried
-        forward_down = _full_throttle(-speed, pushes - gust, limit, dt) - carried
-        back = pushes[::-1]
-        backward_up = (_full_throttle(goal_speed, back + gust, limit, dt) - carried)[::-1]
-        backward_down = (_full_throttle(goal_speed, back - gust, limit, dt) + carried)[::-1]
-    lower = np.maximum(place - forward_down, vehicle.goal.lower - backward_down)
-    upper = np.minimum(place + forward_up, vehicle.goal.upper + backward_up)
-    return lower.reshape(horizon + 1, d), upper.reshape(horizon + 1, d)
-
-
-def _full_throttle(speed: Vector, bounds: Matrix, limit: Vector, dt: float) -> Matrix:
-    """Return how far each axis gets at most by each step, (T+1, d) [m]."""
-    speeds = [speed]
-    for bound in bounds:
-        speeds.append(np.minimum(speeds[-1] + dt * bound, limit))
-    pace = np.array(speeds)
-    distance = np.zeros_like(pace)
-    np.cumsum(0.5 * dt * (pace[:-1] + pace[1:]), axis=0, out=distance[1:])
-    return distance

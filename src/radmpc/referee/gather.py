@@ -9,15 +9,15 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.geometry import Polytope
-from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
 from radmpc.referee.common import relative
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.neighbors import Balls, far_from_box, motion_balls, near_pairs
 from radmpc.referee.padding import padded_edges, padded_normals, padded_vertices
+from radmpc.referee.pieces import boxes_of, concerned, in_windows, pieces_of
 from radmpc.referee.tails import cutoff_of
 
 __all__ = [
@@ -190,16 +190,16 @@ def gather_obstacles(
         kind: [] for kind in ((False, False), (True, False), (True, True))
     }
     tracks = motion.tracks
-    mine = _concerned(scenario)
-    for number, piece, pieces in _pieces(scenario, 0):
-        lower, upper = _boxes(pieces, balls, intervals=intervals)
+    mine = concerned(scenario)
+    for number, piece, pieces in pieces_of(scenario, 0):
+        lower, upper = boxes_of(pieces, balls, intervals=intervals)
         spread = None
         if tracks is not None and tracks.places[number] >= 0:
             place = int(tracks.places[number])
             spread = tracks.positions[place]
             # Deviations of two add up to less than their sum.
             cutoff, _ = cutoff_of(motion.samples)
-            more = cutoff * _in_windows(tracks.deviations[place], intervals=intervals)[:, None]
+            more = cutoff * in_windows(tracks.deviations[place], intervals=intervals)[:, None]
             lower, upper = lower - more, upper + more
         far = np.zeros(count, dtype=bool) if explicit else far_from_box(balls, lower, upper)
         if always is not None:
@@ -231,51 +231,14 @@ def near_pieces(
     intervals : bool
         Whether windows are intervals, or steps.
     """
-    mine = _concerned(scenario)
-    for number, piece, shapes in _pieces(scenario, step):
-        lower, upper = _boxes(shapes, balls, intervals=intervals)
+    mine = concerned(scenario)
+    for number, piece, shapes in pieces_of(scenario, step):
+        lower, upper = boxes_of(shapes, balls, intervals=intervals)
         if reaches is not None:
-            more = _in_windows(reaches[number, step:], intervals=intervals)[:, None]
+            more = in_windows(reaches[number, step:], intervals=intervals)[:, None]
             lower, upper = lower - more, upper + more
         near = np.flatnonzero(~far_from_box(balls, lower, upper) & mine[number])
         yield NearPiece(number, piece, near, shapes, None)
-
-
-def _concerned(scenario: Scenario) -> Flags:
-    """Return whom each obstacle concerns, (O, N) bool."""
-    found = np.ones((len(scenario.obstacles), scenario.num_vehicles), dtype=bool)
-    for number, obstacle in enumerate(scenario.obstacles):
-        if obstacle.concerns is not None:
-            found[number] = [is_for(obstacle, vehicle.name) for vehicle in scenario.vehicles]
-    return found
-
-
-def _pieces(scenario: Scenario, step: int) -> Iterator[tuple[int, int, Sequence[Polytope]]]:
-    """Yield each convex piece with its numbers: one shape, or one per step on if it moves."""
-    for number, obstacle in enumerate(scenario.obstacles):
-        if obstacle.is_moving:
-            yield number, 0, [obstacle.at(k)[0] for k in range(step, scenario.horizon + 1)]
-        else:
-            for piece, shape in enumerate(obstacle.at(0)):
-                yield number, piece, [shape]
-
-
-def _boxes(pieces: Sequence[Polytope], balls: Balls, *, intervals: bool) -> tuple[Matrix, Matrix]:
-    """Return the corners of the box around a piece in each window."""
-    lower = np.array([p.vertices.min(axis=0) for p in pieces])
-    upper = np.array([p.vertices.max(axis=0) for p in pieces])
-    if len(pieces) == 1:
-        shape = balls.centers.shape[1:]
-        return np.broadcast_to(lower, shape), np.broadcast_to(upper, shape)
-    if intervals:
-        lower = np.minimum(lower[:-1], lower[1:])
-        upper = np.maximum(upper[:-1], upper[1:])
-    return lower, upper
-
-
-def _in_windows(deviations: Vector, *, intervals: bool) -> Vector:
-    """Return the largest of some deviations in each window."""
-    return np.maximum(deviations[:-1], deviations[1:]) if intervals else deviations
 
 
 def _obstacle_batch(motion: FleetMotion, group: Sequence[NearPiece]) -> Encounters:

@@ -45,6 +45,25 @@ class Known(Frozen):
         covariance = as_covariance(self.covariance, 2 * mean.size, ("known", "covariance"))
         object.__setattr__(self, "covariance", covariance)
 
+    def pushes(
+        self, correlation: float, drift: Vector | None, horizon: int
+    ) -> Matrix | Vector | None:
+        """Return what steps add to the mean besides control, (n,) or (T, n); None is nothing.
+
+        Parameters
+        ----------
+        correlation : float
+            Of the disturbance at consecutive steps [-].
+        drift : (n,) array or None
+            What every step adds.
+        horizon : int
+            Number of steps T.
+        """
+        if not correlation or not self.disturbance.any():
+            return drift
+        expected: Matrix = (correlation ** np.arange(horizon))[:, None] * self.disturbance
+        return expected if drift is None else expected + drift
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Learning:
