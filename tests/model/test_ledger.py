@@ -36,7 +36,7 @@ def test_rows_of_the_same_step_add_up() -> None:
 def test_both_of_a_pair_bear_half_and_nothing_is_lost() -> None:
     parts = risk_by_vehicle(ROWS, ["a", "b", "c"])
     assert list(parts) == ["a", "b", "c"]
-    assert parts["a"] == {"pair": pytest.approx(0.015), "obstacle": 0.001, "workspace": 0.0}
+    assert parts["a"] == dict(pair=pytest.approx(0.015), obstacle=0.001, workspace=0.0, range=0.0)
     assert parts["b"]["pair"] == pytest.approx(0.015)
     assert sum(parts["c"].values()) == 0.0
     total = math.fsum(risk for causes in parts.values() for risk in causes.values())
