@@ -45,8 +45,9 @@ def main(out: Path) -> float:
     boats = [boat(index) for index in range(3)]
     scenario = radmpc.Scenario("survey", DT, HORIZON, 0.01, boats, [freighter])
     plan = radmpc.plan(scenario, rng=0).require()
-    axes = Figure(figsize=(5, 5), dpi=180, layout="constrained").add_subplot()
-    radmpc.plot_plan(plan, axes).figure.savefig(out / "13_survey.png")
+    figure = Figure(figsize=(5, 5), dpi=180, layout="constrained")
+    radmpc.plot_plan(plan, figure.add_subplot())
+    figure.savefig(out / "13_survey.png")
     paths = [part.means[3:-2, :2] for part in plan.trajectories]  # from the first line to the last
     seen = shapely.union_all([shapely.LineString(p).buffer(SPACING / 2 + 0.5) for p in paths])
     area = shapely.Polygon(AREA)
