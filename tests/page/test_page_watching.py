@@ -49,7 +49,7 @@ def test_a_line_of_the_ledger_leads_to_its_place_and_time(screen, strait):
     page = shown(screen, strait)
     row = page.tab("Risk").get_by_role("button", name=re.compile("of Δ, most at step")).first
     row.hover()
-    step = float(re.search(r"most at step (\d+)", row.get_attribute("aria-label"))[1])
+    step = float(re.search(r"most at step (\d+)", row.text_content())[1])
     until(lambda: steps(page) == step)
     page.page.mouse.move(5, 5)
     until(lambda: steps(page) == 0)

@@ -50,9 +50,11 @@ export function Compare(props: CompareProps) {
       <ul class="p-differences" onKeyDown={rove} onMouseLeave={() => props.onPoint(null)}>
         {listed.map((one, i) => (
           <li key={one.name}>
-            <button type="button" class="p-entry p-difference" data-entry tabIndex={i === 0 ? 0 : -1} onMouseEnter={() => props.onPoint(one)} onFocus={() => props.onPoint(one)} onBlur={() => props.onPoint(null)} aria-label={`${one.name}, at most ${meters(one.distance)} apart, at ${one.time.toFixed(1)} s`} onClick={() => props.onGo(one)}>
+            <button type="button" class="p-entry p-difference" data-entry tabIndex={i === 0 ? 0 : -1} onMouseEnter={() => props.onPoint(one)} onFocus={() => props.onPoint(one)} onBlur={() => props.onPoint(null)} onClick={() => props.onGo(one)}>
               <span class="p-name">{one.name}</span>
+              <span class="p-heard">, apart at most </span>
               <span class="p-risk">{meters(one.distance)}</span>
+              <span class="p-heard">, at </span>
               <span class="p-share">{`${one.time.toFixed(1)} s`}</span>
             </button>
           </li>

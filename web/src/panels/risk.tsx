@@ -147,27 +147,20 @@ function HazardRow(props: GroupProps & { hazard: Hazard }) {
         data-entry
         tabIndex={props.isFirst ? 0 : -1}
         aria-expanded={isOpen}
-        aria-label={`${between(hazard)}, ${percentUp(hazard.risk)}, ${share(hazard.risk / bound)} of Δ, most at step ${peak.step}`}
         onMouseEnter={() => props.onPoint(hazard.lines)}
         onFocus={() => props.onPoint(hazard.lines)}
         onBlur={() => props.onPoint(null)}
         onClick={toggle}
       >
-        <span class="p-name">{between(hazard)}</span>
-        <span class="p-step">{`${peak.step}`}</span>
-        <span class="p-risk">{percentUp(hazard.risk)}</span>
-        <span class="p-share">{share(hazard.risk / bound)}</span>
+        <Cells name={between(hazard)} risk={hazard.risk} bound={bound} step={peak.step} />
         <Bar cause={hazard.cause} part={hazard.risk / bound} />
       </button>
       {isOpen && (
         <ul class="p-lines" aria-label={`${between(hazard)} by steps`}>
           {[...hazard.lines].sort((a, b) => a.step - b.step).map((line) => (
             <li key={line.step}>
-              <button type="button" class="p-entry p-hazard" data-entry tabIndex={-1} aria-label={`Step ${line.step}, ${percentUp(line.risk)}`} onMouseEnter={() => props.onPoint([line])} onFocus={() => props.onPoint([line])} onBlur={() => props.onPoint(null)} onClick={() => props.onGo([line])}>
-                <span class="p-name">{`step ${line.step}, ${Number((line.step * dt).toPrecision(6))} s`}</span>
-                <span class="p-step" />
-                <span class="p-risk">{percentUp(line.risk)}</span>
-                <span class="p-share">{share(line.risk / bound)}</span>
+              <button type="button" class="p-entry p-hazard" data-entry tabIndex={-1} onMouseEnter={() => props.onPoint([line])} onFocus={() => props.onPoint([line])} onBlur={() => props.onPoint(null)} onClick={() => props.onGo([line])}>
+                <Cells name={timed(line.step, dt)} risk={line.risk} bound={bound} />
                 <Bar cause={line.cause} part={line.risk / bound} />
               </button>
             </li>
@@ -175,6 +168,26 @@ function HazardRow(props: GroupProps & { hazard: Hazard }) {
         </ul>
       )}
     </li>
+  );
+}
+
+function timed(step: number, dt: number): string {
+  return `step ${step}, ${Number((step * dt).toPrecision(6))} s`;
+}
+
+/** What a row shows, with the words between that a listener needs. */
+function Cells(props: { name: string; risk: number; bound: number; step?: number }) {
+  const { name, risk, bound, step } = props;
+  return (
+    <>
+      <span class="p-name">{name}</span>
+      <span class="p-heard">, </span>
+      <span class="p-risk">{percentUp(risk)}</span>
+      <span class="p-heard">, </span>
+      <span class="p-share">{share(risk / bound)}</span>
+      <span class="p-heard">{step === undefined ? " of Δ" : " of Δ, most at step "}</span>
+      {step !== undefined && <span class="p-step">{step}</span>}
+    </>
   );
 }
 
