@@ -2,7 +2,7 @@
 
 import { useMemo, useState } from "preact/hooks";
 import type { PlanView } from "../protocol";
-import { Block, Button, Heard } from "./controls";
+import { Block, Button } from "./controls";
 import { differences, type Difference } from "./difference";
 import { bound, cost, meters, percentUp, signedCost, signedPercent } from "./format";
 import { rove } from "./roving";
@@ -52,14 +52,10 @@ export function Compare(props: CompareProps) {
           <li key={one.name}>
             <button type="button" class="p-entry p-difference" data-entry tabIndex={i === 0 ? 0 : -1} onMouseEnter={() => props.onPoint(one)} onFocus={() => props.onPoint(one)} onBlur={() => props.onPoint(null)} onClick={() => props.onGo(one)}>
               <span class="p-name">{one.name}</span>
-              <span class="p-risk">
-                <Heard text=", at most " />
-                {meters(one.distance)}
-              </span>
-              <span class="p-share">
-                <Heard text=" apart, at " />
-                {`${one.time.toFixed(1)} s`}
-              </span>
+              <span class="p-heard">, apart at most </span>
+              <span class="p-risk">{meters(one.distance)}</span>
+              <span class="p-heard">, at </span>
+              <span class="p-share">{`${one.time.toFixed(1)} s`}</span>
             </button>
           </li>
         ))}

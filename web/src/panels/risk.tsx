@@ -2,7 +2,7 @@
 
 import { useMemo, useState } from "preact/hooks";
 import type { LedgerLine, PlanView } from "../protocol";
-import { Block, Button, Empty, Facts, Heard } from "./controls";
+import { Block, Button, Empty, Facts } from "./controls";
 import { bound as deltaText, percent, percentUp, share } from "./format";
 import { between, CAUSE_WORDS, grouped, sum, type Cause, type CauseGroup, type Hazard } from "./ledger";
 import { rove } from "./roving";
@@ -152,20 +152,7 @@ function HazardRow(props: GroupProps & { hazard: Hazard }) {
         onBlur={() => props.onPoint(null)}
         onClick={toggle}
       >
-        <span class="p-name">{between(hazard)}</span>
-        <span class="p-step">
-          <Heard text=", most at step " />
-          {`${peak.step}`}
-        </span>
-        <span class="p-risk">
-          <Heard text=", " />
-          {percentUp(hazard.risk)}
-        </span>
-        <span class="p-share">
-          <Heard text=", " />
-          {share(hazard.risk / bound)}
-          <Heard text=" of Δ" />
-        </span>
+        <Cells name={between(hazard)} risk={hazard.risk} bound={bound} step={peak.step} />
         <Bar cause={hazard.cause} part={hazard.risk / bound} />
       </button>
       {isOpen && (
@@ -173,16 +160,7 @@ function HazardRow(props: GroupProps & { hazard: Hazard }) {
           {[...hazard.lines].sort((a, b) => a.step - b.step).map((line) => (
             <li key={line.step}>
               <button type="button" class="p-entry p-hazard" data-entry tabIndex={-1} onMouseEnter={() => props.onPoint([line])} onFocus={() => props.onPoint([line])} onBlur={() => props.onPoint(null)} onClick={() => props.onGo([line])}>
-                <span class="p-name">{`step ${line.step}, ${Number((line.step * dt).toPrecision(6))} s`}</span>
-                <span class="p-step" />
-                <span class="p-risk">
-                  <Heard text=", " />
-                  {percentUp(line.risk)}
-                </span>
-                <span class="p-share">
-                  <Heard text=", " />
-                  {share(line.risk / bound)}
-                </span>
+                <Cells name={timed(line.step, dt)} risk={line.risk} bound={bound} />
                 <Bar cause={line.cause} part={line.risk / bound} />
               </button>
             </li>
@@ -190,6 +168,26 @@ function HazardRow(props: GroupProps & { hazard: Hazard }) {
         </ul>
       )}
     </li>
+  );
+}
+
+function timed(step: number, dt: number): string {
+  return `step ${step}, ${Number((step * dt).toPrecision(6))} s`;
+}
+
+/** What a row shows, with the words between that a listener needs. */
+function Cells(props: { name: string; risk: number; bound: number; step?: number }) {
+  const { name, risk, bound, step } = props;
+  return (
+    <>
+      <span class="p-name">{name}</span>
+      <span class="p-heard">, </span>
+      <span class="p-risk">{percentUp(risk)}</span>
+      <span class="p-heard">, </span>
+      <span class="p-share">{share(risk / bound)}</span>
+      <span class="p-heard">{step === undefined ? " of Δ" : " of Δ, most at step "}</span>
+      {step !== undefined && <span class="p-step">{step}</span>}
+    </>
   );
 }
 
@@ -208,7 +206,6 @@ export function Sign(props: { cause: Cause }) {
       {props.cause === "pair" && <circle cx="5" cy="5" r="4" />}
       {props.cause === "obstacle" && <rect x="1.5" y="1.5" width="7" height="7" />}
       {props.cause === "workspace" && <path d="M5 0.5 9.5 5 5 9.5 0.5 5Z" />}
-      {props.cause === "range" && <path d="M5 0.5 9.8 9 0.2 9Z" />}
     </svg>
   );
 }
