@@ -206,6 +206,7 @@ export function Sign(props: { cause: Cause }) {
       {props.cause === "pair" && <circle cx="5" cy="5" r="4" />}
       {props.cause === "obstacle" && <rect x="1.5" y="1.5" width="7" height="7" />}
       {props.cause === "workspace" && <path d="M5 0.5 9.5 5 5 9.5 0.5 5Z" />}
+      {props.cause === "range" && <path d="M5 0.5 9.8 9 0.2 9Z" />}
     </svg>
   );
 }
