@@ -22,7 +22,7 @@ from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
 from radmpc.model.dynamics import LinearSystem
-from radmpc.model.noise.known import Learning
+from radmpc.model.noise.filtering import Learning
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.obstacle import Obstacle

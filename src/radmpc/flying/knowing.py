@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.model.noise.known import Learning, learning_of
+from radmpc.model.noise.filtering import Learning, learning_of
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 

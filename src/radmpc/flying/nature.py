@@ -9,7 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.flying.knowing import expected_start, moved
-from radmpc.model.noise.known import Learning, learning_of
+from radmpc.model.noise.filtering import Learning, learning_of
 from radmpc.model.obstacle import TrackShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
