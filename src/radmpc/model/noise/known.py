@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Matrix, Vector, as_covariance, as_vector
