@@ -85,9 +85,11 @@ class Search:
     @property
     def state(self) -> SearchState:
         """What pages are told."""
-        gap = None
-        if self._cost is not None and self._bound is not None:
-            gap = max(self._cost - self._bound, 0.0) / self._cost if self._cost > 0.0 else 0.0
+        gap, bound = None, self._bound
+        if self._cost is not None and bound is not None:
+            # A plan with half-spaces of any direction may cost less than any by faces.
+            bound = min(bound, self._cost)
+            gap = (self._cost - bound) / self._cost if self._cost > 0.0 else 0.0
         state: Literal["running", "paused", "ended", "failed"] = "running"
         if self._is_over:
             state = "failed" if self._has_failed else "ended"
@@ -103,7 +105,7 @@ class Search:
             "limit": self.asked.seconds,
             "stage": self._stage,
             "cost": significant(self._cost),
-            "bound": significant(self._bound),
+            "bound": significant(bound),
             "gap": significant(gap),
             "found": self._found,
             "told": self._told,
