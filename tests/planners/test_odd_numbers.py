@@ -1,16 +1,21 @@
-"""Noise that is next to nothing, and effort that counts for nothing."""
+"""Noise that is next to nothing, effort that counts for nothing, vehicles that stay."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle
 from radmpc.io.native.scenario_file import load_scenario
 from radmpc.model.plan import Status
+from radmpc.model.vehicle import Goal
+from radmpc.planners.certified.turned.attempts import _timed_anyhow
+from radmpc.planners.certified.turned.half_spaces import Hazards
 from radmpc.planning import plan
+from radmpc.program.build import condensed_models
 
 SCENES = Path(__file__).parents[1] / "data" / "scenes"
 
@@ -34,3 +39,15 @@ def test_a_vehicle_whose_effort_counts_for_nothing_is_hurried_all_the_same():
     result = plan(load_scenario(SCENES / "effort-for-nothing.json"), time_limit=3.0)
     assert result.status is not Status.OPTIMAL
     assert result.explanation is not None
+
+
+def test_a_vehicle_that_cannot_but_stay_has_its_times_all_the_same():
+    scenario = circle(2)
+    first, second = scenario.vehicles
+    place = first.start_position
+    staying = replace(first, goal=Goal(place, place))
+    scenario = replace(scenario, horizon=1, vehicles=(staying, second))
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    assert hazards.moves[0] == 0.0
+    path = _timed_anyhow(hazards, 0, np.array([place, place]), np.random.default_rng(0))
+    np.testing.assert_array_equal(path, [place, place])

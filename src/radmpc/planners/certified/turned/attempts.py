@@ -193,7 +193,9 @@ def _arched(hazards: Hazards, i: int, offset: float) -> Matrix:
 def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
     """Return where a vehicle is at each step on a way that begins and ends at drawn times."""
     length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
-    least = min(length / (float(hazards.moves[i]) * hazards.horizon), TUNING.fastest)
+    # What cannot but stay goes no way at all.
+    reach = float(hazards.moves[i]) * hazards.horizon
+    least = min(length / reach, TUNING.fastest) if reach > 0.0 else TUNING.fastest
     taken = least + (1.0 - least) * rng.random()
     first = (1.0 - taken) * rng.random()
     return timed(way, hazards.horizon, first, first + taken)
