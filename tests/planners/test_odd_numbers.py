@@ -45,7 +45,7 @@ def test_a_vehicle_that_cannot_but_stay_has_its_times_all_the_same():
     scenario = circle(2)
     first, second = scenario.vehicles
     place = first.start_position
-    staying = replace(first, goal=Goal(place, place))
+    staying = replace(first, goal=Goal.at(place))
     scenario = replace(scenario, horizon=1, vehicles=(staying, second))
     hazards = Hazards.of(scenario, condensed_models(scenario))
     assert hazards.moves[0] == 0.0
