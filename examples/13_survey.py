@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import shapely
+import shapely  # type: ignore[import-untyped] # it has no types
 from matplotlib.figure import Figure
 
 import radmpc

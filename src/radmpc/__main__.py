@@ -7,16 +7,14 @@ import os
 import signal
 from types import FrameType
 
-from radmpc.console.running.late_dataclasses import make_methods_late
-
 __all__ = ["main"]
 
 _INTERRUPTED = 1
 """Exit code while modules still load; commands have the shell's 130."""
 
-_COLLECTED_AFTER = 200_000
+_COLLECTED_AFTER = 100_000
 """Objects after which Python looks for dead circles among the new ones [-], instead of 700: what is
-loaded stays, 110,000 of them for `plan`, and planning leaves hardly any. The peak of memory is the
+loaded stays, 70,000 of them for `plan`, and planning leaves hardly any. The peak of memory is the
 same as with 20,000: 84 MB for two vehicles, 106 MB for ten of `fleet`. With nothing to look through
 at the end either, `plan` of two vehicles takes a seventh less time on a busy machine."""
 
@@ -24,7 +22,6 @@ at the end either, `plan` of two vehicles takes a seventh less time on a busy ma
 def main() -> None:
     """Run the command line and exit the process with its code."""
     gc.set_threshold(_COLLECTED_AFTER)
-    make_methods_late("radmpc")
     # It would look for them in every package that is installed.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
     # While modules load, an exception would come out of any of them with a traceback.
