@@ -173,7 +173,8 @@ def test_arrays_of_another_horizon_are_left_to_the_referee(edited: Callable[...,
         ),
         (
             lambda c: c["risk"]["ledger"][0].update(cause="weather"),
-            r"risk.ledger\[0\].cause: must be 'obstacle', 'pair' or 'workspace', got 'weather'",
+            r"risk.ledger\[0\].cause: must be 'obstacle', 'pair', 'workspace' or 'range', "
+            "got 'weather'",
         ),
         (
             lambda c: c["risk"]["ledger"][0].update(risk=-0.1),

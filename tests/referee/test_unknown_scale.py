@@ -190,8 +190,8 @@ def test_files_keep_the_samples_and_refuse_too_few():
 
 def test_nothing_under_way_takes_covariances_known_up_to_a_factor():
     plan = unsure(at_a_wall(), 40)
-    with pytest.raises(ScenarioError, match="covariances that are known"):
+    with pytest.raises(ScenarioError, match="what is measured changes what is known of the factor"):
         radmpc.Mission(plan)
     motion = propagate(plan.scenario, [t.controls for t in plan.trajectories])
-    with pytest.raises(ScenarioError, match="covariances that are known"):
+    with pytest.raises(ScenarioError, match="what is measured changes what is known of the factor"):
         loops_of(motion)

@@ -216,12 +216,17 @@ class Vehicle(Frozen):
         return Noise(self.initial_covariance, *own, self.measurement, self.shared, self.known)
 
     def pushes(self, horizon: int) -> Vector | Matrix | None:
-        """Return what steps add to the mean besides control, (n,) or (T, n); None is nothing.
+        """Return what steps add to the mean besides control.
 
         Parameters
         ----------
         horizon : int
             Number of steps T.
+
+        Returns
+        -------
+        (n,) or (T, n) array or None
+            The same at every step, or one row each; None is nothing.
         """
         if self.known is None:
             return self.drift

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from radmpc.arrays import Matrix
 
@@ -40,6 +39,8 @@ def polytopes_within(dimension: int) -> tuple[tuple[Matrix, float], ...]:
             normals = np.stack([np.cos(turn), np.sin(turn)], axis=1)
             found.append((normals, float(np.cos(np.pi / sides))))
         return tuple(found)
+    from scipy.spatial import ConvexHull  # noqa: PLC0415 - the plane does without
+
     for fineness in _FINENESS:
         grid = np.linspace(-1.0, 1.0, fineness)
         points = np.array(np.meshgrid(grid, grid, grid)).reshape(3, -1).T

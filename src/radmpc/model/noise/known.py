@@ -46,7 +46,7 @@ class Known(Frozen):
     def pushes(
         self, correlation: float, drift: Vector | None, horizon: int
     ) -> Matrix | Vector | None:
-        """Return what steps add to the mean besides control, (n,) or (T, n); None is nothing.
+        """Return what steps add to the mean besides control.
 
         Parameters
         ----------
@@ -56,6 +56,11 @@ class Known(Frozen):
             What every step adds.
         horizon : int
             Number of steps T.
+
+        Returns
+        -------
+        (n,) or (T, n) array or None
+            The same at every step, or one row each; None is nothing.
         """
         if not correlation or not self.disturbance.any():
             return drift

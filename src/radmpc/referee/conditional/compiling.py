@@ -6,7 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.referee.conditional.loops import Loops
-from radmpc.referee.conditional.rows import HalfspaceRows, Parties
+from radmpc.referee.conditional.rows import Flags, HalfspaceRows, Parties
 from radmpc.referee.conditional.strays import strays_of
 from radmpc.referee.conditional.tables import Moments
 from radmpc.referee.tracks import Tracks
@@ -33,15 +33,9 @@ def compiled(
     first = parties.first[moments.encounters]
     is_pair = parties.are_pairs[moments.encounters]
     other = np.where(is_pair, parties.other[moments.encounters], 0)
-    # What a filter makes of the noise comes on top of the position's own, which is always the same.
-    fresh_of_all = loops.picks @ loops.disturbance[:, 0] @ loops.picks.transpose(0, 2, 1)
     rows_first = _on_states(moments, first, loops)
     rows_other = np.where(is_pair[:, None], _on_states(moments, other, loops), 0.0)
-    spread = fresh_of_all[first] + np.where(is_pair[:, None, None], fresh_of_all[other], 0.0)
-    if loops.pushes is not None:
-        met = loops.picks @ loops.pushes
-        both = met[first] @ met[other].transpose(0, 2, 1)
-        spread -= np.where(is_pair[:, None, None], both + both.transpose(0, 2, 1), 0.0)
+    spread = _spread(loops, first, other, is_pair)
     own = np.einsum("ed,edf,ef->e", moments.normals, spread, moments.normals)
     linked, at = moments.before >= 0, moments.before
     # The far end of a step's last part stands at the near end of the next one's first.
@@ -83,3 +77,16 @@ def _on_states(moments: Moments, vehicles: Indices, loops: Loops) -> Matrix:
     matrix = (1.0 - s) * loops.picks[vehicles] + s * onward[vehicles]
     matrix -= (s * (1.0 - s) + moments.bends[:, None, None]) * loops.bends[vehicles]
     return np.asarray(np.einsum("ed,edn->en", moments.normals, matrix))
+
+
+def _spread(loops: Loops, first: Indices, other: Indices, are_pairs: Flags) -> Tensor:
+    """Return what a step adds to the covariance of relative positions, (E, d, d) [m²]."""
+    # What a filter makes of the noise comes on top of the position's own, which is always the same.
+    fresh_of_all = loops.picks @ loops.disturbance[:, 0] @ loops.picks.transpose(0, 2, 1)
+    pairs = are_pairs[:, None, None]
+    spread = fresh_of_all[first] + np.where(pairs, fresh_of_all[other], 0.0)
+    if loops.pushes is not None:
+        met = loops.picks @ loops.pushes
+        both = met[first] @ met[other].transpose(0, 2, 1)
+        spread -= np.where(pairs, both + both.transpose(0, 2, 1), 0.0)
+    return np.asarray(spread)
