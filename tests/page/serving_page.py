@@ -257,7 +257,7 @@ def many_vehicles(count: int, path: Path) -> None:
         planner="drawn",
         seed=0,
         status=radmpc.Status.FEASIBLE,
-        cost=1.0,
+        cost=sum(float(np.abs(controls).sum()) for _ in vehicles),
         lower_bound=None,
         risk=radmpc.Risk(0.05),
         sets=tuple((vehicle.name,) for vehicle in vehicles),

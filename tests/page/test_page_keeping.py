@@ -16,6 +16,7 @@ def test_a_reload_loses_nothing(screen, server):
     document = server.open("reloaded.yaml", STRAIT)
     page = screen(document)
     page.map.wait_for()
+    page.page.get_by_role("option").first.wait_for()
     page.drag((2, 5), (3, 8))
     until(lambda: page.content["vehicles"][0]["start"] != [2, 5])
     page.button("Zoom in").click()

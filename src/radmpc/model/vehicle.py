@@ -171,10 +171,9 @@ class Vehicle(Frozen):
                 ("measurement", "matrix"),
             )
         if self.goal.lower.size != d:
-            raise ScenarioError(
-                f"must have {d} coordinates like the position, got {self.goal.lower.size}",
-                ("goal",),
-            )
+            found = self.goal.lower.size
+            message = f"must have {d} coordinates like the position, got {found}"
+            raise ScenarioError(message, ("goal",))
         if self.system.velocity is None:
             check_speedless(speed_limit=self.speed_limit, goal=self.goal.speed)
 
@@ -228,15 +227,13 @@ class Vehicle(Frozen):
         (n,) or (T, n) array or None
             The same at every step, or one row each; None is nothing.
         """
-        if self.known is None:
-            return self.drift
-        return self.known.pushes(self.disturbance_correlation, self.drift, horizon)
+        known, correlation = self.known, self.disturbance_correlation
+        return self.drift if known is None else known.pushes(correlation, self.drift, horizon)
 
     @property
     def has_memory(self) -> bool:
         """Whether more than the state's own deviation and noise decides what becomes of it."""
-        lasts = self.disturbance_correlation > 0.0
-        return lasts or self.measurement is not None or bool(self.shared)
+        return bool(self.disturbance_correlation or self.measurement is not None or self.shared)
 
     def spread(self, horizon: int) -> Spread:
         """Return covariances of the deviation, of the disturbance, and of what is known of both.
@@ -290,9 +287,8 @@ class Vehicle(Frozen):
         Returns
         -------
         (T, m) array
-            The limit less ``control_sigmas`` standard deviations of the feedback: ``K (x − x̄)``,
-            or with a measurement ``K (x̂ − x̄)``, whose covariance follows from the vehicle alone;
-            negative where the reserve eats the limit.
+            The limit less ``control_sigmas`` standard deviations of the feedback ``K (x − x̄)``,
+            with a measurement ``K (x̂ − x̄)``; negative where the reserve eats the limit.
         """
         horizon = len(covariances) - 1
         if self.gain is None:
@@ -300,6 +296,5 @@ class Vehicle(Frozen):
         if self.measurement is not None:
             covariances = self.spread(horizon).estimates
         variances = np.einsum("an,knm,am->ka", self.gain, covariances[:horizon], self.gain)
-        return np.asarray(
-            self.control_limit - self.control_sigmas * np.sqrt(np.maximum(variances, 0.0))
-        )
+        kept = self.control_sigmas * np.sqrt(np.maximum(variances, 0.0))
+        return np.asarray(self.control_limit - kept)
