@@ -12,11 +12,13 @@ test("a certified risk is never shown below itself", () => {
   assert.equal(percentUp(0.00998301), "0.999 %");
   assert.equal(percentUp(0.0500001), "5.01 %");
   assert.equal(percentUp(0.05), "5.00 %");
+  assert.equal(percentUp(3.78e-8), "4·10⁻⁶ %");
+  assert.equal(percentUp(9.7e-9), "1·10⁻⁶ %");
 });
 
 test("numbers are short, and nothing is a dash", () => {
   assert.equal(percent(0.00978), "0.978 %");
-  assert.equal(percent(1e-12), "< 10⁻⁶ %");
+  assert.equal(percent(1e-12), "1·10⁻¹⁰ %");
   assert.equal(percent(null), "–");
   assert.equal(bound(0.05), "5 %");
   assert.equal(bound(0.000001), "0.0001 %");

@@ -26,8 +26,17 @@ export function percentUp(probability: number | null, digits = 3): string {
 function inPercent(probability: number | null, digits: number, rounding: (x: number) => number): string {
   if (probability === null || !Number.isFinite(probability)) return NOTHING;
   if (probability === 0) return "0 %";
-  if (Math.abs(probability) < 1e-8) return "< 10⁻⁶ %";
+  if (Math.abs(probability) < 1e-6) return powerOfTen(probability * 100, rounding);
   return `${plain(probability * 100, digits, rounding)} %`;
+}
+
+/** One digit and a power of ten: `4·10⁻⁶ %` stands in a column of a few digits. */
+function powerOfTen(percents: number, rounding: (x: number) => number): string {
+  let exponent = Math.floor(Math.log10(Math.abs(percents)));
+  let digit = rounding(percents / 10 ** exponent);
+  if (Math.abs(digit) === 10) [digit, exponent] = [digit / 10, exponent + 1];
+  const raised = Array.from(String(exponent), (sign) => (sign === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(sign)])).join("");
+  return `${digit}·10${raised} %`.replace("-", "−");
 }
 
 /** A risk bound, which people chose, without zeros at its end: `0.5 %`. */
