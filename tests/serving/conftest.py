@@ -5,9 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from served import Site
+from served import Site, wait_for_all
 
 from radmpc.serving.processes.crew import Crew
+
+
+@pytest.fixture(scope="module", autouse=True)
+def servers():
+    """Wait for the ends of servers, once for all of a file."""
+    yield
+    wait_for_all()
 
 
 @pytest.fixture

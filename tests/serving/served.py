@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import socket
 import threading
 from contextlib import ExitStack
 from http.client import HTTPConnection
@@ -22,6 +23,17 @@ from radmpc.serving.web.socket import Pages
 
 PATIENCE = 60.0
 """Seconds after which a test that waits for the server has failed [s]."""
+
+ENDING: list[tuple[threading.Thread, socket.socket]] = []
+"""Servers that have been told to end, or will be."""
+
+
+def wait_for_all() -> None:
+    """Wait until all servers have ended."""
+    for thread, port in ENDING:
+        thread.join()
+        port.close()
+    ENDING.clear()
 
 
 class CallFailedError(Exception):
@@ -83,8 +95,8 @@ class Site:
         listener = Listener(app)
         thread = threading.Thread(target=asyncio.run, args=(listener.serve(sockets=[port]),))
         thread.start()
-        self._stack.callback(port.close)
-        self._stack.callback(thread.join)
+        # It looks about ten times a second whether it is to end: nobody waits for that.
+        ENDING.append((thread, port))
         self._stack.callback(listener.end)
         return self
 
