@@ -40,6 +40,10 @@ class PageError(Exception):
     """The page cannot be built; the reason in one line."""
 
 
+class NoRegistryError(PageError):
+    """The packages that it is built with cannot be had here."""
+
+
 @dataclass(frozen=True)
 class Node:
     """A Node.js, and the npm that came with it."""
@@ -61,6 +65,13 @@ class Node:
         )
         if done.returncode:
             raise PageError(f"npm {' '.join(words)} ended with {done.returncode}")
+
+    def reaches_registry(self) -> bool:
+        """Whether npm gets an answer from where its packages come from."""
+        path = os.pathsep.join([str(self.node.parent), os.environ.get("PATH", "")])
+        asked = [*self.npm, "ping", "--fetch-retries=0", "--loglevel=silent"]
+        env = {**os.environ, "PATH": path}
+        return subprocess.run(asked, cwd=WEB, env=env, check=False).returncode == 0
 
 
 def find_node() -> Node | None:
@@ -165,7 +176,12 @@ def _install(node: Node) -> None:
     stamp = MODULES / ".installed"
     digest = _digest(path for name in _LOCKED if (path := WEB / name).is_file())
     if not _is_stamped(stamp, digest):
-        node.run("ci", "--no-audit", "--no-fund", "--prefer-offline", "--loglevel=error")
+        try:
+            node.run("ci", "--no-audit", "--no-fund", "--prefer-offline", "--loglevel=error")
+        except PageError as error:
+            if node.reaches_registry():
+                raise
+            raise NoRegistryError("npm does not reach its registry") from error
         stamp.write_text(digest + "\n", encoding="utf-8")
 
 
@@ -185,6 +201,10 @@ def main(words: list[str]) -> int:
             case _:
                 print("one of: build, check, node, npm …", file=sys.stderr)
                 return 2
+    except NoRegistryError as error:
+        # As without a browser: what cannot be looked at here is said, and looked at elsewhere.
+        print(f"page: {error}: it is neither built nor checked", file=sys.stderr)
+        return 0 if words == ["check"] else 1
     except PageError as error:
         print(f"page: {error}", file=sys.stderr)
         return 1
