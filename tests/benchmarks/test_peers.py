@@ -104,6 +104,7 @@ def row(peer: str, **changes: object) -> Row:
     return replace(done, **changes)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_worker_keeps_its_answer_apart_from_what_solvers_print(stub):
     found = run(f"{stub}:planned", ASKED)
@@ -149,6 +150,7 @@ def test_an_interpreter_that_is_missing_or_lacks_radmpc_is_not_installed(tmp_pat
     )
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_worker_that_dies_is_mute_or_does_not_end_is_a_row(stub, monkeypatch):
     assert run(f"{stub}:dying", ASKED).status == "crashed"

@@ -68,6 +68,7 @@ def test_reproduce_refuses_what_makes_no_sense_in_one_line(run, words, message):
     assert len(result.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_an_interrupt_ends_it_and_the_same_command_goes_on(tmp_path):
     out = tmp_path / "study"

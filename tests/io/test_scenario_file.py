@@ -281,6 +281,7 @@ def test_a_default_that_fits_not_every_vehicle_names_the_one() -> None:
     )
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_file_of_a_thousand_vehicles_is_written_and_read(tmp_path: Path) -> None:
     data = bare()

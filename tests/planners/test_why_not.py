@@ -62,6 +62,7 @@ def far(name="far"):
     return vehicle(name, (0, 60), (4, 60))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_vehicle_behind_a_wall_is_named_with_the_wall_and_the_rest_can_go():
     result = plan(
