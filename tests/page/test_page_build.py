@@ -212,10 +212,19 @@ def test_an_editable_install_builds_no_page(sources, monkeypatch):
 
 
 def test_a_build_that_fails_is_told_in_one_line(sources, monkeypatch, capsys):
-    node = page.Node(Path(sys.executable), (sys.executable, "-c", "raise SystemExit(7)"))
+    answers = "import sys; raise SystemExit(0 if 'ping' in sys.argv else 7)"
+    node = page.Node(Path(sys.executable), (sys.executable, "-c", answers))
     monkeypatch.setattr(page, "find_node", lambda: node)
     assert page.main(["build"]) == 1
     assert re.fullmatch(r"page: npm ci .* ended with 7\n", capsys.readouterr().err)
+
+
+def test_without_a_registry_the_check_says_that_nothing_is_looked_at(sources, monkeypatch, capsys):
+    node = page.Node(Path(sys.executable), (sys.executable, "-c", "raise SystemExit(7)"))
+    monkeypatch.setattr(page, "find_node", lambda: node)
+    said = "page: npm does not reach its registry: it is neither built nor checked\n"
+    assert (page.main(["check"]), capsys.readouterr().err) == (0, said)
+    assert (page.main(["build"]), capsys.readouterr().err) == (1, said)
 
 
 def test_without_a_node_the_command_says_what_to_install(monkeypatch, capsys):
