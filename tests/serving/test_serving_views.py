@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from importlib.resources import files
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.io.text.yaml_text import read_yaml
+from radmpc.model.relations.couplings import Coupling, Reason
 from radmpc.serving.documents.content import changed
 from radmpc.serving.views.ellipses import ellipses_of
 from radmpc.serving.views.handles import value_at
 from radmpc.serving.views.numbers import Rounding
+from radmpc.serving.views.plan import _coupling
 from radmpc.serving.views.scenario import scenario_view
 
 SHAPES = {
@@ -142,3 +145,9 @@ def test_ellipses_are_one_standard_deviation_along_their_axes():
 def test_places_are_as_exact_as_a_screen_shows_them():
     rounding = Rounding.of(np.zeros(2), np.array([5000.0, 10.0]))
     assert rounding.point([1234.56789, 0.004]) == [1234.6, 0.0]
+
+
+@pytest.mark.parametrize("reason", get_args(Reason))
+def test_every_reason_to_plan_two_together_is_told(reason):
+    told = _coupling(Coupling("tug", "barge", reason, 0.5))
+    assert told["text"].startswith("tug and barge ")

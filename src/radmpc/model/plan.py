@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
+from radmpc.model.relations.couplings import Coupling, Reason
 from radmpc.model.scenario import Scenario
 
 __all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]
 
 Cause = Literal["obstacle", "pair", "workspace", "range"]
-Reason = Literal["collision", "risk", "blocked", "distance", "share", "range"]
 
 
 class Status(Enum):
@@ -154,31 +154,6 @@ class Risk:
     ledger: tuple[LedgerRow, ...] = ()
     price: float | None = None
     saturation: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Coupling:
-    """Why two vehicles were planned together: an edge of the coupling graph.
-
-    Attributes
-    ----------
-    vehicle, other : str
-        The two vehicles.
-    reason : {'collision', 'risk', 'blocked', 'distance', 'share', 'range'}
-        Their plans made apart collide; their risk in the approximation exceeds Ψ (paper, section
-        Identifying Couplings); one had no path past the other there; their paths alone come close;
-        their shares of Δ by head count were too small; they keep a range.
-    value : float or None
-        Estimated probability of collision [-] for ``collision`` and ``risk``, closest approach
-        of the centers [m] for ``distance``, the range to keep [m] for ``range``, None for the
-        others. An estimate for ``collision``
-        is a sum of bounds and may exceed 1.
-    """
-
-    vehicle: str
-    other: str
-    reason: Reason
-    value: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

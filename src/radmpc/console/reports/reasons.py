@@ -36,9 +36,6 @@ _LEAST_SAVED = 1e-6
 _PRICED = "certified"
 """The decomposition that knows a shadow price, as it is written in plans."""
 
-_SURE = 0.995
-"""Probability that two digits show as 1: nobody should read it as a number."""
-
 _ROUNDING = 1e-9
 """Relative difference of a cost and its bound that is none."""
 
@@ -57,19 +54,14 @@ def reasons_text(plan: Plan) -> str:
         Four reasons at most, and how many others there are.
     """
     ordered = sorted(plan.couplings, key=_strength, reverse=True)
-    sure = [c for c in ordered if _is_sure(c)]
+    sure = [c for c in ordered if c.is_sure]
     told = [_sure_text(sure)] if len(sure) > 1 else []
     rest = ordered[len(sure) :] if told else ordered
     num_told = _MOST_REASONS - len(told)
-    told += [_reason(coupling) for coupling in rest[:num_told]]
+    told += [coupling.sentence for coupling in rest[:num_told]]
     hidden = len(rest[num_told:])
     noun = "coupling" if hidden == 1 else "couplings"
     return "; ".join(told) + (f"; and {hidden} more {noun}" if hidden else "")
-
-
-def _is_sure(coupling: Coupling) -> bool:
-    """Whether two vehicles planned apart would collide but for a miracle."""
-    return coupling.reason == "collision" and (coupling.value or 0.0) >= _SURE
 
 
 def _sure_text(sure: Sequence[Coupling]) -> str:
@@ -87,22 +79,6 @@ def _strength(coupling: Coupling) -> float:
     if coupling.reason == "range":
         return 0.0
     return -coupling.value if coupling.reason == "distance" else coupling.value
-
-
-def _reason(coupling: Coupling) -> str:
-    """Return one reason."""
-    pair, value = f"{coupling.vehicle} and {coupling.other}", coupling.value or 0.0
-    if _is_sure(coupling):
-        return f"{pair} would almost surely collide if planned apart"
-    texts = {
-        "collision": f"{pair} would run a risk of {value:.2g} if planned apart",
-        "risk": f"{pair} run a risk of {value:.2g} in the approximation",
-        "blocked": f"{pair} block each other in the approximation",
-        "distance": f"{pair} come within {value:.3g} m if planned apart",
-        "share": f"{pair} need more than their shares of the risk bound",
-        "range": f"{pair} keep a range of {value:.3g} m",
-    }
-    return texts[coupling.reason]
 
 
 def limits_text(plan: Plan) -> str:

@@ -38,16 +38,6 @@ _PARTS = 4
 _MOST_LINES, _NOTHING = 4000, 1e-7
 """Lines of a ledger that are told, and the share of Δ from which on one is [-]."""
 
-_REASONS = {
-    "risk": "run a risk of {value:.2g} in the approximation",
-    "blocked": "block each other in the approximation",
-    "distance": "come within {value:.3g} m if planned apart",
-    "share": "need more than their shares of the risk bound",
-}
-
-_SURE = 0.995
-"""Probability that two digits show as 1 [-]."""
-
 
 def plan_summary(plan: Plan, number: str, revision: int) -> PlanSummary:
     """Return a plan in few words.
@@ -197,17 +187,10 @@ def _line(row: LedgerRow, places: dict[str, Matrix], rounding: Rounding) -> Ledg
 
 def _coupling(coupling: Coupling) -> CouplingView:
     """Return why two vehicles are planned together."""
-    value = coupling.value or 0.0
-    if coupling.reason == "collision":
-        sure = value >= _SURE
-        text = "would almost surely collide" if sure else f"would run a risk of {value:.2g}"
-        text += " if planned apart"
-    else:
-        text = _REASONS[coupling.reason].format(value=value)
     return {
         "vehicle": coupling.vehicle,
         "other": coupling.other,
-        "text": f"{coupling.vehicle} and {coupling.other} {text}",
+        "text": coupling.sentence,
     }
 
 
