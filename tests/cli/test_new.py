@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import radmpc
-from radmpc.console.completing import TEMPLATES
+from radmpc.data import TEMPLATES
 from radmpc.preflight import concerns_of, outlook_of
 
 from .conftest import Run, assert_one_line

@@ -9,7 +9,6 @@ import typer
 
 from radmpc.console.completing import (
     FORMATS,
-    TEMPLATES,
     complete_drawn,
     complete_format,
     complete_log,
@@ -21,6 +20,7 @@ from radmpc.console.completing import (
     complete_template,
     complete_view,
 )
+from radmpc.data import TEMPLATES
 
 __all__ = [
     "Agents",

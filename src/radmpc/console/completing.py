@@ -1,17 +1,18 @@
 """What the shell completes: planners, formats, and files by what they end in.
 
-Loads nothing of the package: the user waits for it at every press of the key.
+Loads no more of the package than names: the user waits for it at every press of the key.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from radmpc.data import TEMPLATES
+
 __all__ = [
     "BACKENDS",
     "FORMATS",
     "PLANNERS",
-    "TEMPLATES",
     "VIEWS",
     "complete_backend",
     "complete_drawn",
@@ -50,10 +51,6 @@ BACKENDS = ("model", "rotorpy", "irsim", "boat", "mavlink")
 
 VIEWS = ("plan", "ledger", "couplings", "distances", "risk")
 """What there is to see of a plan, beside films."""
-
-
-TEMPLATES = ("boats", "drones", "warehouse")
-"""Scenarios to begin with."""
 
 
 def complete_planner(incomplete: str) -> list[str]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
 
+from radmpc import data
 from radmpc.atomic import write_text
-from radmpc.console.completing import TEMPLATES
 from radmpc.console.files import OutputError, check_output, writing
 from radmpc.console.output import show
 from radmpc.console.running.guard import Code
+from radmpc.data import TEMPLATES
 from radmpc.errors import ScenarioError
 
 __all__ = ["run_new", "template"]
@@ -32,8 +32,7 @@ def template(kind: str) -> str:
     """
     if kind not in TEMPLATES:
         raise ScenarioError(f"KIND must be one of {', '.join(TEMPLATES)}, got {kind!r}")
-    path = files("radmpc.data").joinpath("templates", f"{kind}.yaml")
-    return path.read_text(encoding="utf-8")
+    return data.template(kind)
 
 
 def run_new(kind: str | None, output: Path | None) -> int:

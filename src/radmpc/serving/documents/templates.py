@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
-
+from radmpc import data
+from radmpc.data import TEMPLATES
 from radmpc.serving.failures import refused
 from radmpc.serving.protocol import Content, Named
 
 __all__ = ["empty", "template", "templates"]
 
-_KINDS = ("boats", "drones", "warehouse")
-
 
 def templates() -> list[Named]:
     """Return what there is to begin with; the first comment of each says what it is."""
-    return [{"name": kind, "text": _first_line(kind)} for kind in _KINDS]
+    return [{"name": kind, "text": _first_line(kind)} for kind in TEMPLATES]
 
 
 def template(kind: str) -> str:
@@ -25,10 +23,9 @@ def template(kind: str) -> str:
     CallError
         If there is none of that name.
     """
-    if kind not in _KINDS:
-        raise refused(f"template must be one of {', '.join(_KINDS)}")
-    path = files("radmpc.data").joinpath("templates", f"{kind}.yaml")
-    return path.read_text(encoding="utf-8")
+    if kind not in TEMPLATES:
+        raise refused(f"template must be one of {', '.join(TEMPLATES)}")
+    return data.template(kind)
 
 
 def empty() -> Content:
