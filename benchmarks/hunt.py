@@ -18,13 +18,14 @@ import multiprocessing
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import closing
 from pathlib import Path
 
+from hunt_answers import Effort
 from hunt_catch import COLUMNS, KINDS, Catch, catch_of
-from hunt_checks import Effort, examine, run_scene
+from hunt_checks import examine, run_scene
 from hunt_scenes import draw_scene
 from radmpc.io.native.scenario_file import save_scenario
 
@@ -116,7 +117,9 @@ def _append(path: Path, catch: Catch) -> None:
         os.fsync(file.fileno())
 
 
-def _run(indices: Sequence[int], jobs: int, seed: int, effort: Effort) -> Iterator[Catch]:
+def _run(
+    indices: Sequence[int], jobs: int, seed: int, effort: Effort
+) -> Generator[Catch, None, None]:
     """Yield one scene after the other, here or from processes."""
     if jobs == 1:
         for index in indices:

@@ -11,8 +11,9 @@ import pytest
 
 import hunt
 import hunt_checks
+from hunt_answers import PLANNERS, Effort
 from hunt_catch import KINDS, Catch, Notes, catch_of, clock, watched
-from hunt_checks import Effort, examine, run_scene
+from hunt_checks import examine, run_scene
 from hunt_flight import plain_collisions, solid_distances
 from hunt_scenes import draw_scene
 from radmpc.geometry import box, hull
@@ -109,7 +110,7 @@ def caught_with(monkeypatch: pytest.MonkeyPatch, change: object, samples: int = 
     plan_truly = hunt_checks.plan
 
     def lie(scenario: object, planner: object, **options: object) -> Result:
-        [name] = [n for n, p in hunt_checks.PLANNERS.items() if p is planner]
+        [name] = [n for n, p in PLANNERS.items() if p is planner]
         return change(name, plan_truly(scenario, planner, **options))  # type: ignore
 
     monkeypatch.setattr(hunt_checks, "plan", lie)
