@@ -18,6 +18,8 @@ from radmpc.experiments.families import fleet
 from radmpc.experiments.study import Journal, quick_study, read_rows, run_study
 from radmpc.io.native.plan_file import load_plan
 from radmpc.io.native.scenario_file import save_scenario
+from radmpc.planners.certified.proof import prove
+from radmpc.planners.executing import in_order
 from radmpc.planning import plan
 
 pytestmark = pytest.mark.slow
@@ -29,8 +31,13 @@ def controls(result_or_plan):
 
 
 @pytest.fixture(scope="module")
-def here():
-    return controls(plan(SCENARIO, "certified").require())
+def planned():
+    return plan(SCENARIO, "certified")
+
+
+@pytest.fixture(scope="module")
+def here(planned):
+    return controls(planned.require())
 
 
 @pytest.fixture(scope="module")
@@ -58,11 +65,28 @@ def killing(pid):
     return told
 
 
-def test_a_process_killed_in_mid_run_loses_nothing(here):
+def test_a_process_killed_in_mid_run_loses_nothing(planned, here):
     with ProcessPoolExecutor(2) as pool:
         pids = {pool.submit(os.getpid).result() for _ in range(8)}
         result = plan(SCENARIO, "certified", executor=pool, progress=killing(pids.pop()))
     assert_same(controls(result.require()), here)
+    assert result.certified_lower_bound == planned.certified_lower_bound
+
+
+def test_the_proof_says_the_same_wherever_its_parts_are_searched(monkeypatch):
+    scenario, searched = fleet(16, 1), []
+    expected = plan(scenario, "certified")
+
+    def counted(work, tasks, limits, executor):
+        searched.extend(tasks)
+        return in_order(work, tasks, limits, executor)
+
+    monkeypatch.setattr(prove, "in_order", counted)
+    with ProcessPoolExecutor(2) as pool:
+        found = plan(scenario, "certified", executor=pool)
+    assert len(searched) > 1
+    assert found.certified_lower_bound == expected.certified_lower_bound
+    assert_same(controls(found.require()), controls(expected.require()))
 
 
 def test_a_cluster_gives_the_same_plan(scheduler, here):

@@ -74,7 +74,7 @@ def test_more_time_for_the_proof_never_lowers_the_bound() -> None:
     assert bounds[0] < bounds[1]
 
 
-def relaxed_up_to(most: float) -> tuple[Fleet, RelaxedSet, Vector]:
+def relaxed_up_to(most: float) -> tuple[RelaxedSet, Vector]:
     """A vehicle among boxes, its relaxation up to a value, and the point of a plan."""
     scenario = replace(clutter(1, 40, 2), avoidance="steps")
     made = plan(scenario, time_limit=20.0).plan
@@ -84,20 +84,20 @@ def relaxed_up_to(most: float) -> tuple[Fleet, RelaxedSet, Vector]:
     tails = tails_of(scenario.risk_bound, are_integrated=True)
     if np.isfinite(most):
         model = within_tube(model, program, most, Limits())
-    relaxed = RelaxedSet.of(fleet, (0,), [model], tails, 16, most)
-    return fleet, relaxed, point_of([model], [made.trajectories[0].controls])
+    relaxed = RelaxedSet.of(scenario, [model], fleet.base[0], tails, 16, most)
+    return relaxed, point_of([model], [made.trajectories[0].controls])
 
 
 @pytest.mark.slow
 def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
-    fleet, whole, hint = relaxed_up_to(np.inf)
+    whole, hint = relaxed_up_to(np.inf)
     price, gap = 2.0, 1e-3
-    found = whole.searched(fleet, price, (), gap, 4000, hint)
+    found = whole.searched(Limits(), price, (), gap, 4000, hint)
     assert found.value - found.bound <= 2.0 * gap * found.value
     assert found.base < 0.98 * found.value
     for share in (0.3, 0.7, 1.5):
         most = found.base + share * (found.value - found.base)
-        narrow = relaxed_up_to(most)[1].searched(fleet, price, (), gap, 4000, hint)
+        narrow = relaxed_up_to(most)[0].searched(Limits(), price, (), gap, 4000, hint)
         assert narrow.bound <= min(most, found.value) * (1.0 + 1e-9)
         assert narrow.bound >= min(most, found.bound) * (1.0 - 2.0 * gap)
         assert narrow.program.num_avoidances <= found.program.num_avoidances
@@ -105,11 +105,11 @@ def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
 
 @pytest.mark.slow
 def test_what_is_proven_at_one_price_is_carried_to_others_within_their_values() -> None:
-    fleet, whole, hint = relaxed_up_to(np.inf)
-    before = whole.searched(fleet, 4.0, (), 1e-3, 4000, hint)
+    whole, hint = relaxed_up_to(np.inf)
+    before = whole.searched(Limits(), 4.0, (), 1e-3, 4000, hint)
     for price in (1.0, 8.0):
-        value = whole.searched(fleet, price, (), 1e-3, 4000, hint).value
-        carried = whole.continued(before).searched(fleet, price, (), 1e-3, 1, hint)
+        value = whole.searched(Limits(), price, (), 1e-3, 4000, hint).value
+        carried = whole.continued(before).searched(Limits(), price, (), 1e-3, 1, hint)
         assert carried.widenings == 1
         assert carried.base < carried.bound <= value * (1.0 + 1e-9)
 

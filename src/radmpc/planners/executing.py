@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, Self, TypeVar
 
 from radmpc.solvers.solution import Limits
 
-__all__ = ["run_elsewhere"]
+__all__ = ["in_order", "run_elsewhere"]
 
 _POLL_SECONDS = 0.1
 """How often progress is told and a stop passed on [s]."""
@@ -32,9 +33,6 @@ def run_elsewhere(
 ) -> list[Answer | None]:
     """Run tasks on an executor.
 
-    Only the wall clock means the same in another process, and a queued task must not restart it.
-    A stop reaches the workers of this machine as a file that appears.
-
     Parameters
     ----------
     work : callable
@@ -53,28 +51,98 @@ def run_elsewhere(
     list
         Answers in the order of the tasks; None for those whose worker died or never answered.
     """
-    deadline = time.time() + limits.seconds_left
-    futures: list[Future[Answer] | None] = []
-    with tempfile.TemporaryDirectory(prefix="radmpc-") as folder:
-        flag = Path(folder) / "stop"
+    with _Elsewhere(work, limits, executor) as elsewhere:
+        futures = elsewhere.submit(tasks)
+        waiting = {future for future in futures if future is not None}
+        while waiting and not elsewhere.is_late:
+            waiting = elsewhere.wait(waiting)
+            progress(len(tasks) - len(waiting), len(tasks))
+        return [_answer(future) for future in futures]
+
+
+def in_order(
+    work: Callable[[Task, Limits], Answer],
+    tasks: Sequence[Task],
+    limits: Limits,
+    executor: Executor,
+) -> Generator[Answer | None, None, None]:
+    """Run tasks on an executor and yield their answers in order, each as soon as it is there.
+
+    Parameters
+    ----------
+    work, tasks, limits, executor
+        As in `run_elsewhere`.
+
+    Yields
+    ------
+    Answer or None
+        None for a task whose worker died or never answered. Once the generator is closed, what
+        has not begun never does, and what is under way is stopped and forgotten.
+    """
+    with _Elsewhere(work, limits, executor) as elsewhere:
+        for future in elsewhere.submit(tasks):
+            waiting = set() if future is None else {future}
+            while waiting and not elsewhere.is_late:
+                waiting = elsewhere.wait(waiting)
+            yield _answer(future)
+
+
+class _Elsewhere:
+    """Work on an executor until a limit; who leaves stops what is under way.
+
+    Only the wall clock means the same in another process, and a queued task must not restart it.
+    A stop reaches the workers of this machine as a file that appears.
+    """
+
+    def __init__(
+        self, work: Callable[[Task, Limits], Answer], limits: Limits, executor: Executor
+    ) -> None:
+        self._work, self._limits, self._executor = work, limits, executor
+        self._deadline = time.time() + limits.seconds_left
+        self._futures: set[Future[Any]] = set()
+
+    def __enter__(self) -> Self:
+        self._folder = tempfile.TemporaryDirectory(prefix="radmpc-")
+        self._flag = Path(self._folder.name) / "stop"
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        left = {future for future in self._futures if not (future.done() or future.cancel())}
+        if left:
+            # The file has to stay until everybody has seen it.
+            self._flag.touch()
+            wait(left, timeout=_GRACE)
+        self._folder.cleanup()
+
+    @property
+    def is_late(self) -> bool:
+        """Whether nobody is waited for any more."""
+        return time.time() > self._deadline + _GRACE
+
+    def submit(self, tasks: Sequence[Any]) -> list[Future[Any] | None]:
+        """Hand tasks out; None for those that nobody takes."""
+        futures: list[Future[Any] | None] = []
         for task in tasks:
+            work = partial(_until, self._work, task, self._deadline, str(self._flag))
             try:
-                futures.append(executor.submit(_until, work, task, deadline, str(flag)))
+                futures.append(self._executor.submit(work))
             except BrokenExecutor:
                 futures.append(None)
-        waiting = {future for future in futures if future is not None}
-        while waiting:
-            _, waiting = wait(waiting, timeout=_POLL_SECONDS, return_when=FIRST_COMPLETED)
-            progress(len(tasks) - len(waiting), len(tasks))
-            if waiting and limits.is_stopped():
-                flag.touch()
-            if waiting and time.time() > deadline + _GRACE:
-                return [_answer(f) if f is not None and f.done() else None for f in futures]
-    return [None if future is None else _answer(future) for future in futures]
+        self._futures = {future for future in futures if future is not None}
+        return futures
+
+    def wait(self, waiting: set[Future[Any]]) -> set[Future[Any]]:
+        """Wait until one is done, for a moment at most; return the others, and pass a stop on."""
+        _, waiting = wait(waiting, timeout=_POLL_SECONDS, return_when=FIRST_COMPLETED)
+        if waiting and self._limits.is_stopped():
+            self._flag.touch()
+        return waiting
 
 
-def _answer(future: Future[Answer]) -> Answer | None:
-    """Return a future's answer; None if its worker died."""
+def _answer(future: Future[Answer] | None) -> Answer | None:
+    """Return a future's answer; None if its worker died, or has not answered."""
+    if future is None or not future.done():
+        return None
     try:
         return future.result()
     except BrokenExecutor:

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from radmpc.arrays import Vector
-from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.merging import Members
+from radmpc.model.scenario import Scenario
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
@@ -18,6 +17,7 @@ from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
+from radmpc.solvers.solution import Limits
 
 __all__ = ["RelaxedSet"]
 
@@ -31,8 +31,8 @@ class RelaxedSet:
 
     Attributes
     ----------
-    members : tuple of int
-        The vehicles, ascending.
+    scenario : Scenario
+        The vehicles alone, with what they may meet.
     program : DisjunctiveProgram
         Their relaxation.
     rater : Rater
@@ -56,7 +56,7 @@ class RelaxedSet:
         How often ``most`` was chosen anew.
     """
 
-    members: Members
+    scenario: Scenario
     program: DisjunctiveProgram
     rater: Rater
     base: float
@@ -71,9 +71,9 @@ class RelaxedSet:
     @classmethod
     def of(
         cls,
-        fleet: Fleet,
-        members: Members,
+        scenario: Scenario,
         models: Sequence[CondensedModel],
+        base: float,
         tails: Tails,
         num_directions: int,
         most: float = float("inf"),
@@ -82,12 +82,12 @@ class RelaxedSet:
 
         Parameters
         ----------
-        fleet : Fleet
-            The fleet.
-        members : tuple of int
-            The vehicles, ascending.
+        scenario : Scenario
+            The vehicles alone, with what they may meet.
         models : sequence of CondensedModel
             Theirs, with the reach of plans up to ``most`` at least.
+        base : float
+            What they cost at least in empty space.
         tails : Tails
             For the fleet's Δ.
         num_directions : int
@@ -95,10 +95,9 @@ class RelaxedSet:
         most : float
             Value up to which it is searched.
         """
-        program = build_relaxation(fleet.programs.alone(members), models, tails, num_directions)
-        base = sum(fleet.base[i] for i in members)
-        rater = Rater(program, fleet.scenario.risk_bound)
-        return cls(members, program, rater, base, most, bound=base)
+        program = build_relaxation(scenario, models, tails, num_directions)
+        rater = Rater(program, scenario.risk_bound)
+        return cls(scenario, program, rater, base, most, bound=base)
 
     def continued(self, before: RelaxedSet) -> RelaxedSet:
         """Return this set, not searched yet, with what a search up to another value has proven."""
@@ -133,7 +132,7 @@ class RelaxedSet:
 
     def searched(
         self,
-        fleet: Fleet,
+        limits: Limits,
         price: float,
         bounds: tuple[SetBound, ...],
         gap: float,
@@ -144,8 +143,8 @@ class RelaxedSet:
 
         Parameters
         ----------
-        fleet : Fleet
-            With the limits that end the search.
+        limits : Limits
+            When to stop early.
         price : float
             Cost per unit of probability.
         bounds : tuple of SetBound
@@ -157,8 +156,8 @@ class RelaxedSet:
         hint : (n,) array
             A point to begin with.
         """
-        unit = fleet.scenario.risk_bound
-        if fleet.scenario.has_windows and len(self.members) == 1:
+        unit = self.scenario.risk_bound
+        if self.scenario.has_windows and self.scenario.num_vehicles == 1:
             # The program says nothing of visits whose step is open.
             bounds = (*bounds, SetBound(frozenset({0}), self.base))
         tree = RiskTree(
@@ -167,7 +166,7 @@ class RelaxedSet:
             price * unit,
             gap=gap,
             scale=max(1e-9, 1e-3 * self.base),
-            limits=fleet.limits,
+            limits=limits,
             bounds=bounds,
             rater=self.rater,
         )

@@ -1,0 +1,178 @@
+"""A part of the fleet in the proof: what it is given, what is asked of it, and what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from radmpc.arrays import Matrix
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
+from radmpc.planners.certified.proof.tuning import TUNING
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.program.build import cost_of_time
+from radmpc.program.condensed import CondensedModel
+from radmpc.program.program import DisjunctiveProgram
+from radmpc.program.relaxed.tails import Tails
+
+__all__ = ["Part", "PartAnswer", "PartOrder", "PartTask", "paid_for_hazards"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Vehicles whose relaxation is searched by itself; pickles.
+
+    Attributes
+    ----------
+    members : tuple of int
+        The vehicles, ascending.
+    scenario : Scenario
+        These vehicles alone, with what they may meet.
+    models : tuple of CondensedModel
+        Theirs.
+    programs : tuple of DisjunctiveProgram
+        Each one's own; empty where reach is not narrowed.
+    base : tuple of float
+        What each costs at least in empty space.
+    controls : tuple of (T, m) array
+        The plan at hand.
+    most_over : float
+        What the plan at hand costs beyond the least of the whole fleet in empty space.
+    tails : Tails
+        For the fleet's Δ.
+    """
+
+    members: Members
+    scenario: Scenario
+    models: tuple[CondensedModel, ...]
+    programs: tuple[DisjunctiveProgram, ...]
+    base: tuple[float, ...]
+    controls: tuple[Matrix, ...]
+    most_over: float
+    tails: Tails
+
+    @classmethod
+    def of(cls, fleet: Fleet, incumbent: FleetIncumbent, members: Members, tails: Tails) -> Part:
+        """Return what the proof needs to know of some vehicles.
+
+        Parameters
+        ----------
+        fleet : Fleet
+            The fleet.
+        incumbent : FleetIncumbent
+            The plan at hand.
+        members : tuple of int
+            The vehicles, ascending.
+        tails : Tails
+            For the fleet's Δ.
+        """
+        is_narrowed = len(fleet.scenario.obstacles) >= TUNING.many_obstacles
+        alone = [fleet.programs.problem((i,)).program for i in members] if is_narrowed else []
+        return cls(
+            members,
+            fleet.programs.alone(members),
+            tuple(fleet.programs.models[i] for i in members),
+            tuple(alone),
+            tuple(fleet.base[i] for i in members),
+            tuple(incumbent.controls[i] for i in members),
+            incumbent.cost - sum(fleet.base),
+            tails,
+        )
+
+    @property
+    def is_narrowed(self) -> bool:
+        """Whether reach is narrowed to that of plans that matter."""
+        return bool(self.programs)
+
+    def paid_for_hazards(self, blocks: Members) -> float:
+        """Return what the plan of some vehicles, by their places, costs beyond the least."""
+        return sum(
+            paid_for_hazards(self.models[block], self.controls[block], self.base[block])
+            for block in blocks
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartOrder:
+    """What is asked of a part.
+
+    Attributes
+    ----------
+    price : float
+        Cost per unit of probability.
+    num_directions : int
+        Directions around every hazard [-].
+    gap : float
+        Relative gap at which a set's search stops [-].
+    nodes : int
+        Nodes per vehicle of a set [-].
+    worth : float
+        What a set must promise to be searched, in cost.
+    most_nodes : float
+        Nodes of all its sets together, after which nothing more is begun [-].
+    """
+
+    price: float
+    num_directions: int
+    gap: float
+    nodes: int
+    worth: float
+    most_nodes: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartTask:
+    """A part to be searched on; pickles.
+
+    Attributes
+    ----------
+    part : Part
+        The vehicles.
+    known : mapping of tuple of int to RelaxedSet
+        What is known of some of them, by their places in the part.
+    order : PartOrder
+        What is asked.
+    """
+
+    part: Part
+    known: Mapping[Members, RelaxedSet]
+    order: PartOrder
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartAnswer:
+    """What came of an order.
+
+    Attributes
+    ----------
+    sets : mapping of tuple of int to RelaxedSet
+        What is known of the part and of vehicles of it, by their places in it.
+    nodes : int
+        Spent now [-].
+    is_new : bool
+        Whether there was anything to do.
+    """
+
+    sets: Mapping[Members, RelaxedSet]
+    nodes: int
+    is_new: bool
+
+
+def paid_for_hazards(model: CondensedModel, controls: Matrix, base: float) -> float:
+    """Return what a vehicle's plan costs beyond the least in empty space.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    controls : (T, m) array
+        Its plan.
+    base : float
+        What it costs at least in empty space.
+    """
+    effort = model.vehicle.cost_weight * float(np.abs(controls).sum())
+    return effort + cost_of_time(model, controls) - base

@@ -1,0 +1,151 @@
+"""Searching a part of the fleet in the proof, its vehicles alone and in pairs before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.nearby import Surroundings
+from radmpc.planners.certified.proof.part import Part, PartAnswer, PartOrder, PartTask
+from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
+from radmpc.planners.certified.proof.tubes import within_tube
+from radmpc.planners.certified.proof.tuning import TUNING
+from radmpc.program.build import point_of
+from radmpc.solvers.priced.lp import SetBound
+from radmpc.solvers.solution import Limits
+
+__all__ = ["search_part"]
+
+
+def search_part(task: PartTask, limits: Limits) -> PartAnswer:
+    """Search a part on.
+
+    Parameters
+    ----------
+    task : PartTask
+        The part, and what is asked.
+    limits : Limits
+        When to stop early.
+
+    Returns
+    -------
+    PartAnswer
+        What is known then; the same wherever it was searched, unless a limit ended it.
+    """
+    search = _PartSearch(task.part, task.order, limits, dict(task.known))
+    is_new = search.advance(tuple(range(len(task.part.members))))
+    return PartAnswer(search.sets, search.nodes, is_new)
+
+
+@dataclass(slots=True, eq=False)
+class _PartSearch:
+    """The search of a part; sets are named by the vehicles' places in it."""
+
+    part: Part
+    order: PartOrder
+    limits: Limits
+    sets: dict[Members, RelaxedSet]
+    nodes: int = 0
+    surroundings: Surroundings | None = None
+
+    @property
+    def _has_spent(self) -> bool:
+        """Whether time is up, or all nodes are spent."""
+        return self.nodes >= self.order.most_nodes or self.limits.reached
+
+    def advance(self, blocks: Members) -> bool:
+        """Search a set on, smaller ones before; tell whether there was anything to do."""
+        order, known = self.order, self.sets.get(blocks)
+        if self._has_spent:
+            return False
+        if known is None and self.part.paid_for_hazards(blocks) <= order.worth:
+            return False
+        if known is None:
+            most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
+            known = self._relaxed(blocks, most)
+        is_here = known.price == order.price
+        if is_here and (known.is_trivial or known.value - known.bound <= order.worth):
+            return False
+        bounds: list[SetBound] = []
+        for size in range(1, min(len(blocks), 3)):
+            for places in combinations(range(len(blocks)), size):
+                fewer = tuple(blocks[place] for place in places)
+                self.advance(fewer)
+                if fewer in self.sets and self.sets[fewer].price == order.price:
+                    bounds.append(SetBound(frozenset(places), self.sets[fewer].bound))
+        left = max(order.most_nodes - self.nodes, 1)
+        self._search_on(blocks, known, tuple(bounds), int(min(order.nodes * len(blocks), left)))
+        return True
+
+    def _search_on(
+        self, blocks: Members, known: RelaxedSet, bounds: tuple[SetBound, ...], share: int
+    ) -> None:
+        """Search a set for so many nodes, up to one value after the other."""
+        order, last = self.order, known.nodes + share
+        models = [self.part.models[block] for block in blocks]
+        hint = point_of(models, [self.part.controls[block] for block in blocks])
+        is_over = False
+        while not is_over:
+            most = self._next_most(blocks, known)
+            if most is not None:
+                known = self._relaxed(blocks, most).continued(known)
+            nodes = last - known.nodes
+            first = TUNING.try_nodes * len(blocks) - known.nodes
+            if self.part.is_narrowed and known.widenings == 0 and first > 0:
+                nodes = min(nodes, first)
+            found = known.searched(self.limits, order.price, bounds, order.gap, nodes, hint)
+            self.nodes += found.nodes - known.nodes
+            known = self.sets[blocks] = found
+            is_done = known.nodes >= last or self.limits.reached
+            is_over = is_done or self._next_most(blocks, known) is None
+
+    def _relaxed(self, blocks: Members, most: float) -> RelaxedSet:
+        """Build a set's relaxation; among many obstacles with the reach of plans up to a value.
+
+        The other vehicles cost at least what they do in empty space. What a fleet dearer than the
+        plan at hand may do is of no interest either: no bound is above its cost.
+        """
+        part = self.part
+        models = [part.models[block] for block in blocks]
+        base = sum(part.base[block] for block in blocks)
+        if part.is_narrowed:
+            most_over = min(most - base, part.most_over)
+            models = [
+                within_tube(model, part.programs[block], part.base[block] + most_over, self.limits)
+                for block, model in zip(blocks, models, strict=True)
+            ]
+        scenario = part.scenario
+        if len(blocks) < len(part.members):
+            if self.surroundings is None:
+                self.surroundings = Surroundings(part.scenario, part.models)
+            scenario = self.surroundings.of(blocks)
+        return RelaxedSet.of(scenario, models, base, part.tails, self.order.num_directions, most)
+
+    def _next_most(self, blocks: Members, known: RelaxedSet) -> float | None:
+        """Return the value up to which a set is searched next; None to go on as it is.
+
+        A search up to a lower value is over much sooner: reach is narrower. So after a first try
+        such values are proven one after the other, each a share of what is left above the last.
+        """
+        if not self.part.is_narrowed or known.is_trivial:
+            return None
+        gap, final = self.order.gap, self._most_value(blocks)
+        if known.widenings == 0:
+            is_over = known.nodes >= TUNING.try_nodes * len(blocks)
+        else:
+            is_over = known.most < final and known.bound >= known.most * (1.0 - 1.01 * gap)
+        left = min(known.value, final) - known.bound
+        if not is_over or left <= gap * final:
+            return None
+        step = TUNING.stage * left
+        if step > 2.0 * gap * final and left > TUNING.last_stage * (final - known.base):
+            return known.bound + step
+        return final if known.most < final else None
+
+    def _most_value(self, blocks: Members) -> float:
+        """Return what a set's value is at most at any price tried: its plan risks Δ at most."""
+        base = sum(self.part.base[block] for block in blocks)
+        dearest = self.order.price * TUNING.most_move ** (TUNING.prices - 1)
+        paid = self.part.paid_for_hazards(blocks) + base
+        return paid + dearest * self.part.scenario.risk_bound

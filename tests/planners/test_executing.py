@@ -1,0 +1,71 @@
+"""Work on an executor: answers in order, and nothing goes on once nobody asks."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import closing
+
+import pytest
+
+from radmpc.planners.executing import in_order
+from radmpc.solvers.solution import Limits
+
+
+def test_answers_come_in_order_whoever_is_done_first() -> None:
+    second_is_done = threading.Event()
+
+    def work(task: int, limits: Limits) -> int:
+        del limits
+        if task == 1:
+            second_is_done.set()
+        else:
+            assert second_is_done.wait(10.0)
+        return task
+
+    with ThreadPoolExecutor(2) as pool:
+        assert list(in_order(work, [0, 1], Limits(), pool)) == [0, 1]
+
+
+def test_once_nobody_asks_no_task_begins_and_those_under_way_are_stopped() -> None:
+    begun: list[int] = []
+
+    def work(task: int, limits: Limits) -> int:
+        begun.append(task)
+        while task > 0 and not limits.reached:
+            time.sleep(0.001)
+        return task
+
+    with ThreadPoolExecutor(1) as pool:
+        with closing(in_order(work, [0, 1, 2, 3], Limits(), pool)) as answers:
+            assert next(answers) == 0
+        # Left alone, the second would wait for ever.
+        assert begun in ([0], [0, 1])
+
+
+def test_a_limit_that_is_reached_ends_what_is_under_way() -> None:
+    def work(task: int, limits: Limits) -> bool:
+        del task
+        while not limits.reached:
+            time.sleep(0.001)
+        return True
+
+    with ThreadPoolExecutor(1) as pool:
+        assert list(in_order(work, [0], Limits(time.monotonic() + 0.05), pool)) == [True]
+
+
+def _die(task: int, limits: Limits) -> int:
+    del limits
+    if task == 1:
+        os._exit(1)
+    return task
+
+
+@pytest.mark.slow
+def test_a_task_whose_worker_dies_has_no_answer() -> None:
+    with ProcessPoolExecutor(1) as pool:
+        first, *others = in_order(_die, [0, 1, 2], Limits(), pool)
+    assert first == 0
+    assert others == [None, None]
