@@ -24,7 +24,7 @@ PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
 .PHONY: help demo serve page pictures coverage nightly oldest check quick still format lint package types \
-    floors docs test clean node
+    quick-test user-types floors docs test clean node
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -37,18 +37,22 @@ serve: $(INSTALLED_SERVE) node ## a page to draw, plan and fly in: make serve FI
 	@$(PAGE) build
 	@$(BIN)/radmpc serve $(FILE) $(if $(PORT),--port $(PORT))
 
-# What takes a second comes first. Types, which only one processor can check, and the site are beside
-# the tests: these wait now and then, for what they start.
-check: $(INSTALLED_DEV) ## everything that must hold before a commit
-	@$(MAKE) --jobs=$(WORKERS) --output-sync=target format lint floors page
-	@$(MAKE) --jobs=2 test types docs
+# What takes seconds comes first: the page and the environment wait for registries, each beside the
+# other. Types, which only one processor can check, are beside the tests: these wait now and then,
+# for what they start.
+check: ## everything that must hold before a commit
+	@$(MAKE) --jobs=$(WORKERS) --output-sync=target page format lint floors docs
+	@$(MAKE) --jobs=2 test types
 	@echo 'make check: everything holds'
 
 # Neither the site nor tests marked slow, which is where the minutes go.
 quick: $(INSTALLED_DEV) ## format, lint, types of the package and the tests that are not slow
-	@$(MAKE) --jobs=$(WORKERS) --output-sync=target format lint package
-	$(PYTEST) -m 'not slow'
+	@$(MAKE) --jobs=$(WORKERS) --output-sync=target format lint
+	@$(MAKE) --jobs=2 quick-test package
 	@echo 'make quick: holds so far; make check tells the rest'
+
+quick-test: $(INSTALLED_DEV)
+	$(PYTEST) -m 'not slow'
 
 still: docs types format lint floors ## all of it but the tests
 
@@ -61,10 +65,13 @@ lint: $(INSTALLED_DEV) ## what the linter finds
 package: $(INSTALLED_DEV) ## mypy --strict on src
 	$(BIN)/mypy
 
-# The second run is a user's: no settings, the package as it is installed from a wheel, which mypy reads
-# in a third of the time of one that is being worked on. What it needs else is beside it.
-types: package ## mypy --strict on src, the examples and the pages' programs
+# One run for all: what it takes is reading numpy, SciPy and matplotlib.
+types: $(INSTALLED_DEV) ## mypy --strict on src, the examples and the pages' programs
 	@$(BIN)/python tests/docs/programs.py build/programs
+	$(BIN)/mypy src examples build/programs
+
+# A user has no settings, and the package as it is installed from a wheel. What it needs else is beside it.
+user-types: types ## mypy --strict on examples and pages as a user would run it
 	@rm -rf $(USER) && $(BIN)/python -m venv --without-pip $(USER)
 	@packages=$$(echo $(USER)/lib/python3*/site-packages) \
 	    && $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
@@ -76,8 +83,8 @@ types: package ## mypy --strict on src, the examples and the pages' programs
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports
 
-# Each of the three is left out while its sources are as they were; the bundle is in wheels, so that it
-# is made before `types` builds one.
+# Each of the three is left out while its sources are as they were; tests look at the bundle, so that it
+# is made before them.
 page: node ## types, lint, tests and bundle of the page of `radmpc serve`
 	@$(PAGE) check
 
@@ -93,7 +100,7 @@ pictures: $(INSTALLED_DEV) page ## the pictures in docs/images and the gallery's
 	$(BIN)/python docs/hooks/figures.py
 
 nightly: export RADMPC_THOROUGH = 1
-nightly: $(INSTALLED_SIMULATORS) coverage oldest ## what takes too long: all cases, simulators, a hunt
+nightly: $(INSTALLED_SIMULATORS) coverage oldest user-types ## what takes too long: all cases, simulators, a hunt
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
 # The lowest versions that pyproject.toml allows of what it names; they may warn of what newer

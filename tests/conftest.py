@@ -15,13 +15,14 @@ def pytest_collection() -> Iterator[object]:
     """Look for no garbage in what is imported and collected: it lives to the end.
 
     Looking through it again and again is a fifth of the seconds of collecting and a twentieth of
-    those of tests.
+    those of tests. These look for theirs less often than programs do.
     """
     gc.disable()
     try:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(20_000, 20, 20)
         gc.enable()
 
 

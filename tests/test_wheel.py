@@ -40,7 +40,7 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the package as the wheel has it, far from the checkout."""
     folder = tmp_path_factory.mktemp("installed")
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-    options = ["--no-deps", "--no-index", "--target", folder]
+    options = ["--no-deps", "--no-index", "--no-compile", "--target", folder]
     subprocess.run([*pip, *options, wheel], check=True, timeout=300)
     return folder
 

@@ -174,6 +174,7 @@ def test_the_world_as_it_is_measured_is_drawn_from_a_seed_and_every_feature_come
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("features", [("current", "receivers"), ("gusts", "freighter")])
 def test_missions_in_the_world_collide_as_often_as_samples(features):
     """At steps, where looking at moments misses nothing: two estimates of one rate."""

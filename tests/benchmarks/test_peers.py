@@ -161,6 +161,7 @@ def test_a_worker_that_dies_is_mute_or_does_not_end_is_a_row(stub, monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("function", ["idle", "misshapen"])
 def test_controls_that_miss_the_goal_or_do_not_fit_are_no_plan(stub, function):
     found = run(f"{stub}:{function}", ASKED)

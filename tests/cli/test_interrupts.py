@@ -103,7 +103,7 @@ def assert_whole(folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("words", COMMANDS.values(), ids=list(COMMANDS))
 def test_ctrl_c_at_any_time_leaves_lines_and_whole_files(
     folder: Path, words: tuple[str, ...]
@@ -128,6 +128,7 @@ def test_ctrl_c_at_any_time_leaves_lines_and_whole_files(
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("moment", [0.8, 1.6])
 def test_termination_is_an_interrupt_and_takes_the_workers_along(
     folder: Path, moment: float
@@ -150,9 +151,15 @@ def children(pid: int) -> list[int]:
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "words",
-    [("planners",), ("verify", "a.json", "--json"), COMMANDS["import"], COMMANDS["export"]],
+    [
+        ("planners",),
+        ("verify", "a.json", "--json", "--samples", "1000"),
+        COMMANDS["import"],
+        COMMANDS["export"],
+    ],
     ids=lambda words: words[0],
 )
 def test_a_reader_who_has_gone_changes_nothing(folder: Path, words: tuple[str, ...]) -> None:

@@ -113,6 +113,7 @@ def test_other_settings_are_other_tasks(written, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("left", [1, 30])
 def test_a_line_that_a_kill_cut_off_is_done_again(written, tmp_path, left):
     path = tmp_path / "rows.jsonl"

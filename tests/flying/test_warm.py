@@ -53,6 +53,7 @@ def built_anew(left: Scenario) -> Hazards:
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("has_feedback", [False, True])
 def test_a_program_that_is_kept_is_the_one_that_is_built_anew(

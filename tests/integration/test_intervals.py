@@ -139,6 +139,7 @@ def test_plans_along_intervals_keep_the_bound_on_the_true_path(question, planner
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("question", "planner"), QUESTIONS)
 def test_what_holds_along_intervals_holds_at_steps_and_costs_no_less(question, planner):
     kept = planned(question(), "intervals", planner)

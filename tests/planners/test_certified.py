@@ -41,7 +41,7 @@ def plan_asked(scenario, times):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("num_vehicles", [2, 4, 6])
 def test_plans_are_certified_and_proven(num_vehicles, seed):
@@ -64,7 +64,7 @@ def test_no_plan_of_iterative_risk_allocation_is_below_the_bound(seed):
 
 @pytest.mark.slow
 def test_more_risk_never_costs_more():
-    scenario = paper(4, 5)
+    scenario = paper(3, 5)
     found = [
         plan(replace(scenario, risk_bound=bound), "certified") for bound in (1e-3, 0.01, 0.05, 0.2)
     ]
@@ -224,6 +224,7 @@ def test_risk_between_sets_counts_each_pair_once_and_none_within_a_set():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("scenario", [paper(5, 2), paper(6, 5), paper(8, 9)], ids=lambda s: s.name)
 def test_what_the_referee_leaves_of_the_bound_is_spent(scenario):
     result = plan(scenario, "certified")
@@ -248,6 +249,7 @@ def test_a_tangled_set_has_a_certified_plan_long_before_its_proof():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("scenario", [paper(6, 2), paper(8, 2)], ids=lambda s: s.name)
 def test_the_price_of_risk_tells_what_more_of_it_saves(scenario):
     found = plan(scenario, "certified")

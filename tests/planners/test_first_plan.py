@@ -48,6 +48,7 @@ def separation(controls: list[np.ndarray], hazards: Hazards) -> float:
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["lsc_planner/empty_20agents_3.json", "s2m2/mit.yaml"])
 def test_dense_fleets_of_others_get_a_certified_plan_before_any_search(name: str) -> None:
     scenario = import_scenario(INSTANCES / name).scenario
@@ -57,6 +58,7 @@ def test_dense_fleets_of_others_get_a_certified_plan_before_any_search(name: str
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "cost"),
     [

@@ -40,6 +40,7 @@ def answered(name, seconds):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name", ["starts-clash.yaml", "crash-sketch.json", "hopeless-considered.yaml"]
 )
@@ -63,6 +64,7 @@ def test_programs_that_highs_gives_up_on_twice_are_planned(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["tiny-risk-bound.json", "price-without-end.json"])
 def test_a_risk_bound_of_one_in_a_trillion_is_planned_to_its_optimum(name):
     found = [

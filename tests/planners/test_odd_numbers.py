@@ -21,6 +21,7 @@ SCENES = Path(__file__).parents[1] / "data" / "scenes"
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("planner", ["certified", "distance"])
 @pytest.mark.parametrize("variance", [1e-104, 1e-40, 1e-20])
 def test_noise_that_is_next_to_nothing_is_planned_with(planner: str, variance: float):

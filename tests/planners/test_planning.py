@@ -69,6 +69,7 @@ def test_every_preset_plans_a_small_problem(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("seed", range(3))
 def test_multi_vehicle_plans_hold_before_the_referee(avoidance, seed):
@@ -79,6 +80,7 @@ def test_multi_vehicle_plans_hold_before_the_referee(avoidance, seed):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_cost_of_ira_never_rises_and_its_allocation_never_exceeds_the_bound(avoidance, seed):

@@ -61,6 +61,7 @@ def test_a_gust_that_both_feel_costs_nothing_and_one_for_each_does():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 def test_no_plan_is_cheaper_than_what_is_proven_in_opposite_gusts(avoidance):
     scenario = passing(("wind", GUST), ("wind", -GUST), avoidance=avoidance)

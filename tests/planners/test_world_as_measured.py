@@ -115,12 +115,14 @@ def test_every_planner_plans_for_the_world_as_it_is(name, world, avoidance):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_the_world_as_it_is_has_three_dimensions(world):
     check(fleet(world, d=3), "certified")
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_a_proof_is_below_every_certified_plan(world):
     scenario = fleet(world)
@@ -134,6 +136,7 @@ def test_a_proof_is_below_every_certified_plan(world):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_files_keep_the_world_as_it_is(world, tmp_path):
     scenario = fleet(world)

@@ -57,6 +57,7 @@ def test_between_steps_it_is_that_of_the_place_between():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("d", [2, 3])
 def test_pictures_show_it_dashed_at_numbered_steps_and_the_last(d):
     scenario = scene(d)

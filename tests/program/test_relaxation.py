@@ -103,6 +103,7 @@ def test_shifted_tails_are_never_above_those_of_discs(risk_bound: float) -> None
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("count", [5, 8, 16])
 def test_no_mean_outside_risks_less_than_its_best_cone(seed: int, count: int) -> None:
@@ -245,6 +246,7 @@ def flown(scenario: Scenario, controls: list[Array]) -> Plan:
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("has_feedback", [False, True])
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 def test_no_plan_is_certified_at_less_than_its_relaxation_risks(

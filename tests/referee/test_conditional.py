@@ -39,7 +39,7 @@ def scene(dimension: int, avoidance: str, gain: bool) -> Witnesses:
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(20)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("seed", range(120))
 def test_before_anything_is_measured_the_value_is_the_certificate(seed: int) -> None:
     plan = random_plan(seed)
@@ -112,6 +112,7 @@ MUTANTS = [
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("mutant", MUTANTS)
 @pytest.mark.parametrize(("dimension", "avoidance"), [(2, "steps"), (2, "intervals")])
 def test_a_wrong_conditional_value_is_no_martingale(
@@ -189,6 +190,7 @@ def measured(witnesses: Witnesses, step: int, seed: int) -> list[np.ndarray]:
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("gain", [True, False])
 def test_integrals_are_valued_as_the_plan_that_is_left_is_certified(gain: bool) -> None:
     witnesses = scene(2, "steps", gain)

@@ -36,7 +36,7 @@ KINDS = ("steps", "intervals")
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("scene", SCENES)
 def test_before_anything_is_measured_the_value_is_the_certificate(scene, kind):
@@ -47,7 +47,7 @@ def test_before_anything_is_measured_the_value_is_the_certificate(scene, kind):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("scene", SCENES)
 def test_rows_fail_as_often_as_they_are_charged_for_given_what_is_known(scene, kind):
@@ -104,7 +104,7 @@ MUTANTS = [
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("scene", "mutant"), MUTANTS)
 def test_rows_are_charged_wrongly_by_who_mistakes_what_is_known(scene, mutant, monkeypatch):
     witnesses = witnesses_of(SCENES[scene]("intervals"))

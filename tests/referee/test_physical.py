@@ -244,7 +244,7 @@ FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 def test_simulation_counts_what_the_second_simulator_counts(scene):
     plan = scene()
@@ -265,7 +265,7 @@ def test_most_missions_of_the_clipped_scenes_saturate():
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "scene",
     [s for s in SCENES if not s.__name__.startswith("clipped")],

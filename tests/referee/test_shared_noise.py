@@ -116,6 +116,7 @@ def test_without_noise_of_their_own_they_keep_their_distance_for_sure():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 def test_simulation_counts_what_the_second_simulator_counts_in_shared_gusts(scene):
     plan = scene()

@@ -87,6 +87,7 @@ def test_a_run_pays_for_the_directions_it_holds(seed, feedback):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("feedback", [False, True])
 def test_certificates_beside_turning_solids_are_not_below_the_second_simulator(feedback):
     told = 0

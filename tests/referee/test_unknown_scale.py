@@ -99,6 +99,7 @@ SCENES = [at_a_wall, pair_at_a_post, in_a_box_of_steps]
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 @pytest.mark.parametrize(("samples", "avoidance"), [(4, "steps"), (30, "intervals")])
 def test_missions_collide_as_gaussian_ones_mixed_over_the_factor_and_less_than_certified(
@@ -156,6 +157,7 @@ def test_the_factor_of_a_mission_is_that_of_all_its_vehicles_at_all_steps():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("avoidance", "planner"), [("steps", "ira"), ("intervals", "ira"), ("intervals", "certified")]
 )

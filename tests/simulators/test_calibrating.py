@@ -63,6 +63,7 @@ def test_feedback_is_found_again_and_a_softer_one_is_not_taken_for_it(hopeful: P
     assert all(replace(loop, planned=0.3 * loop.planned).differs for loop in found.loops)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("is_common", [True, False])
 def test_a_drift_is_planned_with_if_vehicles_have_it_in_common(
     hopeful: Plan, is_common: bool
@@ -108,6 +109,7 @@ def strays(vehicle: Vehicle, covariance: np.ndarray, drift: np.ndarray, count: i
     return np.stack(off, axis=1)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("factor", [1.0, 4.0])
 def test_deviations_larger_than_the_noise_makes_them_are_measured_with_it(factor: float) -> None:
     vehicle = sea().vehicles[0]

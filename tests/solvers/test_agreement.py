@@ -47,7 +47,7 @@ def _openings(scenario, program):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_branch_big_m_and_enumeration_find_the_same_optimum(seed):
     scenario, program, margins, risk = _problem(seed)

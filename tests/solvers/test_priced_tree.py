@@ -114,6 +114,7 @@ def least_by_enumeration(program, unit, price=None, *, is_bounded=False):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("price", [0.02, 0.3])
 def test_the_priced_search_finds_what_enumeration_finds(seed, price):
@@ -129,6 +130,7 @@ def test_the_priced_search_finds_what_enumeration_finds(seed, price):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_certified_plan_costs_no_more_than_the_enumerated_optimum_within_its_gap(seed):
     """It may cost less: enumerated are the faces, and the planner turns half-spaces."""
@@ -142,6 +144,7 @@ def test_a_certified_plan_costs_no_more_than_the_enumerated_optimum_within_its_g
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_search_resumed_at_another_price_agrees_with_a_fresh_one(seed):
     scenario = paper(8, seed).subset((0, 3), 0.05)

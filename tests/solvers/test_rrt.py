@@ -100,6 +100,7 @@ def _box(limit=2.0, **more):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", FINDS)
 def test_a_point_satisfies_every_row_at_its_margin_and_costs_no_less_than_the_least(seed):
     program, margins = _problem(seed)
@@ -113,6 +114,7 @@ def test_a_point_satisfies_every_row_at_its_margin_and_costs_no_less_than_the_le
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", MISSES + IMPOSSIBLE)
 def test_what_it_does_not_find_it_does_not_deny(seed):
     program, margins = _problem(seed)
@@ -242,6 +244,7 @@ def test_what_limits_exclude_is_infeasible():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_the_planner_keeps_limits_and_goals_and_is_judged(seed):
     result = plan(paper(3, seed), "rmpc-rrt")

@@ -132,6 +132,7 @@ def program_of(scenario):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("lies", [1, 2, 7, 30])
 def test_a_priced_search_lives_with_programs_that_no_solver_solves(lies, monkeypatch):
     program = program_of(paper(8, 0).subset((0, 3), 0.05))
