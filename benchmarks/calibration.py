@@ -6,6 +6,7 @@ written and synced at once; the same command goes on where an interrupted one st
 the report once there are as many plans as asked for. ``--plans 0`` reports on what there is, and
 ``--recheck 10`` flies the ten plans that look worst a hundred times as often. ``--noise`` adds
 currents, gusts, receivers and freighters, and flies every plan in that world without the referee.
+``--clock processor`` counts the processor's seconds instead of the wall's, as other jobs stretch.
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ import itertools
 import multiprocessing
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 from calibration_report import doubtful, report, second_look
@@ -34,8 +36,14 @@ def main() -> None:
     missing = (i for i in itertools.count() if i not in {trial.index for trial in trials})
     num_plans = sum(trial.has_plan for trial in trials)
     is_terminal = sys.stderr.isatty()
-    arguments = (options.seed, options.samples, options.time_limit, options.noise)
-    with closing(_run(missing, options.jobs, *arguments)) as running:
+    how = partial(
+        run_trial,
+        time_limit=options.time_limit,
+        noise=options.noise,
+        by_processor=options.clock == "processor",
+    )
+    trial_at = partial(how, options.seed, samples=options.samples)
+    with closing(_run(missing, options.jobs, trial_at)) as running:
         while num_plans < options.plans:
             trial = next(running)
             _append(options.out, trial)
@@ -47,13 +55,7 @@ def main() -> None:
         print(file=sys.stderr)
     print("\n".join(report(sorted(trials, key=lambda trial: trial.index))))
     again = [
-        run_trial(
-            trial.seed,
-            trial.index,
-            _MORE * trial.samples,
-            options.time_limit,
-            noise=options.noise,
-        )
+        how(trial.seed, trial.index, samples=_MORE * trial.samples)
         for trial in doubtful(trials)[: options.recheck]
     ]
     if again:
@@ -68,6 +70,9 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of everything random")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--time-limit", type=float, default=1.0, help="seconds per plan")
+    parser.add_argument(
+        "--clock", choices=("wall", "processor"), default="wall", help="whose seconds count"
+    )
     parser.add_argument("--noise", action="store_true", help="the world as it is measured")
     parser.add_argument("--recheck", type=int, default=0, help="doubtful plans to fly longer")
     parser.add_argument("--out", type=Path, required=True, help="table of trials, CSV")
@@ -101,21 +106,18 @@ def _append(path: Path, trial: Trial) -> None:
         os.fsync(file.fileno())
 
 
-def _run(
-    indices: Iterator[int], jobs: int, seed: int, samples: int, time_limit: float, noise: bool
-) -> Iterator[Trial]:
+def _run(indices: Iterator[int], jobs: int, trial_at: Callable[[int], Trial]) -> Iterator[Trial]:
     """Yield one trial after the other, here or from processes."""
     if jobs == 1:
         for index in indices:
-            yield run_trial(seed, index, samples, time_limit, noise=noise)
+            yield trial_at(index)
         return
     context = multiprocessing.get_context("spawn")  # threads and forks do not go together
     with ProcessPoolExecutor(jobs, context) as executor:
         running: set[Future[Trial]] = set()
         while True:
             for index in itertools.islice(indices, 2 * jobs - len(running)):
-                job = executor.submit(run_trial, seed, index, samples, time_limit, noise=noise)
-                running.add(job)
+                running.add(executor.submit(trial_at, index))
             done, running = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 yield future.result()

@@ -12,6 +12,7 @@ from calibration_noise import with_noise
 from calibration_overlap import measure_overlap
 from calibration_scenes import random_planner, random_scenario
 from calibration_world import world_collisions
+from hunt_catch import clock
 from radmpc.model.plan import Plan
 from radmpc.planners import Ira, Planner
 from radmpc.planners.presets import parse_planner
@@ -131,7 +132,13 @@ def trial_of(row: Mapping[str, str]) -> Trial:
 
 
 def run_trial(
-    seed: int, index: int, samples: int, time_limit: float, *, noise: bool = False
+    seed: int,
+    index: int,
+    samples: int,
+    time_limit: float,
+    *,
+    noise: bool = False,
+    by_processor: bool = False,
 ) -> Trial:
     """Draw a scenario and a planner, plan, certify and fly.
 
@@ -145,6 +152,8 @@ def run_trial(
         Seconds for planning.
     noise : bool
         Whether the world is as it is measured: currents, gusts, receivers, freighters, winds.
+    by_processor : bool
+        Whether seconds are the processor's, which other jobs do not stretch.
 
     Returns
     -------
@@ -159,7 +168,8 @@ def run_trial(
         scenario, features = with_noise(np.random.default_rng([seed, index, 1]), scenario)
     if scenario.has_shared and not planner.decomposition.takes_shared:
         name, planner = "certified", parse_planner("certified")
-    result = plan(scenario, planner, rng=index, time_limit=time_limit)
+    with clock(by_processor):
+        result = plan(scenario, planner, rng=index, time_limit=time_limit)
     trial = Trial(
         seed=seed,
         index=index,
