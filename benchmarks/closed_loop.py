@@ -1,8 +1,9 @@
 """Missions under way by several rules of accounting, the wrong ones among them; and tick times.
 
     python benchmarks/closed_loop.py --missions 75 --scenes slalom
-    python benchmarks/closed_loop.py --missions 1000 --planner warm --scenes slalom
-    python benchmarks/closed_loop.py --missions 25 --scenes paper --rules plus kept
+    python benchmarks/closed_loop.py --missions 2000 --planner warm --scenes slalom --jobs 2
+        --rules kept plus anew pool paper orca --record slalom.jsonl
+    python benchmarks/closed_loop.py --missions 2000 --scenes wall --rules plus anew
     python benchmarks/closed_loop.py --missions 1000 --planner warm --rules plus --scenes circle16
 
 Every rule flies the same noise. Of each: how many missions collide, with the 95 % interval of
@@ -15,223 +16,144 @@ candidates cost all of the wealth and begins without a bank; `anew` grants Δ at
 takes the larger of the tail and of what a pool still holds from which every step's risk was taken;
 `paper` plans within that pool alone and flies whatever was found, as the paper's scheme does.
 `orca` and `dmpc` keep no account at all (`closed_loop_peers.py`).
-`--planner warm` makes candidates by kept linear programs, else `certified` is asked on the spot.
+`--planner warm` makes candidates by kept linear programs, else `certified` is asked on the spot; on
+the scene `wall` an adversary is, who stakes all on the next step (`closed_loop_adversary.py`).
+
+With `--record` every mission is a line of a file, written at once, and the first plan stands beside
+it: the same command goes on where it stopped, and others add rules and missions.
 """
 
 from __future__ import annotations
 
 import argparse
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+import json
+import multiprocessing
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict
+from itertools import islice
+from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 from scipy.special import betaincinv
 
-from closed_loop_peers import PEERS, flown_by
-from radmpc.experiments.families import circle, fleet, paper
-from radmpc.flying import deciding
-from radmpc.flying.account import Account
-from radmpc.flying.flight import Flight, fly
-from radmpc.flying.leg import miss_of
-from radmpc.flying.mission import Mission
-from radmpc.flying.model import Model
-from radmpc.model.dynamics import LinearSystem
-from radmpc.model.obstacle import Obstacle
-from radmpc.model.scenario import Scenario
-from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planning import plan
-from radmpc.result import Result
-
-RULES = ("plus", "kept", "all", "anew", "pool", "paper")
-"""Of accounting; all of them by default."""
-
-SECONDS = 60.0
-"""What the first plan may take [s]."""
+from closed_loop_peers import PEERS
+from closed_loop_rules import RULES, Trial, flown
+from closed_loop_scenes import SCENES, first_plan
+from radmpc.flying.deciding import opened
+from radmpc.model.plan import Plan
 
 QUANTILES = (0.5, 0.99, 0.999, 1.0)
 
-STARVED = 1e-4
-"""Wealth below which a mission starves [-]."""
+Key = tuple[str, str, int]
 
 
-def slalom(risk_bound: float = 0.1) -> Scenario:
-    """Return a vehicle without inertia between blocks on both sides, under dead-beat feedback."""
-    eye = np.eye(2)
-    gates = []
-    for number in range(3):
-        x = 1.5 + 2.0 * number
-        low, high = (-40.0, 0.25) if number % 2 == 0 else (-0.25, 40.0)
-        gates.append(Obstacle.box(f"g{number}", [x - 0.6, low], [x + 0.6, high]))
-    vehicle = Vehicle(
-        name="skier",
-        system=LinearSystem(eye, eye, (0, 1), None),
-        start=[0.0, 0.0],
-        goal=Goal.at([7.0, 0.0], 0.05, None),
-        radius=0.2,
-        control_limit=1.6,
-        initial_covariance=0.0,
-        disturbance_covariance=0.12**2,
-        gain=-eye,
-        control_sigmas=2.0,
-    )
-    return Scenario("slalom", 1.0, 8, risk_bound, (vehicle,), tuple(gates), avoidance="steps")
+def known(record: Path | None, scene: str) -> list[Trial]:
+    """Return the missions of a scene that a file holds; a line that was cut does not count."""
+    if record is None or not record.exists():
+        return []
+    found = []
+    for line in record.read_text(encoding="utf-8").splitlines():
+        try:
+            entry = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        if entry.pop("scene") == scene:
+            found.append(Trial(**entry))
+    return found
 
 
-def noisy_paper(seed: int) -> Scenario:
-    """Return a problem of the paper's kind with four times its deviations and Δ = 0.1."""
-    scenario = paper(3, seed)
-    louder = tuple(
-        replace(
-            v,
-            initial_covariance=16.0 * v.initial_covariance,
-            disturbance_covariance=16.0 * v.disturbance_covariance,
-        )
-        for v in scenario.vehicles
-    )
-    return replace(scenario, vehicles=louder, risk_bound=0.1)
+def write(record: Path | None, scene: str, trial: Trial) -> None:
+    """Add a mission to a file; one that ends within a line gets a new one."""
+    if record is None:
+        return
+    is_cut = record.exists() and record.read_bytes()[-1:] not in {b"", b"\n"}
+    with record.open("a", encoding="utf-8") as file:
+        file.write("\n" * is_cut + json.dumps({"scene": scene, **asdict(trial)}) + "\n")
 
 
-SCENES = {
-    "slalom": slalom,
-    "paper": lambda: noisy_paper(3),
-    "circle8": lambda: circle(8),
-    "circle16": lambda: circle(16),
-    "fleet64": lambda: fleet(64, 0),
-}
+def fly_all(plan: Plan, keys: Sequence[Key], jobs: int) -> Iterator[Trial]:
+    """Fly missions, several at once; yield them as they end."""
+    if jobs == 1:
+        yield from (flown(plan, *key) for key in keys)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=context) as executor:
+        rest = iter(keys)
+        running: set[Future[Trial]] = set()
+        while True:
+            more = islice(rest, 2 * jobs - len(running))
+            running |= {executor.submit(flown, plan, *key) for key in more}
+            if not running:
+                return
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            yield from (future.result() for future in done)
 
 
-class Pool:
-    """What a pool still holds while a mission is flown: Δ less every step's risk."""
-
-    def __init__(self, bound: float) -> None:
-        self.left = bound
-
-
-@contextmanager
-def rule_of(name: str, pool: Pool) -> Iterator[None]:
-    """Have accounts keep a wrong rule for a while."""
-    right, objection = Account.wealth, deciding.objection
-    if name == "anew":
-        Account.wealth = property(lambda self: self.risk_bound)
-    if name == "pool":
-        Account.wealth = property(lambda self: max(self.tail, pool.left))
-    if name == "paper":
-        Account.wealth = property(lambda self: pool.left)
-        deciding.objection = lambda moment, price, scores, *, is_first: (
-            "" if moment.account.affords(price) else "the pool does not hold so much"
-        )
-    try:
-        yield
-    finally:
-        Account.wealth = right
-        deciding.objection = objection
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a mission came to."""
-
-    flight: Flight
-    miss: float
-
-
-def flown(result: Result, rule: str, seed: int, planner: str) -> Outcome:
-    """Fly one mission by a rule, or by a peer."""
-    scenario = result.record.scenario
-    if rule in PEERS:
-        return _outcome(scenario, flown_by(rule, scenario, seed))
-    pool = Pool(scenario.risk_bound)
-    options: dict[str, object] = {"clock": time.process_time}
-    if rule == "kept" or planner == "warm":
-        options["planner"] = None
-    options["warm"] = rule != "kept" and planner == "warm"
-    if rule in {"all", "anew", "paper"}:
-        options["share"] = 1.0
-    with rule_of(rule, pool):
-        mission = Mission(result, **options)
-        if rule == "all":
-            mission.set_risk_bound(mission.balance.risk_bound - 0.999 * mission.balance.bank)
-        flight = fly(mission, _Counting(Model(scenario, seed), mission, pool))
-    return _outcome(scenario, flight)
-
-
-def _outcome(scenario: Scenario, flight: Flight) -> Outcome:
-    """Return what a flight came to."""
-    miss = 0.0
-    for vehicle, state in zip(scenario.vehicles, flight.states[-1], strict=True):
-        miss += miss_of(vehicle, state, scenario.dt) / scenario.num_vehicles
-    return Outcome(flight, miss)
-
-
-class _Counting:
-    """A model that takes from the pool what each step risks."""
-
-    def __init__(self, model: Model, mission: Mission, pool: Pool) -> None:
-        self.model, self.mission, self.pool = model, mission, pool
-        self.reset = model.reset
-
-    def advance(self, segments):
-        spent = self.mission.ticks[-1].next_step if self.mission.ticks else None
-        self.pool.left = max(self.pool.left - (spent or 0.0), 0.0)
-        return self.model.advance(segments)
-
-
-def row(name: str, outcomes: list[Outcome]) -> list[str]:
-    """Return a row of the table."""
-    count = len(outcomes)
-    hits = sum(o.flight.has_collided for o in outcomes)
+def interval(hits: int, count: int) -> tuple[float, float]:
+    """Return the interval of Clopper and Pearson at 95 %."""
     low = float(betaincinv(hits, count - hits + 1, 0.025)) if hits else 0.0
     high = float(betaincinv(hits + 1, count - hits, 0.975)) if hits < count else 1.0
-    ticks = [t for o in outcomes for t in o.flight.ticks if t.segments]
+    return low, high
+
+
+def row(name: str, trials: Sequence[Trial]) -> list[str]:
+    """Return a row of the table."""
+    count, hits = len(trials), sum(t.has_collided for t in trials)
+    low, high = interval(hits, count)
+    ticks = [each for t in trials for each in t.ticks]
     return [
         name,
-        f"{hits / count:.3f} [{low:.3f}, {high:.3f}]",
-        f"{np.mean([o.flight.effort for o in outcomes]):.2f}",
-        f"{np.mean([o.miss for o in outcomes]):.3f}",
-        f"{np.mean([t.choice == 'candidate' for t in ticks]):.2f}",
-        f"{np.mean([t.wealth < STARVED for t in ticks]):.3f}",
-        " / ".join(f"{1e3 * np.quantile([t.seconds for t in ticks], q):.1f}" for q in QUANTILES),
+        f"{count}",
+        f"{hits / count:.4f} [{low:.4f}, {high:.4f}]",
+        f"{np.mean([t.effort for t in trials]):.2f}",
+        f"{np.mean([t.miss for t in trials]):.3f}",
+        f"{sum(t.adopted for t in trials) / len(ticks):.2f}",
+        f"{sum(t.starved for t in trials) / len(ticks):.3f}",
+        " / ".join(f"{np.quantile(ticks, q):.1f}" for q in QUANTILES),
     ]
 
 
+def table_of(scene: str, plan: Plan, trials: Sequence[Trial]) -> Table:
+    """Return the table of a scene, a row for each rule."""
+    leg, account = opened(plan, 0)
+    bound = plan.scenario.risk_bound
+    title = f"{scene}: Δ = {bound:g}, certificate {account.tail:.4f}, effort {leg.plan.cost:.2f}"
+    table = Table(title=title)
+    heads = ("rule", "missions", "collide", "effort", "miss [m]", "adopted", "starved", "ms / tick")
+    for heading in heads:
+        table.add_column(heading)
+    for rule in (*RULES, *PEERS):
+        chosen = [t for t in trials if t.rule == rule]
+        if chosen:
+            table.add_row(*row(rule, chosen))
+    return table
+
+
 def main() -> None:
-    """Fly all missions and print a table per scene."""
+    """Fly the missions that are missing and print a table per scene."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--missions", type=int, default=75)
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--rules", nargs="+", choices=[*RULES, *PEERS], default=list(RULES))
     parser.add_argument("--planner", choices=("certified", "warm"), default="certified")
-    parser.add_argument("--seconds", type=float, default=600.0, help="per scene, at most")
+    parser.add_argument("--jobs", type=int, default=1, help="missions flown at once")
+    parser.add_argument("--record", type=Path, default=None, help="a line per mission, *.jsonl")
     options = parser.parse_args()
-    console = Console()
-    for name in options.scenes:
-        result = plan(SCENES[name](), rng=0, time_limit=SECONDS)
-        if result.plan is None or result.certificate is None:
-            console.print(f"{name}: {result.explanation}")
-            continue
-        bound, certified = result.record.scenario.risk_bound, result.certificate.certified
-        outcomes: dict[str, list[Outcome]] = {rule: [] for rule in options.rules}
-        end = time.monotonic() + options.seconds
-        for seed in range(options.missions):
-            if time.monotonic() > end:
-                break
-            for rule in options.rules:
-                outcomes[rule].append(flown(result, rule, seed, options.planner))
-        flights = len(outcomes[options.rules[0]])
-        title = (
-            f"{name}: {flights} missions, Δ = {bound:g}, certificate {certified:.4f}, "
-            f"effort {result.cost:.2f}"
-        )
-        table = Table(title=title)
-        for heading in ("rule", "collide", "effort", "miss [m]", "adopted", "starved", "ms / tick"):
-            table.add_column(heading)
-        for rule in options.rules:
-            table.add_row(*row(rule, outcomes[rule]))
-        console.print(table)
+    console = Console(width=140)
+    for scene in options.scenes:
+        plan = first_plan(scene, options.record)
+        planner = "staking" if scene == "wall" else options.planner
+        trials = [t for t in known(options.record, scene) if t.planner == planner]
+        flown_already = {(t.rule, t.planner, t.seed) for t in trials}
+        keys = [(rule, planner, s) for s in range(options.missions) for rule in options.rules]
+        missing = [key for key in keys if key not in flown_already]
+        for trial in fly_all(plan, missing, options.jobs):
+            write(options.record, scene, trial)
+            trials.append(trial)
+        console.print(table_of(scene, plan, trials))
 
 
 if __name__ == "__main__":

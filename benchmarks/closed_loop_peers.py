@@ -1,8 +1,9 @@
 """What one would fly otherwise: velocity obstacles, and receding plans without an account.
 
 ``orca`` is ORCA of van den Berg et al. by its authors' library (`pip install pyrvo`): at every step
-each vehicle takes the velocity nearest to the one that would bring it to its goal in the time left,
-among those that others, who do likewise, cannot turn into a collision. ``dmpc`` plans the steps
+each vehicle takes the velocity nearest to the one that would bring it to where the first plan has
+it next, among those that others, who do likewise, cannot turn into a collision. (Alone it finds no
+way around what stands between a vehicle and its goal.) ``dmpc`` plans the steps
 that are left with the preset of that name, from measured states, at every step: one vehicle after
 the other, three standard deviations kept by each row, or as many as leave a plan: two, one, none.
 What has no plan at all flies what is left of its last one.
@@ -21,14 +22,15 @@ from radmpc.flying.flight import Flight
 from radmpc.flying.model import Model
 from radmpc.flying.remainder import left_of
 from radmpc.flying.tick import Segment
-from radmpc.model.scenario import Scenario
+from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.planning import plan
 
 __all__ = ["PEERS", "flown_by"]
 
-_LOOK_AHEAD = 5.0
-"""Time over which velocities keep vehicles apart [steps]."""
+_LOOK_AHEAD, _OBSTACLES_AHEAD = 5.0, 1.0
+"""Time over which velocities keep vehicles apart, and from obstacles [steps]. The first plan leads
+around those: to look further ahead is to stop before each of them."""
 
 _FAR = 1e3
 """Distance from which on others are overlooked [m]."""
@@ -41,6 +43,7 @@ _SECONDS = 10.0
 
 Controls = list[np.ndarray]
 Steering = Callable[[int, Sequence[np.ndarray]], Controls]
+"""From a step and the states that are measured there to controls."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +56,10 @@ class Step:
     wealth: float = np.inf
 
 
-def flown_by(peer: str, scenario: Scenario, seed: int) -> Flight:
+def flown_by(peer: str, first: Plan, seed: int) -> Flight:
     """Fly one mission by a peer, in the noise that missions with this seed meet."""
-    steer, backend = PEERS[peer](scenario), Model(scenario, seed)
+    scenario = first.scenario
+    steer, backend = PEERS[peer](first), Model(scenario, seed)
     states, contacts = backend.reset()
     met, visited, ticks, effort = list(contacts), [tuple(states)], list[Any](), 0.0
     for step in range(scenario.horizon):
@@ -89,15 +93,14 @@ def _clipped(vehicle: Vehicle, control: np.ndarray) -> np.ndarray:
     return np.clip(control, -vehicle.control_limit, vehicle.control_limit)
 
 
-def _orca(scenario: Scenario) -> Steering:
-    """Return steering by reciprocal velocity obstacles; obstacles must rest."""
+def _orca(first: Plan) -> Steering:
+    """Return steering by reciprocal velocity obstacles along a plan; obstacles must rest."""
     import pyrvo  # noqa: PLC0415 - few have it
 
+    scenario = first.scenario
     vehicles, dt = scenario.vehicles, scenario.dt
-    ahead = _LOOK_AHEAD * dt
-    simulator = pyrvo.RVOSimulator(
-        dt, _FAR, len(vehicles), ahead, ahead, 1.0, _top(vehicles[0], dt)
-    )
+    ahead = _LOOK_AHEAD * dt, _OBSTACLES_AHEAD * dt
+    simulator = pyrvo.RVOSimulator(dt, _FAR, len(vehicles), *ahead, 1.0, _top(vehicles[0], dt))
     for vehicle in vehicles:
         number = simulator.add_agent(vehicle.start_position.tolist())
         simulator.set_agent_radius(number, float(vehicle.radius))
@@ -110,10 +113,10 @@ def _orca(scenario: Scenario) -> Steering:
 
     def steer(step: int, states: Sequence[np.ndarray]) -> Controls:
         """Tell the library who is where, and turn its velocities into controls."""
-        left = dt * (scenario.horizon - step)
         for i, (vehicle, state) in enumerate(zip(vehicles, states, strict=True)):
-            place = state[list(vehicle.system.position)]
-            wanted = (vehicle.goal.center - place) / left
+            axes = list(vehicle.system.position)
+            place = state[axes]
+            wanted = (first.trajectories[i].means[step + 1][axes] - place) / dt
             simulator.set_agent_position(i, place.tolist())
             if vehicle.system.velocity is not None:
                 now = state[list(vehicle.system.velocity)]
@@ -151,8 +154,9 @@ def _counterclockwise(corners: np.ndarray) -> np.ndarray:
     return corners[np.argsort(np.arctan2(offsets[:, 1], offsets[:, 0]))]
 
 
-def _dmpc(scenario: Scenario) -> Steering:
+def _dmpc(first: Plan) -> Steering:
     """Return steering by a plan of what is left, made anew at every step."""
+    scenario = first.scenario
     kept: list[list[np.ndarray]] = []
     begun = 0
 
@@ -173,5 +177,5 @@ def _dmpc(scenario: Scenario) -> Steering:
     return steer
 
 
-PEERS: dict[str, Callable[[Scenario], Steering]] = {"orca": _orca, "dmpc": _dmpc}
+PEERS: dict[str, Callable[[Plan], Steering]] = {"orca": _orca, "dmpc": _dmpc}
 """Who else flies, by name."""
