@@ -147,4 +147,5 @@ $(INSTALLED_SERVE): pyproject.toml constraints.txt | $(BIN)/python
 
 $(INSTALLED_SIMULATORS): $(INSTALLED_DEV)
 	$(call install,'.[dev,simulators]')
+	$(PIP) install --quiet -c constraints.txt jupyterlab
 	@touch $@

@@ -29,7 +29,7 @@ const spaceApart = {
 const themeOfView = {
   name: "theme-of-view",
   setup: ({ onLoad }) =>
-    onLoad({ filter: /(theme|panels)\.css$/ }, async ({ path: file }) => ({
+    onLoad({ filter: /(theme|base|panels)\.css$/ }, async ({ path: file }) => ({
       contents: (await readFile(file, "utf8")).replaceAll(":root", ".radmpc-view"),
       loader: "css",
     })),

@@ -62,7 +62,7 @@ def test_a_checkout_without_the_page_says_how_to_build_it(tmp_path, monkeypatch)
 def test_the_widget_brings_the_page_and_the_value(bundle, result):
     pytest.importorskip("anywidget")
     made = radmpc.view(result)
-    assert (made._esm, made._css) == ("code", "style")
+    assert (made._esm, made._style) == ("code", "style")
     assert made.content == view_content(result)
     made.time = 2.5
     assert made.get_state("time") == {"time": 2.5}

@@ -8,7 +8,7 @@ import { comparedId, shownId, summaries, trails, views } from "./state/plans";
 import { seek } from "./state/playback";
 import { kept } from "./state/restore";
 import { selected } from "./state/selection";
-import { complain, hello } from "./state/session";
+import { complain, hello, tab } from "./state/session";
 
 /** Say hello, and take up the document that was shown before a reload or a loss. */
 async function greet(): Promise<void> {
@@ -19,7 +19,9 @@ async function greet(): Promise<void> {
   const id = known?.document ?? hello.value.document;
   if (id === null) return;
   const before = isBack ? null : kept();
-  show(await call("state", { document: id }));
+  const state = await call("state", { document: id });
+  show(state);
+  if (!isBack && before === null) turnTo(state);
   if (before === null || id !== wanted) await showNewest();
   else await takeUp(before);
 }
@@ -37,6 +39,12 @@ async function takeUp(before: NonNullable<ReturnType<typeof kept>>): Promise<voi
 async function showNewest(): Promise<void> {
   const last = summaries.peek().at(-1);
   if (shownId.peek() === null && last !== undefined) await showPlan(last.plan);
+}
+
+/** Turn to the panel of what a file brought along: its flight, or its plan. */
+export function turnTo({ flights, plans }: DocumentState): void {
+  if (flights.length > 0) tab.value = "flight";
+  else if (plans.length > 0) tab.value = "plan";
 }
 
 /** Put a document on the page. */
@@ -108,8 +116,8 @@ export function redo(): Promise<boolean> {
 }
 
 /** Show a plan on the map. */
-export async function showPlan(plan: string | null): Promise<void> {
-  if (plan !== null) await loadPlan(plan);
+export async function showPlan(plan: string | null, isNews = false): Promise<void> {
+  if (plan !== null) await loadPlan(plan, isNews);
   shownId.value = plan;
 }
 
@@ -119,8 +127,8 @@ export async function comparePlan(plan: string | null): Promise<void> {
   comparedId.value = plan;
 }
 
-async function loadPlan(plan: string): Promise<PlanView | null> {
-  const known = views.peek().get(plan);
+async function loadPlan(plan: string, isNews = false): Promise<PlanView | null> {
+  const known = isNews ? undefined : views.peek().get(plan);
   if (known !== undefined) return known;
   const view = await attempt(call("view", { plan }));
   if (view !== null) views.value = new Map(views.peek()).set(plan, view);
@@ -184,11 +192,14 @@ function hearTick(state: DocumentState, { flight, tick }: Extract<Event, { event
   document.value = { ...state, flights };
 }
 
-/** A plan that a search found is shown at once, where its search is the one watched. */
+/**
+ * A plan that a search found is shown at once, where its search is the one watched. The one that it
+ * ends with may be known already, without what the end says of it.
+ */
 function hearPlan(state: DocumentState, event: Extract<Event, { event: "plan" }>): void {
   const others = state.plans.filter((other) => other.plan !== event.summary.plan);
   document.value = { ...state, plans: [...others, event.summary] };
-  if (event.search !== null) void showPlan(event.summary.plan);
+  if (event.search !== null) void showPlan(event.summary.plan, true);
 }
 
 /** The token of the address, which does not stay there: a reload finds it in the session. */

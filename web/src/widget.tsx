@@ -14,6 +14,7 @@ interface Content {
 interface Model {
   get(key: "content"): Content;
   get(key: "time"): number;
+  get(key: "_style"): string;
   set(key: "time", value: number): void;
   save_changes(): void;
   send(content: { readonly ask: "space" }): void;
@@ -51,6 +52,18 @@ function loadSpace(model: Model): Promise<typeof import("./space/space")> {
   });
 }
 
+/** Where a view is put: apart from the notebook, whose styles and keys are for texts and cells. */
+function placeIn(el: HTMLElement, style: string): { readonly host: HTMLElement; readonly root: ShadowRoot } {
+  const host = document.createElement("div");
+  host.dataset["lmSuppressShortcuts"] = "true"; // the front ends of Jupyter ask for it
+  el.append(host);
+  const root = host.attachShadow({ mode: "open" });
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(style);
+  root.adoptedStyleSheets = [sheet];
+  return { host, root };
+}
+
 function show({ model, el }: { readonly model: Model; readonly el: HTMLElement }): () => void {
   const time = signal(model.get("time"));
   const content = signal(model.get("content"));
@@ -80,13 +93,15 @@ function show({ model, el }: { readonly model: Model; readonly el: HTMLElement }
   model.on("change:content", hear);
   const watch = new MutationObserver(() => (isDark.value = isDarkNow()));
   watch.observe(document.body, { attributes: true });
-  render(<View />, el);
+  const { host, root } = placeIn(el, model.get("_style"));
+  render(<View />, root);
   return () => {
     watch.disconnect();
     clearTimeout(saving);
     model.off("change:time", hear);
     model.off("change:content", hear);
-    render(null, el);
+    render(null, root);
+    host.remove();
   };
 }
 

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { accountLines, replans, tickAt } from "../src/panels/account.ts";
 import { differences } from "../src/panels/difference.ts";
-import { bound, cost, percent, percentUp, share, signedCost, signedPercent } from "../src/panels/format.ts";
+import { bound, cost, leftOf, percent, percentUp, share, signedCost, signedPercent } from "../src/panels/format.ts";
 import { sentence } from "../src/panels/search.tsx";
 import { judged } from "../src/panels/simulate.tsx";
 import { timeAfter } from "../src/panels/timeline.tsx";
@@ -25,6 +25,12 @@ test("numbers are short, and nothing is a dash", () => {
   assert.equal(cost(18.47837), "18.478");
   assert.equal(share(0.004), "< 1 %");
   assert.equal(share(0), "0 %");
+});
+
+test("what is left of a bound is more than it by bad news alone, never by rounding", () => {
+  assert.equal(leftOf(0.01237, 0.01237), "1.237 %");
+  assert.equal(leftOf(0.01237, 0.0123699), "1.23 %");
+  assert.equal(leftOf(0.05, 0.05001), "5.01 %");
 });
 
 test("changes carry their sign", () => {

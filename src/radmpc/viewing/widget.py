@@ -25,7 +25,7 @@ class ValueView(anywidget.AnyWidget):
     """
 
     _esm = traitlets.Unicode().tag(sync=True)
-    _css = traitlets.Unicode().tag(sync=True)
+    _style = traitlets.Unicode().tag(sync=True)
     content = traitlets.Dict().tag(sync=True)
     time = traitlets.Float(0.0).tag(sync=True)
 
@@ -33,7 +33,7 @@ class ValueView(anywidget.AnyWidget):
         code, style = (
             (bundle / f"widget.{kind}").read_text(encoding="utf-8") for kind in ("js", "css")
         )
-        super().__init__(content=dict(content), _esm=code, _css=style)
+        super().__init__(content=dict(content), _esm=code, _style=style)
         self._bundle = bundle
         self.on_msg(self._answer)
 

@@ -1,7 +1,7 @@
 /** Opening, saving, dropping files. */
 
 import { signal } from "@preact/signals";
-import { attempt, show, showPlan } from "../actions";
+import { attempt, show, showPlan, turnTo } from "../actions";
 import { call, CallError } from "../connection";
 import { document } from "../state/document";
 import { complain, tell } from "../state/session";
@@ -16,6 +16,7 @@ export async function openPath(path: string): Promise<void> {
   const state = await attempt(call("open", { path }));
   if (state === null) return;
   show(state);
+  turnTo(state);
   dialog.value = null;
   const last = state.plans.at(-1);
   if (last !== undefined) await showPlan(last.plan);
@@ -70,6 +71,7 @@ export async function take(files: readonly File[]): Promise<void> {
     if (state === null) continue;
     show(state);
     dialog.value = null;
+    if (!isChart) turnTo(state);
     const last = state.plans.at(-1);
     if (last !== undefined && !isChart) await showPlan(last.plan);
   }

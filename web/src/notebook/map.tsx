@@ -58,7 +58,7 @@ export function NotebookMap({ frame }: { readonly frame: Still }) {
     observer.observe(element);
     // As a listener of its own: one that may keep the notebook from scrolling.
     const wheel = (event: WheelEvent) => {
-      if (!event.ctrlKey && !event.metaKey && !element.contains(element.ownerDocument.activeElement)) return;
+      if (!event.ctrlKey && !event.metaKey && !element.contains((element.getRootNode() as ShadowRoot).activeElement)) return;
       event.preventDefault();
       const bounds = element.getBoundingClientRect();
       const factor = Math.exp(-event.deltaY / 400);

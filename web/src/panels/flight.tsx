@@ -5,7 +5,7 @@ import type { FlightState, PlanSummary, TickView } from "../protocol";
 import { accountLines, alarmed, replans, tickAt, tickLines, tickTimes } from "./account";
 import { Block, Button, Empty, Facts, NumberField, Toggle } from "./controls";
 import { Curve, Key } from "./curve";
-import { bound, counted, percent } from "./format";
+import { bound, counted, leftOf, percent } from "./format";
 import { Speaker } from "./speaking";
 
 /** Mission seconds per second of the wall; 0 is as fast as it goes. */
@@ -161,12 +161,12 @@ function Account({ flight, dt, time }: FlightProps & { flight: FlightState }) {
   const last = flight.ticks.at(-1);
   if (last === undefined) return <Empty>No tick yet.</Empty>;
   const planned = counted(replans(flight).length, "new plan");
-  const label = `Account of Δ over ${counted(flight.ticks.length, "tick")}: ${percent(last.left)} left of ${bound(flight.riskBound)}, ${planned}`;
+  const label = `Account of Δ over ${counted(flight.ticks.length, "tick")}: ${leftOf(flight.riskBound, last.left)} left of ${bound(flight.riskBound)}, ${planned}`;
   return (
     <>
       <Facts
         rows={[
-          ["Left of Δ", percent(last.left)],
+          ["Left of Δ", leftOf(flight.riskBound, last.left)],
           ["Spent", percent(last.spent)],
           ["Δ", bound(flight.riskBound)],
           ["New plans", String(replans(flight).length)],
@@ -204,11 +204,14 @@ function Moment(props: FlightProps & { flight: FlightState; tick: TickView; step
       </p>
       <Facts
         rows={[
-          ["Left of Δ", percent(tick.left)],
+          ["Left of Δ", leftOf(flight.riskBound, tick.left)],
           ["Spent", percent(tick.spent)],
           ["Took", `${tick.milliseconds.toFixed(1)} ms`],
         ]}
       />
+      {tick.left > flight.riskBound && (
+        <p class="p-note">Above Δ: as measured here, what is still ahead is likelier to collide than the plan was at its start.</p>
+      )}
       {tick.alarm !== null && <p class="p-alarm">{tick.alarm}</p>}
     </Block>
   );

@@ -23,6 +23,11 @@ export function percentUp(probability: number | null, digits = 3): string {
   return inPercent(probability, digits, Math.ceil);
 }
 
+/** What is left of a risk bound: never more than it for rounding alone. */
+export function leftOf(riskBound: number, left: number): string {
+  return left === riskBound ? bound(riskBound) : inPercent(left, 3, left < riskBound ? Math.floor : Math.ceil);
+}
+
 function inPercent(probability: number | null, digits: number, rounding: (x: number) => number): string {
   if (probability === null || !Number.isFinite(probability)) return NOTHING;
   if (probability === 0) return "0 %";

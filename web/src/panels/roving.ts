@@ -5,7 +5,9 @@ export function rove(event: KeyboardEvent): boolean {
   const list = event.currentTarget;
   if (!(list instanceof HTMLElement)) return false;
   const entries = [...list.querySelectorAll<HTMLElement>("[data-entry]")];
-  const here = entries.findIndex((entry) => entry.contains(document.activeElement));
+  // In notebooks the root is that of the view.
+  const { activeElement } = list.getRootNode() as Document | ShadowRoot;
+  const here = entries.findIndex((entry) => entry.contains(activeElement));
   const to = target(event.key, here, entries.length);
   if (to === null) return false;
   event.preventDefault();

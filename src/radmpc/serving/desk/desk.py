@@ -252,8 +252,10 @@ class Desk:
         """Keep a plan that a search has found."""
         if search.document not in self.documents:
             return
+        # The plan that a search ends with was mostly its last better one: it stands there once.
+        known = next((p for p in self._passed(search) if p.is_of_same_paths(plan)), None)
         kept = KeptPlan.of(
-            self._number("p"),
+            self._number("p") if known is None else known.number,
             search.document,
             plan,
             search.revision,
@@ -261,14 +263,20 @@ class Desk:
             search=search.number,
             is_final=ended is not None,
         )
+        if known is not None:
+            kept.trails.update(self.plans.pop(known.number).trails)
         self._forget_plans(search)
         self.plans[kept.number] = kept
         said = {"document": kept.document, "summary": kept.summary, "search": search.number}
         self.tell({"event": "plan", **said})
 
+    def _passed(self, search: Search) -> list[KeptPlan]:
+        """Return the plans that a search has found and gone on from, the oldest first."""
+        return [p for p in self.plans.values() if p.search == search.number and not p.is_final]
+
     def _forget_plans(self, search: Search) -> None:
         """Make room: the oldest plans that a search has passed, then the oldest of all."""
-        passed = [p for p in self.plans.values() if p.search == search.number and not p.is_final]
+        passed = self._passed(search)
         for plan in passed[: max(0, len(passed) - _MOST_PASSED)]:
             del self.plans[plan.number]
         of_document = [p for p in self.plans.values() if p.document == search.document]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from radmpc.model.plan import Plan
 from radmpc.serving.protocol import PlanSummary, PlanView, Remark, TrailsView
 from radmpc.serving.views.plan import plan_summary, plan_view
@@ -68,6 +70,17 @@ class KeptPlan:
         """
         summary = plan_summary(plan, number, revision)
         return cls(number, document, plan, summary, remarks, search, is_final)
+
+    def is_of_same_paths(self, plan: Plan) -> bool:
+        """Whether another plan steers all vehicles alike, with the same certificate."""
+        ours, theirs = self.plan.trajectories, plan.trajectories
+        return (
+            len(ours) == len(theirs)
+            and self.plan.risk.certified == plan.risk.certified
+            and all(
+                np.array_equal(a.controls, b.controls) for a, b in zip(ours, theirs, strict=True)
+            )
+        )
 
     def view(self) -> PlanView:
         """Return the plan as pages draw it; made once."""

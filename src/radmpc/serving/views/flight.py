@@ -11,6 +11,9 @@ from radmpc.serving.views.numbers import Rounding, extent_of
 
 __all__ = ["tick_view"]
 
+_ROUNDING = 1e-4
+"""Part of Δ that five digits round off, and the account's margins [-]."""
+
 
 def tick_view(row: TickRow, scenario: Scenario, risk_bound: float) -> TickView:
     """Return a tick as the page shows it.
@@ -28,17 +31,20 @@ def tick_view(row: TickRow, scenario: Scenario, risk_bound: float) -> TickView:
     -------
     TickView
         Empty states where nothing was measured. What is left is what the account holds, the
-        conditional risk of what is flown and the bank; a lucky moment gives some back.
+        conditional risk of what is flown and the bank; a lucky moment gives some back, a push may
+        lift it above Δ, and rounding never does.
     """
     rounding = Rounding.of(*extent_of(scenario))
-    left = row.tail + row.bank
+    left = float(f"{row.tail + row.bank:.5g}")
+    if left > risk_bound >= (1.0 - _ROUNDING) * left:
+        left = risk_bound  # above it by what sums and digits round off alone
     states = [rounding.point(np.asarray(state)) for state in row.states or ()]
     hits = [f"{touch.vehicle} hits {touch.other or 'the border'}" for touch in row.contacts]
     alarms = [*hits, *row.alarms]
     return {
         "step": row.step,
         "states": states,
-        "left": float(f"{left:.5g}"),
+        "left": left,
         "spent": float(f"{max(risk_bound - left, 0.0):.5g}"),
         "decision": row.reason,
         "isReplan": row.leg is not None,

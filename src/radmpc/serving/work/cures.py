@@ -67,16 +67,10 @@ def why_not(control: Control, content: Content) -> list[Remark]:
         Where there is a plan, what to know before planning.
     """
     scenario = decode_scenario(content)
-    found: list[Plan] = []
-    result = plan(
-        scenario,
-        time_limit=_FIRST_SECONDS,
-        improved=found.append,
-        stop=lambda: bool(found) or control.is_stopped(),
-    )
-    if found or result.is_certified:
+    failure = _failure(control, scenario, _FIRST_SECONDS)
+    if failure is None:
         return concern_remarks(outlook_of(scenario), content)
-    remarks = list(remarks_of(result.record))
+    remarks = list(remarks_of(failure))
     tried = {_key(cure) for remark in remarks for cure in remark["cures"]}
     cures: list[Cure] = []
     failed: list[str] = []
@@ -142,14 +136,19 @@ def _works(control: Control, content: Content, cure: Cure) -> bool:
         scenario = decode_scenario(changed(content, cure["changes"]))
     except ScenarioError:
         return False
+    return _failure(control, scenario, _CURE_SECONDS) is None
+
+
+def _failure(control: Control, scenario: Scenario, seconds: float) -> Plan | None:
+    """Plan until there is a plan within Δ; return None then, else the record that says why not."""
     found: list[Plan] = []
     result = plan(
         scenario,
-        time_limit=_CURE_SECONDS,
+        time_limit=seconds,
         improved=found.append,
         stop=lambda: bool(found) or control.is_stopped(),
     )
-    return bool(found) or result.is_certified
+    return None if found or result.is_certified else result.record
 
 
 def _key(cure: Cure) -> str:
