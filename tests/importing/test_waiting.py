@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from radmpc.importing.free_space import free_space_of
+from radmpc.importing.free_space import free_spaces_of
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.importing.waiting import waiting_times
 from radmpc.model.obstacle import Obstacle
@@ -43,7 +43,7 @@ WEST = vehicle("west", [37.0, 0.0], [3.0, 0.0])
 
 
 def waits(problem: ForeignProblem) -> list[float]:
-    space = free_space_of(problem)
+    space = free_spaces_of(problem)
     assert space is not None
     return waiting_times(space, problem.vehicles, [0.2] * len(problem.vehicles))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from radmpc.importing.free_space import FreePath, FreeSpace
@@ -21,7 +22,10 @@ _HULL_SHARE = 0.8
 
 
 def fit_hulls(
-    problem: ForeignProblem, space: FreeSpace, choices: dict[str, str], warnings: list[str]
+    problem: ForeignProblem,
+    spaces: Sequence[FreeSpace],
+    choices: dict[str, str],
+    warnings: list[str],
 ) -> ForeignProblem:
     """Return the problem with hulls that leave room for noise where the published ones do not.
 
@@ -29,8 +33,8 @@ def fit_hulls(
     ----------
     problem : ForeignProblem
         In the plane, with obstacles.
-    space : FreeSpace
-        What its obstacles leave.
+    spaces : sequence of FreeSpace
+        What obstacles leave each vehicle.
     choices : dict
         What was chosen, by name; a changed radius is added.
     warnings : list of str
@@ -42,7 +46,7 @@ def fit_hulls(
         The same if all hulls fit.
     """
     share = 1.0
-    for v in problem.vehicles:
+    for v, space in zip(problem.vehicles, spaces, strict=True):
         path = space.shortest_path(v, _TARGET_CLEARANCE * v.radius)
         if path is None or path.clearance < _LEAST_CLEARANCE * v.radius:
             share = min(share, _HULL_SHARE * space.widest_radius(v) / v.radius)
@@ -60,7 +64,7 @@ def fit_hulls(
 
 
 def free_paths(
-    problem: ForeignProblem, space: FreeSpace | None, warnings: list[str]
+    problem: ForeignProblem, spaces: Sequence[FreeSpace] | None, warnings: list[str]
 ) -> list[FreePath]:
     """Return the vehicles' paths around obstacles; straight lines where none is found.
 
@@ -68,8 +72,8 @@ def free_paths(
     ----------
     problem : ForeignProblem
         Its hulls fitted.
-    space : FreeSpace or None
-        What its obstacles leave; None leaves all paths straight.
+    spaces : sequence of FreeSpace or None
+        What obstacles leave each vehicle; None leaves all paths straight.
     warnings : list of str
         Where the scenario differs from the problem; vehicles without a path are added.
 
@@ -78,23 +82,26 @@ def free_paths(
     list of FreePath
         One per vehicle, waiting included.
     """
-    paths = []
-    for v in problem.vehicles:
-        straight = FreePath(0.0, target := _TARGET_CLEARANCE * v.radius)
-        path = straight if space is None else _route(v, space, target)
-        if space is not None and (path is None or path.clearance < _LEAST_CLEARANCE * v.radius):
-            widest = space.widest_radius(v)
-            hint = f", of {_HULL_SHARE * widest:.2g} m it might" if widest > 0.0 else ""
-            warnings.append(
-                f"between start and goal of {v.name!r} a hull of {v.radius:g} m finds no way "
-                f"with room for noise{hint}"
-            )
-            path = FreePath(0.0 if path is None else path.detour, target)
-        paths.append(straight if path is None else path)
-    if space is not None:
-        waits = waiting_times(space, problem.vehicles, [path.clearance for path in paths])
-        paths = [replace(path, waiting=wait) for path, wait in zip(paths, waits, strict=True)]
-    return paths
+    if spaces is None:
+        return [FreePath(0.0, _TARGET_CLEARANCE * v.radius) for v in problem.vehicles]
+    paths = [_path(v, s, warnings) for v, s in zip(problem.vehicles, spaces, strict=True)]
+    waits = waiting_times(spaces, problem.vehicles, [path.clearance for path in paths])
+    return [replace(path, waiting=wait) for path, wait in zip(paths, waits, strict=True)]
+
+
+def _path(vehicle: ForeignVehicle, space: FreeSpace, warnings: list[str]) -> FreePath:
+    """Return a vehicle's path, the straight line with a warning where it finds none."""
+    target = _TARGET_CLEARANCE * vehicle.radius
+    path = _route(vehicle, space, target)
+    if path is None or path.clearance < _LEAST_CLEARANCE * vehicle.radius:
+        widest = space.widest_radius(vehicle)
+        hint = f", of {_HULL_SHARE * widest:.2g} m it might" if widest > 0.0 else ""
+        warnings.append(
+            f"between start and goal of {vehicle.name!r} a hull of {vehicle.radius:g} m finds no "
+            f"way with room for noise{hint}"
+        )
+        return FreePath(0.0 if path is None else path.detour, target)
+    return path
 
 
 def _route(vehicle: ForeignVehicle, space: FreeSpace, target: float) -> FreePath | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.errors import ScenarioError
 from radmpc.importing.clearance import fit_hulls, free_paths
-from radmpc.importing.free_space import FreePath, free_space_of
+from radmpc.importing.free_space import FreePath, free_spaces_of
 from radmpc.importing.noise import Noise, choose_noise, describe_feedback, describe_noise
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
@@ -19,6 +19,7 @@ from radmpc.importing.timing import choose_steps
 from radmpc.importing.windows import arrival_steps, chosen_visits
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES, check_count
 from radmpc.model.dynamics import double_integrator
+from radmpc.model.relations.concerns import among
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 
@@ -82,10 +83,10 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
     choices = dict(problem.reasons)
     warnings = list(problem.warnings)
     problem = _chosen(problem, options, choices)
-    space = free_space_of(problem)
-    if space is not None and options.radius is None:
-        problem = fit_hulls(problem, space, choices, warnings)
-    paths = free_paths(problem, space, warnings)
+    spaces = free_spaces_of(problem)
+    if spaces is not None and options.radius is None:
+        problem = fit_hulls(problem, spaces, choices, warnings)
+    paths = free_paths(problem, spaces, warnings)
     dt, horizon = choose_steps(problem.vehicles, paths, options, choices, warnings)
     noises = _noises(problem, paths, dt, horizon, options, choices)
     workspace = _workspace(problem, noises, choices, warnings)
@@ -103,6 +104,7 @@ def overlay(problem: ForeignProblem, options: ImportOptions) -> ImportedScenario
         avoidance=avoidance,
         workspace=workspace,
         obstacles=problem.obstacles,
+        keep=problem.keep,
         vehicles=tuple(
             _vehicle(v, dt, horizon, noise)
             for v, noise in zip(problem.vehicles, noises, strict=True)
@@ -136,7 +138,21 @@ def _chosen(
     if options.radius is not None:
         choices["radius"] = f"{options.radius:g} m, as asked"
         vehicles = tuple(replace(v, radius=float(options.radius)) for v in vehicles)
-    return replace(problem, vehicles=vehicles)
+    return _among(replace(problem, vehicles=vehicles))
+
+
+def _among(problem: ForeignProblem) -> ForeignProblem:
+    """Return a problem whose obstacles and ranges name only those who are left of its vehicles."""
+    names = {vehicle.name for vehicle in problem.vehicles}
+    obstacles = []
+    for obstacle in (among(one, names) for one in problem.obstacles):
+        whom = obstacle.concerns
+        if whom is None or whom.names:
+            obstacles.append(obstacle)
+        elif whom.are_exempt:
+            obstacles.append(replace(obstacle, concerns=None))
+    keep = tuple(one for one in problem.keep if names.issuperset(one.vehicles))
+    return replace(problem, obstacles=tuple(obstacles), keep=keep)
 
 
 def _noises(

@@ -17,8 +17,9 @@ from scipy.sparse.csgraph import dijkstra
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import planar
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
+from radmpc.model.relations.concerns import concerned
 
-__all__ = ["FreePath", "FreeSpace", "free_space_of"]
+__all__ = ["FreePath", "FreeSpace", "free_spaces_of"]
 
 _SPACINGS = (0.2, 0.4, 0.8, 2.0, 4.0)
 """Spacings that are tried, finest first [radii]. Of 0.25 m they divide a meter, so that a point
@@ -197,42 +198,68 @@ class FreeSpace:
         return slice(low[0], high[0] + 1), slice(low[1], high[1] + 1)
 
 
-def free_space_of(problem: ForeignProblem) -> FreeSpace | None:
-    """Return the free space of a problem in the plane with obstacles; None for any other.
+def free_spaces_of(problem: ForeignProblem) -> list[FreeSpace] | None:
+    """Return the free space of each vehicle of a problem in the plane with obstacles, else None.
 
-    A grid point lies on the first vehicle's start; the grid grows coarser with the problem's size.
+    They have the same grid, and those whom the same obstacles concern have the same value. A grid
+    point lies on the first vehicle's start; the grid grows coarser with the problem's size.
     """
     vehicles = problem.vehicles
     # What moves is somewhere else by the time one comes by.
-    pieces = [planar(p) for o in problem.obstacles if not o.is_moving for p in o.at(0)]
-    if vehicles[0].start.size != 2 or not pieces:
+    fixed = [obstacle for obstacle in problem.obstacles if not obstacle.is_moving]
+    if vehicles[0].start.size != 2 or not fixed:
         return None
-    low, high = _bounds(problem, pieces)
-    radius = min(vehicle.radius for vehicle in vehicles)
-    most = min(_MOST_POINTS, _MOST_POINTS_OF_ALL // len(vehicles))
-    for factor in _SPACINGS:
-        spacing = factor * radius
-        if np.prod((high - low) / spacing + 2.0) <= most:
-            break
-    else:
-        spacing = float(np.sqrt(np.prod(high - low) / most))
-        # Of something long and thin the short axis has too few points to make up for the long one.
-        while np.prod((high - low) / spacing + 2.0) > 2.0 * most:
-            spacing *= 2.0
+    pieces = [[planar(piece) for piece in obstacle.at(0)] for obstacle in fixed]
+    low, high = _bounds(problem, [piece for each in pieces for piece in each])
+    spacing = _spacing(problem, low, high)
     anchor = vehicles[0].start
     origin = anchor - spacing * np.floor((anchor - low) / spacing + 1e-9)
     counts = np.floor((high - origin) / spacing + 1e-9).astype(int) + 1
     axes = [origin[i] + spacing * np.arange(counts[i]) for i in range(2)]
+    names = [vehicle.name for vehicle in vehicles]
+    whom = concerned(fixed, names)
+    met = np.ones((len(names), len(fixed)), dtype=bool) if whom is None else whom
+    spaces: dict[bytes, FreeSpace] = {}
+    for row in met:
+        if row.tobytes() not in spaces:
+            own = [
+                piece for each, is_met in zip(pieces, row, strict=True) if is_met for piece in each
+            ]
+            spaces[row.tobytes()] = FreeSpace(origin, spacing, _distances(problem, axes, own))
+    return [spaces[row.tobytes()] for row in met]
+
+
+def _spacing(problem: ForeignProblem, low: Vector, high: Vector) -> float:
+    """Return the distance between neighbors of a grid from corner to corner [m]."""
+    vehicles = problem.vehicles
+    radius = min(vehicle.radius for vehicle in vehicles)
+    most = min(_MOST_POINTS, _MOST_POINTS_OF_ALL // len(vehicles))
+    for factor in _SPACINGS:
+        if np.prod((high - low) / (factor * radius) + 2.0) <= most:
+            return factor * radius
+    spacing = float(np.sqrt(np.prod(high - low) / most))
+    # Of something long and thin the short axis has too few points to make up for the long one.
+    while np.prod((high - low) / spacing + 2.0) > 2.0 * most:
+        spacing *= 2.0
+    return spacing
+
+
+def _distances(
+    problem: ForeignProblem, axes: Sequence[Vector], pieces: Sequence[shapely.Geometry]
+) -> Matrix:
+    """Return how far each point of a grid is from the nearest piece or bound, (p, q) [m]."""
     points = shapely.points(*np.meshgrid(*axes, indexing="ij"))
-    _, distances = shapely.STRtree(pieces).query_nearest(
-        points.ravel(), return_distance=True, all_matches=False
-    )
-    distances = distances.reshape(points.shape)
+    distances = np.full(points.shape, np.inf)
+    if pieces:
+        _, nearest = shapely.STRtree(pieces).query_nearest(
+            points.ravel(), return_distance=True, all_matches=False
+        )
+        distances = nearest.reshape(points.shape)
     if problem.workspace is not None and problem.bounds_hulls:
         for axis, values in enumerate(np.meshgrid(*axes, indexing="ij")):
             distances = np.minimum(distances, values - problem.workspace.lower[axis])
             distances = np.minimum(distances, problem.workspace.upper[axis] - values)
-    return FreeSpace(origin, spacing, distances)
+    return distances
 
 
 def _bounds(problem: ForeignProblem, pieces: Sequence[shapely.Geometry]) -> tuple[Vector, Vector]:

@@ -13,6 +13,7 @@ from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.io.ranges import check_range
 from radmpc.model.obstacle import Obstacle
+from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Workspace
 
 __all__ = ["ForeignModel", "ForeignProblem", "ForeignVehicle", "ForeignVisit", "Window"]
@@ -162,6 +163,8 @@ class ForeignProblem:
         How many of the vehicles are taken if the user does not say; None is all of them.
     origin : mapping or None
         Where the frame stands on the earth: ``latitude`` and ``longitude`` [°], ``height`` [m].
+    keep : tuple of Keep
+        Ranges that vehicles keep to each other.
     """
 
     name: str
@@ -175,6 +178,7 @@ class ForeignProblem:
     bounds_hulls: bool = False
     usual_vehicles: int | None = None
     origin: Mapping[str, float] | None = None
+    keep: tuple[Keep, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a problem without vehicles."""

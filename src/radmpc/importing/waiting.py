@@ -29,14 +29,14 @@ _LEAST_LENGTH = 2.0
 
 
 def waiting_times(
-    space: FreeSpace, vehicles: Sequence[ForeignVehicle], clearances: Sequence[float]
+    spaces: Sequence[FreeSpace], vehicles: Sequence[ForeignVehicle], clearances: Sequence[float]
 ) -> list[float]:
     """Return how long each vehicle waits until one that comes toward it has left a narrow passage.
 
     Parameters
     ----------
-    space : FreeSpace
-        Of their problem.
+    spaces : sequence of FreeSpace
+        What obstacles leave each, on one grid.
     vehicles : sequence of ForeignVehicle
         In the plane.
     clearances : sequence of float
@@ -50,10 +50,14 @@ def waiting_times(
     waits: list[list[tuple[float, float]]] = [[] for _ in vehicles]
     if len(vehicles) > _MOST_VEHICLES:
         return [0.0] * len(vehicles)
-    paths = [space.path(v, clearance) for v, clearance in zip(vehicles, clearances, strict=True)]
+    paths = [
+        space.path(vehicle, clearance)
+        for space, vehicle, clearance in zip(spaces, vehicles, clearances, strict=True)
+    ]
     for i, j in combinations(range(len(vehicles)), 2):
         one, two = vehicles[i], vehicles[j]
-        length = _shared_length(space, paths[i], paths[j], one.radius + two.radius)
+        both = (spaces[i], spaces[j])
+        length = _shared_length(both, paths[i], paths[j], one.radius + two.radius)
         if length > 0.0:
             gap = _HEADWAY * (one.radius + two.radius)
             waits[i].append((length / two.speed_limit, gap / two.speed_limit))
@@ -68,19 +72,24 @@ def _longest(met: Sequence[tuple[float, float]]) -> float:
     return max(time for time, _ in met) + sum(sorted(gap for _, gap in met)[1:])
 
 
-def _shared_length(space: FreeSpace, one: Indices, two: Indices, radii: float) -> float:
+def _shared_length(
+    spaces: tuple[FreeSpace, FreeSpace], one: Indices, two: Indices, radii: float
+) -> float:
     """Return how far two go against each other where they cannot pass [m]."""
     if not len(one) or not len(two):
         return 0.0
-    found = cKDTree(two * space.spacing).query(one * space.spacing)
+    spacing = spaces[0].spacing
+    found = cKDTree(two * spacing).query(one * spacing)
     distances, nearest = np.asarray(found[0]), np.asarray(found[1])
-    cells = max(1, round(radii / space.spacing))
-    widths = ndimage.maximum_filter(space.distances, size=2 * cells + 1)
+    cells = max(1, round(radii / spacing))
+    # Where one of them has room, it gives way.
+    room = np.maximum(spaces[0].distances, spaces[1].distances)
+    widths = ndimage.maximum_filter(room, size=2 * cells + 1)
     is_narrow = widths[one[:, 0], one[:, 1]] < _ABREAST * radii
     shared = np.flatnonzero((distances < radii) & is_narrow)
     if shared.size < 2 or nearest[shared[-1]] >= nearest[shared[0]]:
         return 0.0
     # What lies between two narrow places is wide enough to wait in.
     runs = np.split(shared, np.flatnonzero(np.diff(shared) > cells) + 1)
-    length = max(float(run[-1] - run[0]) for run in runs) * space.spacing
+    length = max(float(run[-1] - run[0]) for run in runs) * spacing
     return length if length >= _LEAST_LENGTH * radii else 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
@@ -12,6 +12,8 @@ from radmpc.importing.geo.geojson import geojson_features, is_geojson
 from radmpc.importing.geo.kml import is_kml, kml_features
 from radmpc.importing.geo.layers import Layers
 from radmpc.importing.geo.problem import geo_problem
+from radmpc.importing.geo.properties import OBSTACLES
+from radmpc.importing.geo.relations import renamed_relations
 from radmpc.importing.problem import ForeignProblem
 from radmpc.io.export.names import distinct
 from radmpc.io.text.document import Document
@@ -120,6 +122,8 @@ def _together(
     seen: set[object] = set()
     kept: list[list[Feature]] = []
     repeated = 0
+    starts = _clashes(drawn, "start")
+    drawn = [_own(features, file, starts) for features, file in zip(drawn, files, strict=True)]
     for features in drawn:
         alike = [(feature, _content(feature)) for feature in features]
         fresh = [feature for feature, content in alike if content is None or content not in seen]
@@ -127,7 +131,7 @@ def _together(
         # Within one file the same twice is a mistake, which is told later.
         seen.update(content for _, content in alike if content is not None)
         kept.append(fresh)
-    clashes = _clashes(kept)
+    clashes = _clashes(kept, "obstacle")
     features = [
         _apart(feature, file, clashes)
         for features, file in zip(kept, files, strict=True)
@@ -138,10 +142,27 @@ def _together(
     ]
     if repeated:
         told.append(("drawn alike", f"{repeated} features of several charts, each taken once"))
-    names = sorted(name for names in clashes.values() for name in names)
+    names = sorted(starts | clashes)
     if names:
         told.append(("names", f"{', '.join(names[:5])}: led by the file's, as several have them"))
     return features, tuple(told)
+
+
+def _own(features: Sequence[Feature], file: str, clashes: Collection[str]) -> list[Feature]:
+    """Return the features of a file under names of vehicles that no other file has.
+
+    Who names a vehicle means that of the same file, if one starts there.
+    """
+    own = {feature.vehicle for feature in features if feature.role == "start"}
+    names = {name: f"{file}/{name}" for name in own if name in clashes}
+    found = []
+    for feature in features:
+        one = renamed_relations(feature, names)
+        if one.role in _OF_VEHICLES and one.vehicle in clashes:
+            renamed = f"{file}/{one.vehicle}"
+            one = replace(one, properties={**one.properties, "vehicle": renamed})
+        found.append(one)
+    return found
 
 
 def _content(feature: Feature) -> object:
@@ -152,18 +173,18 @@ def _content(feature: Feature) -> object:
     rings = tuple(ring.tobytes() for ring in feature.rings)
     if role == "origin":
         return role, rings
-    return role, feature.kind, rings, feature.name
+    stated = (str(feature.properties.get(key)) for key in OBSTACLES)
+    return role, feature.kind, rings, feature.name, *stated
 
 
-def _clashes(drawn: Sequence[Sequence[Feature]]) -> dict[str, set[str]]:
-    """Return names of obstacles, and of vehicles that start, in more than one file."""
-    clashes: dict[str, set[str]] = {"obstacle": set(), "start": set()}
-    for role, shared in clashes.items():
-        taken: set[str] = set()
-        for features in drawn:
-            own = {_name(feature) for feature in features if feature.role == role} - {None}
-            shared |= {name for name in own if name in taken}
-            taken |= {name for name in own if name is not None}
+def _clashes(drawn: Sequence[Sequence[Feature]], role: str) -> set[str]:
+    """Return names of obstacles, or of vehicles that start, in more than one file."""
+    clashes: set[str] = set()
+    taken: set[str] = set()
+    for features in drawn:
+        own = {_name(feature) for feature in features if feature.role == role} - {None}
+        clashes |= {name for name in own if name in taken}
+        taken |= {name for name in own if name is not None}
     return clashes
 
 
@@ -172,13 +193,8 @@ def _name(feature: Feature) -> str | None:
     return feature.vehicle if feature.role in _OF_VEHICLES else feature.name
 
 
-def _apart(feature: Feature, file: str, clashes: dict[str, set[str]]) -> Feature:
-    """Return a feature under a name that no other file has."""
-    is_vehicle = feature.role in _OF_VEHICLES
-    if feature.role not in {*_OF_VEHICLES, "obstacle"}:
+def _apart(feature: Feature, file: str, clashes: Collection[str]) -> Feature:
+    """Return an obstacle under a name that no other file has; anything else as it is."""
+    if feature.role != "obstacle" or feature.name is None or feature.name not in clashes:
         return feature
-    name = _name(feature)
-    if name is None or name not in clashes["start" if is_vehicle else "obstacle"]:
-        return feature
-    key = "vehicle" if is_vehicle else "name"
-    return replace(feature, properties={**feature.properties, key: f"{file}/{name}"})
+    return replace(feature, properties={**feature.properties, "name": f"{file}/{feature.name}"})

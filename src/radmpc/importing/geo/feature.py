@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,32 +11,14 @@ import shapely
 
 from radmpc.arrays import Matrix, as_matrix
 from radmpc.errors import ScenarioError
+from radmpc.importing.geo.properties import SETTINGS
 from radmpc.io.ranges import check_range
 from radmpc.io.text.files import shown
 
-__all__ = ["SETTINGS", "Feature", "Path", "drawn_line", "drawn_ring", "read_position"]
+__all__ = ["Feature", "Path", "drawn_line", "drawn_ring", "read_position"]
 
 Path = tuple[str | int, ...]
 
-SETTINGS: Mapping[str, tuple[str, str]] = {
-    "radius": ("radius", "m"),
-    "speed_limit": ("speed_limit", "m/s"),
-    "speed": ("speed_limit", "m/s"),
-    "control_limit": ("control_limit", "m/s²"),
-    "acceleration": ("control_limit", "m/s²"),
-}
-"""Properties that describe a vehicle: what each sets, and its unit."""
-
-_MOVING = ("course", "position_deviation", "speed_deviation", "course_deviation")
-_VISITS = ("order", "half_width", "after", "before")
-_KNOWN = ("name", "role", "kind", "vehicle", "height", "layer", *SETTINGS, *_MOVING, *_VISITS)
-# What drawing programs add: colors, texts, times.
-_STYLES = re.compile(
-    r"(stroke|fill|marker|style|icon|line|poly|label|balloon|_|@).*|title|description|comment|"
-    r"desc|id|fid|ogc_fid|color|opacity|visibility|tessellate|extrude|timestamp|begin|end|"
-    r"altitudemode|draworder|created.*|updated.*|area|length|perimeter",
-    re.IGNORECASE,
-)
 _NAMED = re.compile(r"(start|goal|via)[\s:_-]+(.+)", re.IGNORECASE)
 _ROLES = {
     "Point": ("start", "goal", "via", "origin", "obstacle"),
@@ -171,15 +152,6 @@ class Feature:
             return float(value)
         except (ValueError, OverflowError):
             return float("nan")
-
-    def unknown(self) -> list[str]:
-        """Return the properties that are not read, but for those of drawing programs."""
-        notes = []
-        for key in self.properties:
-            if key not in _KNOWN and not _STYLES.fullmatch(key):
-                near = difflib.get_close_matches(key[:100].lower(), _KNOWN, n=1)
-                notes.append(f"{key} (did you mean {near[0]}?)" if near else key)
-        return notes
 
     def _text(self, key: str) -> str | None:
         """Return a property as text, None where it is missing or empty."""

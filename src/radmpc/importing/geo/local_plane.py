@@ -11,6 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
 from radmpc.geodesy import Origin, to_local
 from radmpc.importing.geo.feature import Feature
+from radmpc.importing.geo.properties import unknown_properties
 from radmpc.importing.rounding import rounded
 
 __all__ = [
@@ -154,7 +155,9 @@ def describe_losses(features: Sequence[Feature], placed: Placed) -> tuple[str, .
         The plane in which they lie.
     """
     warnings = []
-    unknown = sorted({note for feature in features for note in feature.unknown()})
+    unknown = sorted(
+        {note for feature in features for note in unknown_properties(feature.properties)}
+    )
     if unknown:
         more = f" and {len(unknown) - 5} more" if len(unknown) > 5 else ""
         warnings.append(f"properties ignored: {', '.join(unknown[:5])}{more}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,12 @@ from radmpc.importing.geo.local_plane import (
     describe_losses,
 )
 from radmpc.importing.geo.moving import moving_obstacle
+from radmpc.importing.geo.relations import (
+    check_places,
+    concerning,
+    describe_relations,
+    keep_of,
+)
 from radmpc.importing.geo.visits import describe_visits, visits_of, window_of
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.text.files import shown
@@ -65,13 +71,15 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
     by_role: dict[str, list[Feature]] = {}
     for feature in features:
         by_role.setdefault(feature.role, []).append(feature)
+    check_places(features)
     ends = _ends(by_role.get("start", []), by_role.get("goal", []), by_role.get("via", []))
     origin = _origin(features, by_role.get("origin", []))
     placed = Placed(origin)
     placed.check(features)
     area = area_of(by_role.get("area", []), placed.outlines)
     vehicles = tuple(_vehicle(key, both, placed, area) for key, both in ends.items())
-    obstacles = _obstacles(by_role.get("obstacle", []), placed)
+    obstacles = _obstacles(by_role.get("obstacle", []), placed, ends)
+    keep = keep_of([*by_role.get("start", []), *by_role.get("goal", [])], ends)
     taken = {obstacle.name for obstacle in obstacles}
     clashes = sorted(taken & {piece.name for piece in area.outside})
     if clashes:
@@ -82,6 +90,7 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
         file="",
         vehicles=vehicles,
         obstacles=(*obstacles, *area.outside),
+        keep=keep,
         workspace=area.workspace,
         origin={
             "latitude": origin.latitude,
@@ -96,6 +105,7 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
                 area.told,
             ),
             *describe_visits(by_role.get("via", [])),
+            *describe_relations(obstacles, keep),
         ),
         warnings=describe_losses(features, placed),
     )
@@ -199,7 +209,9 @@ def _vehicle(name: str, ends: _Ends, placed: Placed, area: Area) -> ForeignVehic
     )
 
 
-def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
+def _obstacles(
+    features: Sequence[Feature], placed: Placed, vehicles: Collection[str]
+) -> list[Obstacle]:
     """Return obstacles under their names; polygon1, line2, … where they have none."""
     obstacles: list[Obstacle] = []
     taken: dict[str, Feature] = {}
@@ -214,16 +226,19 @@ def _obstacles(features: Sequence[Feature], placed: Placed) -> list[Obstacle]:
         # The parts of one feature share its name.
         count = counts[name] = counts.get(name, 0) + 1
         full = name if count == 1 else f"{name} ({count})"
-        outline, *free = placed.outlines(feature)
-        moving = moving_obstacle(full, feature, outline)
-        try:
-            if moving is not None:
-                obstacle = moving
-            elif feature.kind == "LineString":
-                obstacle = Obstacle.line(full, outline)
-            else:
-                obstacle = Obstacle.polygon(full, outline, free)
-            obstacles.append(obstacle)
-        except ScenarioError as error:
-            raise ScenarioError(error.message, feature.shape_path) from error
+        obstacles.append(concerning(feature, _obstacle(full, feature, placed), vehicles))
     return obstacles
+
+
+def _obstacle(name: str, feature: Feature, placed: Placed) -> Obstacle:
+    """Return an obstacle for everybody."""
+    outline, *free = placed.outlines(feature)
+    moving = moving_obstacle(name, feature, outline)
+    if moving is not None:
+        return moving
+    try:
+        if feature.kind == "LineString":
+            return Obstacle.line(name, outline)
+        return Obstacle.polygon(name, outline, free)
+    except ScenarioError as error:
+        raise ScenarioError(error.message, feature.shape_path) from error

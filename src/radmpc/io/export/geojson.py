@@ -11,6 +11,7 @@ from radmpc.geometry import Polytope
 from radmpc.io.export.job import Job
 from radmpc.io.export.origin import Placement
 from radmpc.io.export.outlines import Kind, footprint, goal_outline, holes, outline
+from radmpc.io.export.relations import ranges_kept, whom
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track
 from radmpc.io.text.json_text import write_json
@@ -42,7 +43,7 @@ def write_geojson(job: Job) -> bytes:
     features: list[Feature] = []
     for track in job.tracks:
         goal = track.vehicle.goal
-        features += [_path(track, job.place), _start(track, job.place)]
+        features += [_path(track, job.place), _start(track, job)]
         features.append(_box("goal", track.name, goal, job.place))
         features += _visits(track, job.place)
     features += _obstacles(job)
@@ -80,10 +81,11 @@ def _path(track: Track, place: Placement) -> Feature:
     return _feature("path", track.name, "LineString", line, **more)
 
 
-def _start(track: Track, place: Placement) -> Feature:
-    """Return where a vehicle starts."""
-    (position,) = _positions(track.vehicle.start_position[None], place)
-    return _feature("start", track.name, "Point", position, radius=track.vehicle.radius)
+def _start(track: Track, job: Job) -> Feature:
+    """Return where a vehicle starts, and which ranges it keeps."""
+    (position,) = _positions(track.vehicle.start_position[None], job.place)
+    more = {"radius": track.vehicle.radius} | ranges_kept(job.plan.scenario.keep, track.name)
+    return _feature("start", track.name, "Point", position, **more)
 
 
 def _box(kind: str, name: str, box: Goal | Visit, place: Placement, **more: object) -> Feature:
@@ -112,21 +114,21 @@ def _obstacles(job: Job) -> Iterator[Feature]:
     for obstacle in job.plan.scenario.obstacles:
         steps = range(len(obstacle.steps))
         for step in steps:
-            time = _when(obstacle, step, job.plan.scenario.dt)
+            more = _when(obstacle, step, job.plan.scenario.dt) | whom(obstacle)
             if obstacle.dimension == 2:
                 kind, corners = outline(obstacle, step)
                 places = _shape(kind, corners, job.place, holes(obstacle))
-                yield _feature("obstacle", obstacle.name, kind, places, **time)
+                yield _feature("obstacle", obstacle.name, kind, places, **more)
                 continue
             for piece in obstacle.at(step):
-                yield _body(obstacle.name, piece, job.place, time)
+                yield _body(obstacle.name, piece, job.place, more)
 
 
-def _when(obstacle: Obstacle, step: int, dt: float) -> dict[str, float]:
+def _when(obstacle: Obstacle, step: int, dt: float) -> dict[str, object]:
     """Return when a moving obstacle is expected there, and how surely; nothing of a fixed one."""
     if not obstacle.is_moving:
         return {}
-    found = {"time": step * dt}
+    found: dict[str, object] = {"time": step * dt}
     if obstacle.spread is not None:
         sigmas = 3.0 * np.sqrt(np.diag(obstacle.spread.positions[step]).clip(min=0.0))
         found |= {
@@ -136,12 +138,12 @@ def _when(obstacle: Obstacle, step: int, dt: float) -> dict[str, float]:
     return found
 
 
-def _body(name: str, piece: Polytope, place: Placement, time: dict[str, float]) -> Feature:
+def _body(name: str, piece: Polytope, place: Placement, more: dict[str, object]) -> Feature:
     """Return an obstacle in space: seen from above, with its lowest and highest point."""
     low, high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
     kind, corners = footprint(piece)
     places = _shape(kind, _raised(corners, float(low[2]), 3), place)
-    return _feature("obstacle", name, kind, places, **_heights(place, low, high), **time)
+    return _feature("obstacle", name, kind, places, **_heights(place, low, high), **more)
 
 
 def _heights(place: Placement, low: Matrix, high: Matrix) -> dict[str, float]:

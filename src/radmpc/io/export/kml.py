@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -14,6 +14,7 @@ from radmpc.io.export.job import Job
 from radmpc.io.export.names import xml_text
 from radmpc.io.export.origin import Placement
 from radmpc.io.export.outlines import Kind, goal_outline, holes, kind_of, outline, triangles
+from radmpc.io.export.relations import ranges_kept, whom
 from radmpc.io.export.statements import origin_sentence, risk_sentence, title
 from radmpc.io.export.tracks import Track, check_duration
 from radmpc.model.goal import Goal
@@ -66,7 +67,7 @@ def write_kml(job: Job) -> bytes:
         _style(document, f"vehicle{number}", _COLORS[number % len(_COLORS)])
     _style(document, "obstacle", _GRAY)
     for number, track in enumerate(job.tracks):
-        _vehicle(document, track, f"#vehicle{number}", job.place)
+        _vehicle(document, track, f"#vehicle{number}", job)
     for obstacle in job.plan.scenario.obstacles:
         _obstacle(document, obstacle, job)
     ElementTree.indent(root)
@@ -87,8 +88,9 @@ def _description(job: Job) -> str:
     return "\n".join(sentences)
 
 
-def _vehicle(parent: Element, track: Track, style: str, place: Placement) -> None:
+def _vehicle(parent: Element, track: Track, style: str, job: Job) -> None:
     """Add a vehicle's folder: track, start and goal."""
+    place = job.place
     folder = SubElement(parent, "Folder")
     _text(folder, "name", track.name)
     path = SubElement(_placemark(folder, track.name, style), "gx:Track")
@@ -98,7 +100,9 @@ def _vehicle(parent: Element, track: Track, style: str, place: Placement) -> Non
     for point in _points(track.positions, place):
         _text(path, "gx:coord", " ".join(point))
     start = track.vehicle.start_position[None]
-    _point(_placemark(folder, f"{track.name}: start", style), start, place)
+    mark = _placemark(folder, f"{track.name}: start", style)
+    _data(mark, ranges_kept(job.plan.scenario.keep, track.name))
+    _point(mark, start, place)
     for number, visit in enumerate(track.vehicle.via):
         mark = _placemark(folder, f"{track.name}: visit {number + 1}", style)
         if number < len(track.visits):
@@ -131,6 +135,7 @@ def _obstacle(parent: Element, obstacle: Obstacle, job: Job) -> None:
             _text(span, "end", _when((step + 1) * dt))
             # The schema wants the time before the style.
             mark.insert(1, span)
+        _data(mark, whom(obstacle))
         if obstacle.dimension == 2:
             _shape(mark, *outline(obstacle, step), job.place, holes(obstacle))
             continue
@@ -162,6 +167,16 @@ def _placemark(parent: Element, name: str, style: str) -> Element:
     _text(mark, "name", name)
     _text(mark, "styleUrl", style)
     return mark
+
+
+def _data(mark: Element, properties: Mapping[str, Sequence[object]]) -> None:
+    """Add lists as extended data, with commas between; nothing where there are none."""
+    if not properties:
+        return
+    extended = SubElement(mark, "ExtendedData")
+    for key, values in properties.items():
+        data = SubElement(extended, "Data", {"name": key})
+        _text(data, "value", ", ".join(map(str, values)))
 
 
 def _point(parent: Element, points: Matrix, place: Placement) -> None:

@@ -1,0 +1,61 @@
+"""Properties of drawn features: which are read, and which drawing programs add."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+
+__all__ = ["OBSTACLES", "SETTINGS", "unknown_properties"]
+
+SETTINGS: Mapping[str, tuple[str, str]] = {
+    "radius": ("radius", "m"),
+    "speed_limit": ("speed_limit", "m/s"),
+    "speed": ("speed_limit", "m/s"),
+    "control_limit": ("control_limit", "m/s²"),
+    "acceleration": ("control_limit", "m/s²"),
+}
+"""Properties that describe a vehicle: what each sets, and its unit."""
+
+_MOVING = ("course", "position_deviation", "speed_deviation", "course_deviation")
+_RELATIONS = ("for", "except", "keep", "range")
+
+OBSTACLES = ("speed", *_MOVING, "for", "except")
+"""Properties that tell obstacles of one shape apart."""
+
+_VISITS = ("order", "half_width", "after", "before")
+_KNOWN = (
+    *("name", "role", "kind", "vehicle", "height", "layer"),
+    *SETTINGS,
+    *_MOVING,
+    *_VISITS,
+    *_RELATIONS,
+)
+# What drawing programs add: colors, texts, times.
+_STYLES = re.compile(
+    r"(stroke|fill|marker|style|icon|line|poly|label|balloon|_|@).*|title|description|comment|"
+    r"desc|id|fid|ogc_fid|color|opacity|visibility|tessellate|extrude|timestamp|begin|end|"
+    r"altitudemode|draworder|created.*|updated.*|area|length|perimeter",
+    re.IGNORECASE,
+)
+
+
+def unknown_properties(keys: Iterable[str]) -> list[str]:
+    """Return the properties that are not read, but for those of drawing programs.
+
+    Parameters
+    ----------
+    keys : iterable of str
+        Of a feature.
+
+    Returns
+    -------
+    list of str
+        Each with the nearest that is read, if one is near.
+    """
+    notes = []
+    for key in keys:
+        if key not in _KNOWN and not _STYLES.fullmatch(key):
+            near = difflib.get_close_matches(key[:100].lower(), _KNOWN, n=1)
+            notes.append(f"{key} (did you mean {near[0]}?)" if near else key)
+    return notes
