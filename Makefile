@@ -24,7 +24,7 @@ PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
 .PHONY: help demo serve page pictures coverage nightly oldest check quick still format lint package types \
-    quick-test user-types floors docs test clean node
+    quick-test floors docs test clean node
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -65,13 +65,10 @@ lint: $(INSTALLED_DEV) ## what the linter finds
 package: $(INSTALLED_DEV) ## mypy --strict on src
 	$(BIN)/mypy
 
-# One run for all: what it takes is reading numpy, SciPy and matplotlib.
-types: $(INSTALLED_DEV) ## mypy --strict on src, the examples and the pages' programs
+# The second run is a user's: no settings, the package as it is installed from a wheel, which mypy reads
+# in a third of the time of one that is being worked on. What it needs else is beside it.
+types: package ## mypy --strict on src, the examples and the pages' programs
 	@$(BIN)/python tests/docs/programs.py build/programs
-	$(BIN)/mypy src examples build/programs
-
-# A user has no settings, and the package as it is installed from a wheel. What it needs else is beside it.
-user-types: types ## mypy --strict on examples and pages as a user would run it
 	@rm -rf $(USER) && $(BIN)/python -m venv --without-pip $(USER)
 	@packages=$$(echo $(USER)/lib/python3*/site-packages) \
 	    && $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
@@ -83,8 +80,8 @@ user-types: types ## mypy --strict on examples and pages as a user would run it
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports
 
-# Each of the three is left out while its sources are as they were; tests look at the bundle, so that it
-# is made before them.
+# Each of the three is left out while its sources are as they were; tests look at the bundle, and it is in
+# the wheel that `types` builds, so that it is made before them.
 page: node ## types, lint, tests and bundle of the page of `radmpc serve`
 	@$(PAGE) check
 
@@ -100,7 +97,7 @@ pictures: $(INSTALLED_DEV) page ## the pictures in docs/images and the gallery's
 	$(BIN)/python docs/hooks/figures.py
 
 nightly: export RADMPC_THOROUGH = 1
-nightly: $(INSTALLED_SIMULATORS) coverage oldest user-types ## what takes too long: all cases, simulators, a hunt
+nightly: $(INSTALLED_SIMULATORS) coverage oldest ## what takes too long: all cases, simulators, a hunt
 	$(BIN)/python benchmarks/hunt.py --scenes 10000 --seed 0 --jobs $(WORKERS) --out hunt.csv
 
 # The lowest versions that pyproject.toml allows of what it names; they may warn of what newer
