@@ -17,3 +17,8 @@ def drawn(cases: Sequence[str], count: int, seed: int) -> set[str]:
     """Return as many of the cases as asked for, the same ones for whoever asks with this seed."""
     rng = random.Random(f"{seed} {len(cases)} {cases[0]}")
     return set(rng.sample(list(cases), min(count, len(cases))))
+
+
+def examples(count: int) -> int:
+    """Return how many examples of a law hypothesis draws: every check a third, at least five."""
+    return count if IS_THOROUGH else max(5, count // 3)

@@ -22,8 +22,8 @@ from .conftest import CROSSING
 FOREIGN = Path(__file__).parents[2] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
 # [s] of a processor after the interpreter's own start, wherever the machine is busy with other
 # things; more of them with RADMPC_THOROUGH=1, as in `make nightly`.
-MORE_MOMENTS = (0.05, 0.3, 1.0, 2.2) if os.environ.get("RADMPC_THOROUGH") else ()
-MOMENTS = sorted((0.6, 1.5, *MORE_MOMENTS))
+MORE_MOMENTS = (0.05, 0.3, 1.0, 1.5, 2.2) if os.environ.get("RADMPC_THOROUGH") else ()
+MOMENTS = sorted((0.6, *MORE_MOMENTS))
 
 # Only from here on is it the program that answers.
 BEGUN = "import radmpc.__main__ as m; print('begun', flush=True); m.main()"

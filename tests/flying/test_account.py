@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from radmpc.errors import ArgumentTypeError, RiskError
 from radmpc.flying.account import TOLERANCE, Account
+from sampling import examples
 
-QUICK = settings(max_examples=200, deadline=None, derandomize=True)
+QUICK = settings(max_examples=examples(200), deadline=None, derandomize=True)
 BOUNDS = st.floats(1e-6, 0.49)
 RISKS = st.one_of(st.just(0.0), st.floats(1e-12, 3.0))
 ACCOUNTS = st.builds(Account, BOUNDS, RISKS, RISKS)

@@ -33,6 +33,12 @@ def flown(result: Result | Plan, seed: int = 3, **options: object) -> Flight:
     return fly(mission, Model(mission.scenario, seed), deadline=deadline)
 
 
+@pytest.fixture(scope="module")
+def replanned(result: Result) -> Flight:
+    """What is flown where every step is planned anew."""
+    return flown(result, clock=lambda: 0.0)
+
+
 def test_without_a_planner_the_plan_is_flown_and_the_bank_stays(result: Result) -> None:
     flight = flown(result, planner=None)
     assert [t.choice for t in flight.ticks] == ["tail"] * 11
@@ -53,9 +59,11 @@ def test_a_flight_is_told_in_one_line(result: Result) -> None:
 
 
 @pytest.mark.slow
-def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(result: Result) -> None:
+def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(
+    result: Result, replanned: Flight
+) -> None:
     scenario = result.record.scenario
-    kept, replanned = flown(result, planner=None), flown(result)
+    kept = flown(result, planner=None)
 
     def misses(flight: Flight) -> float:
         pairs = zip(scenario.vehicles, flight.states[-1], strict=True)
@@ -67,8 +75,8 @@ def test_a_mission_that_plans_anew_arrives_where_one_that_does_not_misses(result
 
 
 @pytest.mark.slow
-def test_the_account_of_a_flight_adds_up(result: Result) -> None:
-    flight = flown(result)
+def test_the_account_of_a_flight_adds_up(result: Result, replanned: Flight) -> None:
+    flight = replanned
     bound = result.record.scenario.risk_bound
     assert flight.account[0].what == "opened"
     assert flight.account[0].bank == pytest.approx(bound - result.certificate.certified)
@@ -154,10 +162,10 @@ def test_a_candidate_that_comes_too_late_costs_nothing(result: Result) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_seed_is_the_same_flight(result: Result) -> None:
-    first, second = (flown(result, clock=lambda: 0.0) for _ in range(2))
-    assert differences(first, second) == []
-    assert differences(first, flown(result, seed=4, clock=lambda: 0.0)) != []
+def test_the_same_seed_is_the_same_flight(result: Result, replanned: Flight) -> None:
+    assert differences(replanned, flown(result, clock=lambda: 0.0)) == []
+    kept, other = (flown(result, seed=seed, planner=None).states for seed in (3, 4))
+    assert differences(kept, other) != []
 
 
 def hits_beside_a_wall(missions: int) -> int:
@@ -179,7 +187,7 @@ def test_an_adversary_does_where_the_bound_is_granted_anew_each_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(Account, "wealth", property(lambda self: self.risk_bound))
-    assert hits_beside_a_wall(75) >= 20
+    assert hits_beside_a_wall(30) >= 8
 
 
 def test_what_is_not_measured_is_flown_on(result: Result) -> None:

@@ -136,7 +136,7 @@ def test_a_spoiled_file_ends_in_one_line(
 ) -> None:
     path = tmp_path / f"spoiled{suffix}"
     num_refused = 0
-    num_cases = 250 if IS_THOROUGH else 80
+    num_cases = 250 if IS_THOROUGH else 40
     for broken in spoiled_texts(text, num_cases):
         path.write_bytes(broken.encode("utf-8", "surrogatepass"))
         line = refusal(load, path)
@@ -166,7 +166,7 @@ def test_spoiled_data_end_in_a_scenario_error(
     decode: Callable[[object], object], data: dict[str, object]
 ) -> None:
     num_refused = 0
-    num_cases = 800 if IS_THOROUGH else 250
+    num_cases = 800 if IS_THOROUGH else 120
     for broken in spoiled_values(data, num_cases):
         try:
             decode(broken)

@@ -12,10 +12,10 @@ from radmpc.io.native.plan_file import load_plan, save_plan
 from radmpc.io.native.scenario_file import load_scenario, save_scenario
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from sampling import IS_THOROUGH
+from sampling import examples
 
 often = settings(
-    max_examples=100 if IS_THOROUGH else 30,
+    max_examples=examples(90),
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

@@ -13,6 +13,7 @@ from radmpc.model.dynamics import double_integrator, rollout
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.paper.coupling import connected_sets, face_risk
 from radmpc.planners.paper.temporal import make_temporal_obstacle, standing_obstacle
+from sampling import examples
 
 
 def _vehicle(dimension):
@@ -29,7 +30,7 @@ def _vehicle(dimension):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_a_temporal_obstacle_is_the_hull_of_the_squares_at_both_ends(dimension, seed):
     rng = np.random.default_rng(seed)
@@ -54,7 +55,7 @@ def test_a_temporal_obstacle_is_the_hull_of_the_squares_at_both_ends(dimension, 
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_along_intervals_a_temporal_obstacle_touches_every_square_along_the_curve(dimension, seed):
     rng = np.random.default_rng(seed)
@@ -124,7 +125,7 @@ def test_along_an_interval_one_face_is_held_from_end_to_end():
         assert face_risk(faces, 0.5, *ends) == pytest.approx(norm.sf(2.5))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_the_curve_toward_a_face_is_charged_as_the_best_share_of_the_reserve_leaves_it(seed):
     rng = np.random.default_rng(seed)

@@ -115,14 +115,14 @@ def test_every_planner_plans_for_the_world_as_it_is(name, world, avoidance):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_the_world_as_it_is_has_three_dimensions(world):
     check(fleet(world, d=3), "certified")
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_a_proof_is_below_every_certified_plan(world):
     scenario = fleet(world)

@@ -18,6 +18,7 @@ from radmpc.program.allocation import allocated, margins_of, reallocate, uniform
 from radmpc.program.build import build_program, condensed_models
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
+from sampling import examples
 
 
 def _program(seed=0, num_vehicles=2, avoidance="steps"):
@@ -27,7 +28,7 @@ def _program(seed=0, num_vehicles=2, avoidance="steps"):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_no_selection_pays_more_than_a_uniform_allocation_spreads(avoidance, seed):
     program = _program(avoidance=avoidance)

@@ -18,6 +18,7 @@ from radmpc.program.build import build_program, condensed_models, controls_of
 from radmpc.program.restrict import avoidance_blocks, restrict
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
+from sampling import examples
 
 
 def _vehicle(name="a", start=(0.0, 0.0), goal=(8.0, 0.0), **more):
@@ -52,7 +53,7 @@ def _random_point(program, rng):
     return rng.uniform(program.lower, program.upper)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_outputs_are_the_mean_positions_of_the_rollout(seed):
     scenario = paper(2, 3)
@@ -66,7 +67,7 @@ def test_outputs_are_the_mean_positions_of_the_rollout(seed):
     assert outputs[: 2 * 2 * 11] == pytest.approx(np.concatenate(expected), abs=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_every_plan_that_holds_the_hard_rows_stays_within_reach(seed):
     scenario = paper(1, 3)

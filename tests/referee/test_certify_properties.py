@@ -17,9 +17,9 @@ from radmpc.model.scenario import Workspace
 from radmpc.referee import certify, gather
 from radmpc.referee.bound.bounds import window_halfspaces
 from radmpc.referee.encounters import Encounters
-from sampling import IS_THOROUGH
+from sampling import examples
 
-QUICK = settings(max_examples=25 if IS_THOROUGH else 10, deadline=None, derandomize=True)
+QUICK = settings(max_examples=examples(25), deadline=None, derandomize=True)
 AVOIDANCES = st.sampled_from(["steps", "intervals"])
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from radmpc.referee.bound.chain import chain_charges, cheapest_chain, run_scores
+from sampling import examples
 
 
 def cost_of_choice(near, far, choice):
@@ -22,7 +23,7 @@ def cost_of_choice(near, far, choice):
     return total + far[-1, choice[-1]]
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=examples(30), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1, 2]))
 def test_the_chain_is_the_cheapest_of_all(seed, ends):
     rng = np.random.default_rng(seed)
@@ -58,7 +59,7 @@ def test_scores_of_runs_are_their_charges():
     assert score(risks)[:, 0].tolist() == [7.0, 7.0, 10.0]
 
 
-@settings(max_examples=20, deadline=None, derandomize=True)
+@settings(max_examples=examples(20), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]))
 def test_scores_of_runs_add_up_to_what_the_chain_charges(seed, ends):
     rng = np.random.default_rng(seed)

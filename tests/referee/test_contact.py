@@ -10,9 +10,10 @@ from scipy.optimize import minimize_scalar, nnls
 from radmpc.geometry import box, hull
 from radmpc.referee.contact import Solid, origin_distances, solid_distances, solid_of
 from radmpc.referee.simulation.sweep import swept
+from sampling import examples
 
 SEEDS = st.integers(0, 2**32 - 1)
-QUICK = settings(max_examples=40, deadline=None, derandomize=True)
+QUICK = settings(max_examples=examples(40), deadline=None, derandomize=True)
 
 
 def test_a_box_in_space_has_twelve_edges():
@@ -68,7 +69,7 @@ def point_distance(point, shape):
     return residual
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=examples(15), deadline=None, derandomize=True)
 @given(SEEDS)
 def test_distances_in_space_are_the_least_over_the_segment(seed):
     rng = np.random.default_rng(seed)

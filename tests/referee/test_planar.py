@@ -12,6 +12,7 @@ from scipy.stats import ncx2
 
 from radmpc.geometry import hull
 from radmpc.referee.bound.planar import grown_polygon_risks
+from sampling import examples
 
 
 def risk(mean, covariance, vertices, radius, normal, bound=np.inf):
@@ -89,7 +90,7 @@ def test_the_order_of_corners_and_their_repetition_do_not_matter():
     assert risk(*arguments, mixed, 0.3, [-1.0, 0.0], 1.0) == pytest.approx(sorted_risk, rel=1e-6)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=examples(40), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1))
 def test_the_direction_of_integration_does_not_matter(seed):
     rng = np.random.default_rng(seed)
@@ -106,7 +107,7 @@ def test_the_direction_of_integration_does_not_matter(seed):
         np.testing.assert_allclose(found, min(found), rtol=1e-6)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=examples(15), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1))
 def test_sampling_agrees(seed):
     rng = np.random.default_rng(seed)
@@ -224,7 +225,7 @@ def scene(rng):
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=examples(100), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1))
 def test_the_risk_is_never_below_the_truth_at_any_ratio_of_deviations(seed):
     mean, variances, corners, radius, normal = scene(np.random.default_rng(seed))
@@ -244,7 +245,7 @@ def test_a_peak_far_narrower_than_the_set_is_not_stepped_over():
     assert risk(mean, np.diag(variances), wedge, 0.1, [0.0, 1.0], 1.0) >= expected * (1.0 - 1e-9)
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=examples(30), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1))
 def test_a_wrong_direction_costs_tightness_only(seed):
     rng = np.random.default_rng(seed)

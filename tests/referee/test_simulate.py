@@ -24,6 +24,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.referee import certify, simulate
 from radmpc.referee.simulation import simulation
+from sampling import examples
 
 
 def agrees(count, samples, probability):
@@ -264,7 +265,7 @@ def test_an_obstacle_that_swells_is_met_half_way(x, rate):
 
 
 @pytest.mark.slow
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=examples(12), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["steps", "intervals"]), st.sampled_from([2, 3]))
 def test_the_certificate_is_never_below_what_flights_show(seed, avoidance, dimension):
     paths, covariances, clouds = random_scene(seed, dimension)

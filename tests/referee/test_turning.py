@@ -15,6 +15,7 @@ from radmpc.referee.contact import solid_distances, solid_of
 from radmpc.referee.simulation.collisions import meets_solid
 from radmpc.referee.simulation.sweep import resting, swept
 from radmpc.referee.simulation.turning import TurningSolid
+from sampling import examples
 
 SEEDS = st.integers(0, 2**32 - 1)
 COUNT = 40
@@ -44,7 +45,7 @@ def least_gap(begin: Matrix, end: Matrix, sagitta: Matrix, before: Matrix, after
 
 
 @pytest.mark.slow
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=examples(12), deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([2, 3]), st.booleans(), st.booleans())
 def test_what_hits_a_turning_solid_is_what_comes_near_it(
     seed: int, d: int, is_flat: bool, is_bent: bool
@@ -95,7 +96,7 @@ def test_what_turns_is_one_solid_however_far_it_turns() -> None:
         )
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=examples(40), deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([1, 2]))
 def test_planar_distances_from_walls_and_posts_are_those_of_shapely(
     seed: int, corners: int
@@ -131,7 +132,7 @@ def test_distances_from_things_without_thickness(
     assert found[0] == pytest.approx(distance, abs=1e-12)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(SEEDS, st.sampled_from([2, 3]), st.booleans())
 def test_a_wall_without_thickness_cannot_be_jumped(seed: int, d: int, is_moving: bool) -> None:
     rng = np.random.default_rng(seed)
