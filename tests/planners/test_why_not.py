@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,8 @@ from scipy.special import ndtr
 
 from radmpc.experiments.families import paper
 from radmpc.model.dynamics import double_integrator
+from radmpc.model.noise.measurement import Measurement
+from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
@@ -17,11 +20,12 @@ from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners import Centralized, Ira, Planner
 from radmpc.planners.certified import fallbacks
 from radmpc.planners.certified.infeasible.least_risk import least_risk
-from radmpc.planners.certified.infeasible.noise import with_noise
 from radmpc.planners.certified.search import PriceSearch
+from radmpc.planners.cures.variants import with_noise
 from radmpc.planning import plan
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits
+from running import first_plan
 
 
 def vehicle(name, start, goal, noise=1e-3):
@@ -216,3 +220,25 @@ def test_less_noise_is_less_of_what_obstacles_stray_too():
     assert quiet.vehicles[0].disturbance_covariance == pytest.approx(
         0.25 * noisy.vehicles[0].disturbance_covariance
     )
+
+
+def test_a_start_too_close_to_a_wall_is_told_where_it_could_be_and_there_it_has_a_plan():
+    problem = beside_a_wall(1.5, 1e-2, "steps")
+    text = plan(problem, "certified").explanation
+    told = re.search(r"move the start of 'a' to \(([^()]+)\)", text)
+    assert told is not None, text
+    first, *others = problem.vehicles
+    start = first.start.copy()
+    start[:2] = [float(x) for x in told[1].split(",")]
+    moved = replace(problem, vehicles=(replace(first, start=start), *others))
+    assert first_plan(moved, time_limit=20.0).is_certified
+
+
+def test_less_noise_is_less_of_what_is_shared_and_measured_too():
+    gust = SharedDisturbance("gust", np.eye(4), 1e-3 * np.eye(4))
+    one = replace(
+        vehicle("a", (0, 0), (10, 0)), shared=(gust,), measurement=Measurement.of([0, 1], 4, 0.01)
+    )
+    quiet = with_noise(scenario(one), 0.25).vehicles[0]
+    assert quiet.shared[0].covariance == pytest.approx(0.25 * gust.covariance)
+    assert quiet.measurement.covariance == pytest.approx(0.25 * one.measurement.covariance)

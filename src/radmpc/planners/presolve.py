@@ -20,6 +20,7 @@ __all__ = [
     "Reason",
     "endpoint_reasons",
     "grouped",
+    "hazards_of",
     "overdrawn_texts",
     "reserve_reason",
     "sure_reasons",
@@ -255,6 +256,21 @@ def endpoint_reasons(scenario: Scenario, found: Floors) -> list[Reason]:
     ranked = tuple(sorted(hazards, key=lambda hazard: -hazard.risk))
     everyone = tuple(sorted({i for hazard in ranked for i in hazard.members}))
     return [Reason(everyone, endpoints_text(scenario, ranked, found.total))]
+
+
+def hazards_of(found: Floors, members: Sequence[int]) -> list[EndpointHazard]:
+    """Return what starts and goals of some vehicles risk among themselves, the greatest first.
+
+    Parameters
+    ----------
+    found : Floors
+        What those of all risk.
+    members : sequence of int
+        The vehicles.
+    """
+    whom = set(members)
+    own = [hazard for hazard in (*found.starts, *found.goals) if whom.issuperset(hazard.members)]
+    return sorted(own, key=lambda hazard: -hazard.risk)
 
 
 def _own(hazards: Sequence[EndpointHazard], i: int, *, at_goal: bool) -> tuple[EndpointHazard, ...]:

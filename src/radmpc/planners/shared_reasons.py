@@ -72,14 +72,11 @@ def _pairs_text(scenario: Scenario, members: Sequence[int], group: Sequence[Endp
     nearest = min(group, key=lambda hazard: hazard.distance)
     names = [repr(scenario.vehicles[i].name) for i in nearest.members]
     contact = sum(scenario.vehicles[i].radius for i in nearest.members)
-    cure = "the noise" if nearest.at_goal else "initial_covariance"
-    is_touching = is_contact(scenario, nearest)
     most = "at most " if nearest.at_goal else ""
     return (
         f"The {place} of vehicles {_names(scenario, members)} are too close to each other: those "
         f"of {' and '.join(names)} are {most}{nearest.distance:.3g} m apart, contact is at "
-        f"{contact:.3g} m ({_risks(scenario, group)}). Move {place}"
-        + ("." if is_touching else f" or reduce {cure}.")
+        f"{contact:.3g} m ({_risks(scenario, group)})."
     )
 
 
@@ -95,15 +92,14 @@ def _shared_text(
     risks = _risks(scenario, group)
     if is_contact(scenario, first):
         if first.cause == "workspace":
-            return f"{head} lie outside the workspace. Move the {place}."
-        return f"{head} lie within {what} grown by the vehicles' radii ({risks}). Move the {place}."
+            return f"{head} lie outside the workspace."
+        return f"{head} lie within {what} grown by the vehicles' radii ({risks})."
     nearest = min(hazard.distance for hazard in group)
-    cure = ", or reduce the noise" if first.at_goal else " or reduce initial_covariance"
     where = "even their best points are" if first.at_goal else "they are"
     aside = ", radii not counted," if what else ""
     return (
         f"{head} are too close to {what or 'the workspace border'}: {where} {nearest:.3g} m away "
-        f"or more{aside} and run {risks}. Move the {place} away{cure}."
+        f"or more{aside} and run {risks}."
     )
 
 

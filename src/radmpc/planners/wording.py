@@ -106,7 +106,7 @@ def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: 
     Returns
     -------
     str
-        Where and what, the numbers, and what would help.
+        Where and what, and the numbers.
     """
     bound = f"risk_bound {scenario.risk_bound:g}"
     if len(hazards) == 1:
@@ -116,8 +116,7 @@ def endpoints_text(scenario: Scenario, hazards: Sequence[EndpointHazard], risk: 
     hidden = len(hazards) - len(parts)
     more = f"; and {hidden} more" if hidden > 0 else ""
     return (
-        f"Starts and goals alone run a risk of {number}, above {bound}: "
-        f"{'; '.join(parts)}{more}. Move them, reduce the noise, or raise risk_bound."
+        f"Starts and goals alone run a risk of {number}, above {bound}: {'; '.join(parts)}{more}."
     )
 
 
@@ -138,29 +137,24 @@ def _one(scenario: Scenario, hazard: EndpointHazard, number: str, bound: str) ->
     risk = f"a risk of {number}"
     if hazard.risk > scenario.risk_bound:
         risk += f", above {bound}"
-    cure = "" if hazard.at_goal else " or reduce initial_covariance"
     place = "goal" if hazard.at_goal else "start"
     if hazard.cause == "pair":
         return _pair(scenario, hazard, names, risk)
     best = "even its best point is" if hazard.at_goal else "it is"
     if hazard.cause == "workspace":
         if hazard.distance < 0.0:
-            return (
-                f"The {place} of vehicle {names[0]} lies outside the workspace. Move the {place}."
-            )
+            return f"The {place} of vehicle {names[0]} lies outside the workspace."
         where = f"{best} {hazard.distance:.3g} m from the border"
         head = f"The {place} of vehicle {names[0]} is too close to the workspace border"
     else:
         if is_contact(scenario, hazard):
             return (
                 f"The {place} of vehicle {names[0]} lies within obstacle {hazard.other!r} grown by "
-                f"the vehicle's radius of {radii[0]:g} m ({risk}). Move the {place}."
+                f"the vehicle's radius of {radii[0]:g} m ({risk})."
             )
         where = f"{best} {hazard.distance:.3g} m from it, at a radius of {radii[0]:g} m,"
         head = f"The {place} of vehicle {names[0]} is too close to obstacle {hazard.other!r}"
-    if hazard.at_goal:
-        cure = ", or reduce the noise"
-    return f"{head}: {where} and runs {risk}. Move the {place} away{cure}."
+    return f"{head}: {where} and runs {risk}."
 
 
 def _pair(scenario: Scenario, hazard: EndpointHazard, names: Sequence[str], risk: str) -> str:
@@ -172,14 +166,8 @@ def _pair(scenario: Scenario, hazard: EndpointHazard, names: Sequence[str], risk
     apart = f"{most}{hazard.distance:.3g} m apart"
     head = f"The {place} of vehicles {names[0]} and {names[1]} are too close to each other"
     if is_contact(scenario, hazard):
-        return (
-            f"{head}: they overlap, {apart} where {need} are needed ({risk}). Move a {place[:-1]}."
-        )
-    cure = "the noise" if hazard.at_goal else "initial_covariance"
-    return (
-        f"{head}: they are {apart}, contact is at {need}, and that alone runs {risk}. "
-        f"Move a {place[:-1]} or reduce {cure}."
-    )
+        return f"{head}: they overlap, {apart} where {need} are needed ({risk})."
+    return f"{head}: they are {apart}, contact is at {need}, and that alone runs {risk}."
 
 
 def hazard_name(risk_item: RiskItem) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import ceil
 from typing import Literal
 
@@ -11,11 +12,16 @@ import numpy as np
 
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.preflight.cures import control_cures, saturation_cures, time_cures
+from radmpc.preflight.cures import (
+    control_cures,
+    deviation_cures,
+    saturation_cures,
+    time_cures,
+)
+from radmpc.preflight.endpoint_concerns import told_of_endpoints
+from radmpc.preflight.narrow_concerns import narrow_cures, told_of_narrow
 from radmpc.preflight.noise import NoiseKind, noise_warnings
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
-from radmpc.preflight.places import Narrowest
-from radmpc.preflight.reserve import tails
 
 __all__ = ["Concern", "Kind", "concerns_of"]
 
@@ -89,6 +95,8 @@ class _Found:
         Whether no plan can be within Δ.
     horizon : int or None
         Steps that it recommends as the horizon.
+    cures : callable or None
+        Tries what follows the text after a colon, if anything does: asked only where it is told.
     """
 
     kind: Kind
@@ -97,6 +105,13 @@ class _Found:
     weight: float
     is_fatal: bool = False
     horizon: int | None = None
+    cures: Callable[[], str] | None = None
+
+    @property
+    def line(self) -> str:
+        """The text, with what was tried and cures it."""
+        found = "" if self.cures is None else self.cures()
+        return f"{self.text}: {found}" if found else self.text
 
 
 def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
@@ -119,7 +134,8 @@ def concerns_of(outlook: Outlook) -> tuple[Concern, ...]:
         for one in _of_vehicle(scenario, vehicle, seen)
     ]
     noise = (Concern(kind, (), text, False) for kind, text in noise_warnings(scenario))
-    told = [*_endpoints(outlook), *_grouped(found), *noise]
+    ends = (Concern("endpoint", *told) for told in told_of_endpoints(outlook))
+    told = [*ends, *_grouped(found), *noise]
     return tuple(sorted(told, key=lambda concern: not concern.is_fatal))
 
 
@@ -132,8 +148,8 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
 
         for text, weight in told_of_visits(vehicle, seen.visits, scenario.horizon):
             yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0)
-    if isinstance(seen.narrowest, Narrowest):
-        yield from _narrow(scenario, seen, seen.narrowest)
+    for text, weight in told_of_narrow(scenario, seen):
+        yield _Found("narrow", seen.name, text, weight, cures=partial(narrow_cures, scenario, seen))
     most = _SMALL * scenario.risk_bound
     if seen.saturation is not None and seen.saturation > most:
         yield _Found(
@@ -146,13 +162,14 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
         )
     ratio = seen.end_deviation / vehicle.radius
     if ratio > _SCATTERED:
-        cure = "add feedback" if vehicle.gain is None else "stiffen the gain, or reduce the noise"
+        most = _SCATTERED * vehicle.radius
         yield _Found(
             "deviation",
             seen.name,
             f"standard deviation {seen.end_deviation:.3g} m at the end, {ratio:.2g} times its "
-            f"radius: {cure}",
+            "radius",
             ratio,
+            cures=partial(deviation_cures, scenario, vehicle, most, _MUCH),
         )
 
 
@@ -203,76 +220,6 @@ def _time(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iterato
     yield _Found("time", seen.name, text, least / horizon, least > horizon, more)
 
 
-def _narrow(scenario: Scenario, seen: VehicleOutlook, place: Narrowest) -> Iterator[_Found]:
-    """Yield what is to be said of the narrowest place."""
-    if place.step in {0, scenario.horizon} and place.clearance >= 0.0:
-        return  # it is the start or the goal, of which more is said elsewhere
-    if max(seen.start_risk, seen.goal_risk) > scenario.risk_bound:
-        return  # what is around those has to be changed first
-    where = f"{_between(place)} near ({', '.join(f'{x:.4g}' for x in place.position)})"
-    cure = "widen it, lengthen the horizon for a way around, or reduce the noise"
-    if place.clearance < 0.0:
-        text = (
-            f"no way to the goal in time is wide enough: the roomiest lacks {-place.clearance:.2g} "
-            f"m {where}; widen it, or lengthen the horizon for a way around"
-        )
-        yield _Found("narrow", seen.name, text, np.inf)
-        return
-    deviations = place.deviations
-    if deviations is None:
-        return
-    risk = float(tails(np.array([deviations]), scenario.covariance_samples)[0])
-    if risk <= _SMALL * scenario.risk_bound:
-        return
-    yield _Found(
-        "narrow",
-        seen.name,
-        f"must pass {where} with {place.clearance:.2g} m to spare, {deviations:.2g} standard "
-        f"deviations, a risk of about {risk:.2g} (risk_bound {scenario.risk_bound:g}): {cure}",
-        risk,
-    )
-
-
-def _between(place: Narrowest) -> str:
-    """Name what is beside a place."""
-    names = ["the workspace border" if n is None else repr(n) for n in place.beside]
-    if len(names) == 1:
-        return f"beside {names[0]}"
-    if names[0] == names[1]:
-        return f"between sides of {names[0]}"
-    return f"between {names[0]} and {names[1]}"
-
-
-def _endpoints(outlook: Outlook) -> Iterator[Concern]:
-    """Yield what is to be said of starts and goals: above Δ, or a large part of it."""
-    if outlook.endpoints is None:
-        return
-    from radmpc.planners.presolve import endpoint_reasons, grouped  # noqa: PLC0415 - see `Outlook`
-
-    scenario = outlook.scenario
-    reasons = endpoint_reasons(scenario, outlook.endpoints)
-    for reason, (_, text) in zip(reasons, grouped(scenario, reasons), strict=False):
-        names = tuple(scenario.vehicles[i].name for i in reason.members)
-        yield Concern("endpoint", names, text, True)
-    if reasons or outlook.least_risk <= _SMALL * scenario.risk_bound:
-        return
-    worst = max(outlook.hazards, key=lambda hazard: hazard.risk)
-    names = tuple(scenario.vehicles[i].name for i in worst.members)
-    place = "goal" if worst.at_goal else "start"
-    if worst.cause == "pair":
-        what = f"the {place}s of {names[0]!r} and {names[1]!r}"
-    else:
-        other = "the workspace border" if worst.other is None else f"obstacle {worst.other!r}"
-        what = f"the {place} of {names[0]!r} at {other}"
-    share = 100.0 * outlook.least_risk / scenario.risk_bound
-    text = (
-        f"Starts and goals alone take {outlook.least_risk:.2g} of risk_bound "
-        f"{scenario.risk_bound:g} ({share:.0f} %), whatever the plan, most of it {what} "
-        f"({worst.risk:.2g}): move them, reduce the noise, or raise risk_bound"
-    )
-    yield Concern("endpoint", names, text, False)
-
-
 def _grouped(found: Sequence[_Found]) -> Iterator[Concern]:
     """Yield concerns about vehicles; of three or more of a kind the worst, and who shares it."""
     groups: dict[tuple[Kind, bool], list[_Found]] = {}
@@ -281,7 +228,7 @@ def _grouped(found: Sequence[_Found]) -> Iterator[Concern]:
     for (kind, is_fatal), group in groups.items():
         if len(group) < _GROUPED:
             for one in group:
-                text = f"Vehicle {one.name!r}: {one.text}"
+                text = f"Vehicle {one.name!r}: {one.line}"
                 yield Concern(kind, (one.name,), text, is_fatal, one.horizon)
             continue
         ranked = sorted(group, key=lambda one: -one.weight)
@@ -291,5 +238,5 @@ def _grouped(found: Sequence[_Found]) -> Iterator[Concern]:
         is_same = len({one.text for one in group}) == 1
         who = "" if is_same else f"; the worst, {ranked[0].name!r}"
         everyone = tuple(one.name for one in group)
-        text = f"Vehicles {names}{more}{who}: {ranked[0].text}"
+        text = f"Vehicles {names}{more}{who}: {ranked[0].line}"
         yield Concern(kind, everyone, text, is_fatal, ranked[0].horizon)

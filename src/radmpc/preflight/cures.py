@@ -4,28 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from math import floor, log10
 
 import numpy as np
 
 from radmpc.arrays import Tensor
-from radmpc.errors import ScenarioError
-from radmpc.model.dynamics import lqr_gain
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.planners.cures.variants import (
+    LIMIT_FACTORS,
+    WEIGHTS,
+    regulated,
+    rounded_down,
+    rounded_up,
+    vehicle_with_noise,
+)
 from radmpc.preflight.pace import Pace
 from radmpc.preflight.reserve import expected_saturation, reserve_of
 
-__all__ = ["control_cures", "saturation_cures", "time_cures"]
-
-_FACTORS = (1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0)
-"""What limits are multiplied by, one after the other [-]."""
+__all__ = [
+    "control_cures",
+    "deviation_cures",
+    "largest_deviation",
+    "saturation_cures",
+    "time_cures",
+]
 
 _SIGMAS = (3.5, 4.0, 4.5, 5.0, 6.0, 7.0)
 """Values of ``control_sigmas`` that are tried [-]."""
-
-_WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
-"""Weights R of the control that are tried for feedback, with Q = 1 [-]: a softer gain each."""
 
 _Test = Callable[[Vehicle], bool]
 
@@ -54,8 +59,8 @@ def control_cures(scenario: Scenario, vehicle: Vehicle, share: float) -> str:
     kept = _share(vehicle, vehicle.covariances(scenario.horizon))
     found = list(_softer(vehicle, does))
     # What is kept back grows with the noise, and does not depend on the limit.
-    quieter = _rounded_down(share / kept)
-    if does(_with_noise(vehicle, quieter)):
+    quieter = rounded_down(share / kept)
+    if does(vehicle_with_noise(vehicle, quieter**2)):
         found.append(f"reduce the noise to {quieter:g} of its standard deviations")
     found += _raised(vehicle, "control_limit", does, [kept / share * 1.001])
     return _joined(found, "soften the gain, reduce the noise, or raise control_limit")
@@ -125,6 +130,60 @@ def saturation_cures(scenario: Scenario, vehicle: Vehicle, most: float) -> str:
     return _joined(found, "raise control_sigmas or control_limit, or soften the gain")
 
 
+def deviation_cures(scenario: Scenario, vehicle: Vehicle, most: float, share: float) -> str:
+    """Return what keeps a vehicle near its path until the horizon.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose horizon counts.
+    vehicle : Vehicle
+        Of it.
+    most : float
+        The largest standard deviation at the end that is no concern [m].
+    share : float
+        The largest share of the control limit that feedback may keep back for it [-].
+
+    Returns
+    -------
+    str
+        In the imperative, joined by "or"; empty where nothing that was tried does.
+    """
+
+    def is_near(candidate: Vehicle) -> bool:
+        return largest_deviation(candidate, candidate.covariances(scenario.horizon)) <= most
+
+    def does(candidate: Vehicle) -> bool:
+        kept = _share(candidate, candidate.covariances(scenario.horizon))
+        return kept <= share and is_near(candidate)
+
+    found = []
+    weight = _weight(vehicle, does)
+    if weight is not None:
+        word = "add feedback" if vehicle.gain is None else "stiffen the gain"
+        found.append(f"{word} (lqr with Q = 1, R = {weight:g} does)")
+    deviation = largest_deviation(vehicle, vehicle.covariances(scenario.horizon))
+    quieter = rounded_down(most / deviation)
+    if is_near(vehicle_with_noise(vehicle, quieter**2)):
+        found.append(f"reduce the noise to {quieter:g} of its standard deviations")
+    return ", or ".join(found)
+
+
+def largest_deviation(vehicle: Vehicle, covariances: Tensor) -> float:
+    """Return the largest standard deviation of a position at the horizon, in any direction [m].
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    covariances : (T+1, n, n) array
+        Of its state.
+    """
+    axes = list(vehicle.system.position)
+    last = covariances[-1][np.ix_(axes, axes)]
+    return float(np.sqrt(max(np.linalg.eigvalsh(last)[-1], 0.0)))
+
+
 def _share(vehicle: Vehicle, covariances: Tensor) -> float:
     """Return the largest share of a control limit that feedback keeps back."""
     return reserve_of(vehicle, vehicle.control_bounds(covariances)).share
@@ -132,27 +191,29 @@ def _share(vehicle: Vehicle, covariances: Tensor) -> float:
 
 def _softer(vehicle: Vehicle, does: _Test) -> Iterator[str]:
     """Yield the stiffest regulator that does, of those tried."""
-    system = vehicle.system
-    for weight in _WEIGHTS:
-        try:
-            gain = lqr_gain(system, np.eye(system.num_states), weight * np.eye(system.num_controls))
-            candidate = replace(vehicle, gain=gain)
-        except ScenarioError:
-            continue
-        if does(candidate):
-            yield f"soften the gain (lqr with Q = 1, R = {weight:g} does)"
-            return
+    weight = _weight(vehicle, does)
+    if weight is not None:
+        yield f"soften the gain (lqr with Q = 1, R = {weight:g} does)"
+
+
+def _weight(vehicle: Vehicle, does: _Test) -> float | None:
+    """Return the weight R of the stiffest regulator that does, of those tried."""
+    for weight in WEIGHTS:
+        candidate = regulated(vehicle, weight)
+        if candidate is not None and does(candidate):
+            return weight
+    return None
 
 
 def _raised(
-    vehicle: Vehicle, limit: str, does: _Test, factors: Sequence[float] = _FACTORS
+    vehicle: Vehicle, limit: str, does: _Test, factors: Sequence[float] = LIMIT_FACTORS
 ) -> Iterator[str]:
     """Yield the smallest limit that does, of those tried."""
     value = getattr(vehicle, limit)
     if value is None:
         return
     for factor in factors:
-        raised = np.array([_rounded_up(factor * x) for x in np.atleast_1d(value).tolist()])
+        raised = np.array([rounded_up(factor * x) for x in np.atleast_1d(value).tolist()])
         if limit == "control_limit":
             candidate = replace(vehicle, control_limit=raised)
         else:
@@ -163,32 +224,6 @@ def _raised(
             return
 
 
-def _with_noise(vehicle: Vehicle, factor: float) -> Vehicle:
-    """Return a vehicle with all its noise multiplied, in standard deviations."""
-    return replace(
-        vehicle,
-        initial_covariance=factor**2 * vehicle.initial_covariance,
-        disturbance_covariance=factor**2 * vehicle.disturbance_covariance,
-        measurement=(
-            None
-            if vehicle.measurement is None
-            else replace(vehicle.measurement, covariance=factor**2 * vehicle.measurement.covariance)
-        ),
-    )
-
-
 def _joined(found: Sequence[str], words: str) -> str:
     """Return what was found to help; in words where nothing that was tried did."""
     return f"{', or '.join(found)}" if found else f"{words} (none did that was tried)"
-
-
-def _rounded_up(value: float) -> float:
-    """Return a number > 0 of three digits, no smaller."""
-    digits = 2 - floor(log10(value))
-    return round(-floor(-value * 10.0**digits + 1e-9) / 10.0**digits, max(digits, 0))
-
-
-def _rounded_down(value: float) -> float:
-    """Return a number > 0 of two digits, no larger."""
-    digits = 1 - floor(log10(value))
-    return round(floor(value * 10.0**digits + 1e-9) / 10.0**digits, max(digits, 0))

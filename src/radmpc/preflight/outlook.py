@@ -12,6 +12,7 @@ from radmpc.arrays import Matrix, Tensor
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.preflight.cures import largest_deviation
 from radmpc.preflight.endpoints import least_risks
 from radmpc.preflight.narrowest import Traveler, narrowest_place
 from radmpc.preflight.pace import Pace
@@ -178,7 +179,7 @@ def _vehicle(
         name=vehicle.name,
         least_steps=least,
         least_steps_with_feedback=least_kept,
-        end_deviation=float(np.sqrt(max(np.linalg.eigvalsh(places[-1])[-1], 0.0))),
+        end_deviation=largest_deviation(vehicle, covariances),
         reserve=reserve_of(vehicle, bounds),
         saturation=saturation,
         start_risk=risks[0],

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from radmpc.errors import ScenarioError
-from radmpc.model.dynamics import lqr_gain
 from radmpc.model.obstacle import MovingShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.certified.infeasible.least_risk import least_risk
-from radmpc.planners.certified.infeasible.noise import with_noise
 from radmpc.planners.certified.infeasible.tuning import TUNING
+from radmpc.planners.cures.endpoints import endpoint_cures
+from radmpc.planners.cures.variants import helps_sentence, regulated, with_noise
+from radmpc.planners.endpoint_risk import floors
 from radmpc.planners.explain import unable_alone
-from radmpc.planners.presolve import reserve_reason, sure_reasons
+from radmpc.planners.presolve import hazards_of, reserve_reason, sure_reasons
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 
-__all__ = ["Cures", "cure_sentence", "find_cures", "has_plan_within"]
+__all__ = ["Cures", "cure_sentence", "endpoint_sentence", "find_cures", "has_plan_within"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +97,40 @@ def cure_sentence(scenario: Scenario, limits: Limits) -> str:
         told.append(f"The feedback {kept}.")
     cures = find_cures(scenario, limits)
     if cures.found:
-        told.append(f"What helps, as tried: {'; or '.join(cures.found)}.")
+        told.append(helps_sentence(cures.found))
     elif cures.failed:
         told.append(f"Tried in vain: {listed(cures.failed)}.")
     return " ".join(told)
+
+
+def endpoint_sentence(scenario: Scenario, members: tuple[int, ...], limits: Limits) -> str:
+    """Return what would help vehicles whose starts and goals alone are above Δ.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    members : tuple of int
+        Those vehicles.
+    limits : Limits
+        When to stop trying.
+
+    Returns
+    -------
+    str
+        A sentence; empty where nothing that was tried gives them a plan within Δ.
+    """
+    if limits.reached:
+        return ""
+    hazards = hazards_of(floors(scenario, condensed_models(scenario)), members)
+    trial = limits.within(TUNING.seconds)
+    if not hazards:
+        return ""
+
+    def accepts(changed: Scenario) -> bool:
+        return has_plan_within(changed, trial.within(TUNING.trial_seconds))
+
+    return helps_sentence(endpoint_cures(scenario, hazards, accepts))
 
 
 def has_plan_within(scenario: Scenario, limits: Limits) -> bool:
@@ -202,12 +231,9 @@ def _feedback(scenario: Scenario, limits: Limits) -> str | None:
 
 def _regulated(vehicle: Vehicle, weight: float, horizon: int) -> Vehicle | None:
     """Return a vehicle under a regulator; None where that is no softer, or takes all control."""
-    system = vehicle.system
-    try:
-        gain = lqr_gain(system, np.eye(system.num_states), weight * np.eye(system.num_controls))
-    except ScenarioError:
+    candidate = regulated(vehicle, weight)
+    if candidate is None:
         return None
-    candidate = replace(vehicle, gain=gain)
     left = candidate.control_bounds(candidate.covariances(horizon)).min()
     if left < 0.0:
         return None

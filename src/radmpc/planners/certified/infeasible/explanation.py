@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.infeasible.cures import cure_sentence
+from radmpc.planners.certified.infeasible.cures import cure_sentence, endpoint_sentence
 from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.infeasible.stuck import stuck_reason
 from radmpc.planners.certified.infeasible.tuning import TUNING
@@ -163,10 +163,14 @@ def _told(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> list
     texts, left = [], TUNING.cured
     for group, sentence in grouped(scenario, reasons):
         texts.append(sentence)
-        if group is None or left == 0:
+        whom = group or next((one.members for one in reasons if one.text == sentence), None)
+        if whom is None or left == 0:
             continue
         left -= 1
-        cure = cure_sentence(scenario.subset(group, scenario.risk_bound), limits)
+        if group is None:
+            cure = endpoint_sentence(scenario, whom, limits)
+        else:
+            cure = cure_sentence(scenario.subset(whom, scenario.risk_bound), limits)
         if cure:
             texts.append(cure)
     return texts

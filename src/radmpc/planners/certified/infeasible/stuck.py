@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.certified.infeasible.noise import with_noise
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.certified.problem import SetProblem
+from radmpc.planners.cures.variants import with_noise
 from radmpc.planners.explain import trivially_infeasible
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models

@@ -1,0 +1,111 @@
+"""How long planning takes under each assumption on the noise, against the same scene without it.
+
+    python benchmarks/noise_speed.py [--vehicles N] [--seeds N] [--gap G] [--seconds S] [--only X]
+
+Problems are `paper(N)`, the planner is `certified(G)`: until its first certified plan, and until it
+ends, by a proof of the gap or by its limit. Reference and assumption, those of `assumptions.py`,
+take turns in one run, and whichever goes first changes from seed to seed. Seconds are the
+processor's; ratios are taken seed by seed, and the table has their medians, the largest, and how
+many ended with a proof.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from dataclasses import dataclass
+from statistics import median
+from unittest.mock import patch
+
+import radmpc
+from assumptions import ASSUMPTIONS
+from radmpc.experiments.families import paper
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """What one plan took.
+
+    Attributes
+    ----------
+    first : float
+        Seconds until the first certified plan [s]; inf without one.
+    whole : float
+        Seconds until the planner ended [s].
+    is_proven : bool
+        Whether it ended with a proof rather than at its limit.
+    """
+
+    first: float
+    whole: float
+    is_proven: bool
+
+
+def taken(scenario: radmpc.Scenario, gap: float, seconds: float) -> Taken:
+    """Plan and tell what it took.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The problem.
+    gap : float
+        At which the planner ends [-].
+    seconds : float
+        At which it ends in any case [s].
+    """
+    moments: list[float] = []
+
+    def seen(plan: radmpc.Plan) -> None:
+        """Note the moment of the first certified plan."""
+        risk = plan.risk.certified
+        if not moments and risk is not None and risk <= plan.risk.bound:
+            moments.append(time.process_time())
+
+    with patch("time.monotonic", time.process_time):
+        begun = time.process_time()
+        found = radmpc.plan(
+            scenario, f"certified({gap:g})", rng=0, time_limit=seconds, improved=seen
+        )
+        whole = time.process_time() - begun
+    first = moments[0] - begun if moments else whole if found.is_certified else math.inf
+    return Taken(first, whole, found.status is radmpc.Status.OPTIMAL)
+
+
+def compared(name: str, asked: argparse.Namespace) -> str:
+    """Return the line of an assumption."""
+    first, whole, proven = list[float](), list[float](), [0, 0]
+    for seed in range(asked.seeds):
+        order = (0, 1) if seed % 2 == 0 else (1, 0)
+        scene = paper(asked.vehicles, seed)
+        told = {i: taken(ASSUMPTIONS[name][i](scene), asked.gap, asked.seconds) for i in order}
+        for i in order:
+            proven[i] += told[i].is_proven
+        if math.isfinite(told[0].first) and math.isfinite(told[1].first):
+            first.append(told[1].first / told[0].first)
+            whole.append(told[1].whole / told[0].whole)
+    if not first:
+        return f"| {name} | – | – | – | – | {proven[0]}, {proven[1]} |"
+    cells = [f"{f(ratios):.2f}" for ratios in (first, whole) for f in (median, max)]
+    return f"| {name} | {' | '.join(cells)} | {proven[0]}, {proven[1]} of {asked.seeds} |"
+
+
+def main() -> None:
+    """Print one line per assumption."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--vehicles", type=int, default=8)
+    parser.add_argument("--seeds", type=int, default=7)
+    parser.add_argument("--gap", type=float, default=0.01)
+    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--only", help="assumptions whose name contains this")
+    asked = parser.parse_args()
+    taken(paper(2, 0), asked.gap, 2.0)  # what is loaded at first use
+    print("| assumption | first plan | most | to the end | most | proven without, with |")
+    print("|---|---|---|---|---|---|")
+    for name in ASSUMPTIONS:
+        if not asked.only or asked.only in name:
+            print(compared(name, asked), flush=True)
+
+
+if __name__ == "__main__":
+    main()

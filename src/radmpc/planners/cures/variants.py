@@ -1,0 +1,172 @@
+"""What may be changed of a scenario to cure it: the candidates, the mildest of a kind first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import floor, log10
+
+import numpy as np
+
+from radmpc.errors import ScenarioError
+from radmpc.model.dynamics import lqr_gain
+from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+
+__all__ = [
+    "LIMIT_FACTORS",
+    "MOST_RISK",
+    "WEIGHTS",
+    "helps_sentence",
+    "longer_horizons",
+    "regulated",
+    "rounded_down",
+    "rounded_up",
+    "vehicle_with_noise",
+    "with_horizon",
+    "with_noise",
+]
+
+LIMIT_FACTORS = (1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+"""What limits are multiplied by, one after the other [-]."""
+
+WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
+"""Weights R of the control that are tried for feedback, with Q = 1 [-]: a softer gain each."""
+
+MOST_RISK = 0.25
+"""Δ above which nobody wants a plan [-]."""
+
+_LONGER = (1.25, 1.6, 2.2)
+"""Multiples of the horizon that are tried [-]."""
+
+
+def longer_horizons(scenario: Scenario) -> tuple[int, ...]:
+    """Return horizons that may be tried, the shortest first.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With the present one.
+
+    Returns
+    -------
+    tuple of int
+        Empty where outlines are given step by step, for this horizon alone.
+    """
+    if any(isinstance(obstacle.shape, MovingShape) for obstacle in scenario.obstacles):
+        return ()
+    horizon = scenario.horizon
+    return tuple(sorted({max(horizon + 1, round(factor * horizon)) for factor in _LONGER}))
+
+
+def with_horizon(scenario: Scenario, horizon: int) -> Scenario | None:
+    """Return a scenario with another horizon; None where a state grows too far by then.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    horizon : int
+        Steps.
+    """
+    try:
+        return replace(scenario, horizon=horizon)
+    except ScenarioError:
+        return None
+
+
+def regulated(vehicle: Vehicle, weight: float) -> Vehicle | None:
+    """Return a vehicle under a linear-quadratic regulator with Q = 1.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    weight : float
+        R of its control [-].
+
+    Returns
+    -------
+    Vehicle or None
+        None where there is no such regulator.
+    """
+    system = vehicle.system
+    try:
+        gain = lqr_gain(system, np.eye(system.num_states), weight * np.eye(system.num_controls))
+        return replace(vehicle, gain=gain)
+    except ScenarioError:
+        return None
+
+
+def vehicle_with_noise(vehicle: Vehicle, factor: float) -> Vehicle:
+    """Return a vehicle with all its variances multiplied: its own, shared, and measured ones.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    factor : float
+        Of variances, above 0 [-].
+    """
+    measurement = vehicle.measurement
+    if measurement is not None:
+        measurement = replace(measurement, covariance=factor * measurement.covariance)
+    return replace(
+        vehicle,
+        initial_covariance=factor * vehicle.initial_covariance,
+        disturbance_covariance=factor * vehicle.disturbance_covariance,
+        measurement=measurement,
+        shared=tuple(replace(one, covariance=factor * one.covariance) for one in vehicle.shared),
+    )
+
+
+def with_noise(scenario: Scenario, factor: float) -> Scenario:
+    """Return a scenario with all variances multiplied, those of obstacles' tracks included.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    factor : float
+        Of variances, above 0 [-].
+    """
+    vehicles = tuple(vehicle_with_noise(vehicle, factor) for vehicle in scenario.vehicles)
+    obstacles = tuple(_known_better(obstacle, factor) for obstacle in scenario.obstacles)
+    return replace(scenario, vehicles=vehicles, obstacles=obstacles)
+
+
+def _known_better(obstacle: Obstacle, factor: float) -> Obstacle:
+    """Return an obstacle whose track is known as much better."""
+    if not isinstance(obstacle.shape, TrackShape) or obstacle.spread is None:
+        return obstacle
+    shape = replace(
+        obstacle.shape,
+        covariance=factor * obstacle.shape.covariance,
+        disturbance_covariance=factor * obstacle.shape.disturbance_covariance,
+    )
+    # Without a step it is laid out anew.
+    return replace(obstacle, shape=shape, dt=None)
+
+
+def helps_sentence(found: Sequence[str]) -> str:
+    """Return what was tried and does, in a sentence; empty where nothing did.
+
+    Parameters
+    ----------
+    found : sequence of str
+        Each in the imperative, without a full stop.
+    """
+    return f"What helps, as tried: {'; or '.join(found)}." if found else ""
+
+
+def rounded_up(value: float) -> float:
+    """Return a number > 0 of three digits, no smaller."""
+    digits = 2 - floor(log10(value))
+    return round(-floor(-value * 10.0**digits + 1e-9) / 10.0**digits, max(digits, 0))
+
+
+def rounded_down(value: float) -> float:
+    """Return a number > 0 of two digits, no larger."""
+    digits = 1 - floor(log10(value))
+    return round(floor(value * 10.0**digits + 1e-9) / 10.0**digits, max(digits, 0))

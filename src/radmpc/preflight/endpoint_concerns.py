@@ -1,0 +1,60 @@
+"""What is to be said of starts and goals: above Δ, or a large part of it; with what cures it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from radmpc.preflight.outlook import Outlook
+
+__all__ = ["told_of_endpoints"]
+
+_CURED = 2
+"""Reasons for which cures are tried [-]; more would take too long."""
+
+
+def told_of_endpoints(outlook: Outlook) -> Iterator[tuple[tuple[str, ...], str, bool]]:
+    """Yield what is to be said of starts and goals.
+
+    Parameters
+    ----------
+    outlook : Outlook
+        What was seen.
+
+    Yields
+    ------
+    tuple of str, str and bool
+        Vehicles, a line, and whether that rules out any plan.
+    """
+    if outlook.endpoints is None:
+        return
+    # These load scipy, see `Outlook`.
+    from radmpc.planners.cures.endpoints import SMALL_SHARE, endpoint_cures  # noqa: PLC0415
+    from radmpc.planners.cures.variants import helps_sentence  # noqa: PLC0415
+    from radmpc.planners.presolve import endpoint_reasons, grouped, hazards_of  # noqa: PLC0415
+
+    scenario = outlook.scenario
+    reasons = endpoint_reasons(scenario, outlook.endpoints)
+    for k, (reason, (_, text)) in enumerate(zip(reasons, grouped(scenario, reasons), strict=False)):
+        names = tuple(scenario.vehicles[i].name for i in reason.members)
+        found = hazards_of(outlook.endpoints, reason.members)
+        cures = endpoint_cures(scenario, found) if k < _CURED and found else ()
+        yield names, " ".join(filter(None, [text, helps_sentence(cures)])), True
+    if reasons or outlook.least_risk <= SMALL_SHARE * scenario.risk_bound:
+        return
+    ranked = sorted(outlook.hazards, key=lambda hazard: -hazard.risk)
+    worst = ranked[0]
+    names = tuple(scenario.vehicles[i].name for i in worst.members)
+    place = "goal" if worst.at_goal else "start"
+    if worst.cause == "pair":
+        what = f"the {place}s of {names[0]!r} and {names[1]!r}"
+    else:
+        other = "the workspace border" if worst.other is None else f"obstacle {worst.other!r}"
+        what = f"the {place} of {names[0]!r} at {other}"
+    share = 100.0 * outlook.least_risk / scenario.risk_bound
+    text = (
+        f"Starts and goals alone take {outlook.least_risk:.2g} of risk_bound "
+        f"{scenario.risk_bound:g} ({share:.0f} %), whatever the plan, most of it {what} "
+        f"({worst.risk:.2g})."
+    )
+    cures = endpoint_cures(scenario, ranked)
+    yield names, " ".join(filter(None, [text, helps_sentence(cures)])), False
