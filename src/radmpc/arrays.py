@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from functools import cache
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -21,13 +23,17 @@ __all__ = [
     "as_covariance",
     "as_matrix",
     "as_vector",
+    "field_names",
     "frozen",
+    "unchecked",
 ]
 
 Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Tensor = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
+
+_Value = TypeVar("_Value")
 
 
 _NUMBERS = "iufO"
@@ -65,17 +71,21 @@ def as_array(
         If the value has no such shape or is not finite everywhere.
     """
     array = _numbers(value, path)
-    expected = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
-    fits = array.ndim == len(shape) and all(
-        n is None or n == m for n, m in zip(shape, array.shape, strict=True)
-    )
-    if not fits and len(shape) == array.ndim == 1:
-        raise ScenarioError(f"must have {shape[0]} numbers, got {array.size}", path)
-    if not fits:
+    if array.shape != shape and not _fits(array.shape, shape):
+        if len(shape) == array.ndim == 1:
+            raise ScenarioError(f"must have {shape[0]} numbers, got {array.size}", path)
+        expected = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         raise ScenarioError(f"must have shape {expected}, got {array.shape}", path)
-    if not np.all(np.isfinite(array)):
+    if not np.isfinite(array).all():
         raise ScenarioError("must be finite numbers, got nan or inf", path)
     return frozen(array)
+
+
+def _fits(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    """Return whether an array has the lengths that are wanted."""
+    if len(found) != len(wanted):
+        return False
+    return all(n is None or n == m for n, m in zip(wanted, found, strict=True))
 
 
 def as_vector(
@@ -202,21 +212,36 @@ class Frozen:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Return what makes an equal value, without checking it again."""
-        return _made_again, (type(self), *(getattr(self, name) for name in _fields(type(self))))
+        return unchecked, (type(self), *(getattr(self, name) for name in field_names(type(self))))
 
 
-def _fields(kind: type[Frozen]) -> tuple[str, ...]:
-    """Return the names of a dataclass's fields."""
-    return tuple(field.name for field in fields(kind))  # type: ignore[arg-type] # its subclasses
+@cache
+def field_names(kind: type) -> tuple[str, ...]:
+    """Return the names of a dataclass's fields.
+
+    Parameters
+    ----------
+    kind : type
+        The dataclass.
+    """
+    return tuple(field.name for field in fields(kind))
 
 
-def _made_again(kind: type[Frozen], *values: object) -> Frozen:
-    """Return the value of its fields, arrays frozen."""
-    for value in values:
+def unchecked(kind: type[_Value], *values: object) -> _Value:
+    """Return a dataclass's value of all its fields, arrays frozen; what it checks was checked.
+
+    Parameters
+    ----------
+    kind : type
+        The dataclass.
+    *values
+        Of its fields, in order and of the right kinds.
+    """
+    put = object.__setattr__
+    made = object.__new__(kind)
+    for name, value in zip(field_names(kind), values, strict=True):
         for entry in value if isinstance(value, tuple) else (value,):
             if isinstance(entry, np.ndarray):
                 frozen(entry)
-    made = object.__new__(kind)
-    for name, value in zip(_fields(kind), values, strict=True):
-        object.__setattr__(made, name, value)
+        put(made, name, value)
     return made

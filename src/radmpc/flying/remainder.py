@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-
-from radmpc.arrays import Vector, frozen
+from radmpc.arrays import Vector, field_names, unchecked
 from radmpc.errors import ScenarioError
 from radmpc.flying.knowing import remembers, unknown_after
 from radmpc.model.noise.known import Known
@@ -92,12 +89,9 @@ def changed(value: Record, **fields: object) -> Record:
     **fields
         What differs, of the right kind; arrays are frozen.
     """
-    made = copy.copy(value)
-    for name, entry in fields.items():
-        if isinstance(entry, np.ndarray):
-            frozen(entry)
-        object.__setattr__(made, name, entry)
-    return made
+    kind = type(value)
+    names = field_names(kind)
+    return unchecked(kind, *(fields[n] if n in fields else getattr(value, n) for n in names))
 
 
 def later(obstacle: Obstacle, passed: int) -> Obstacle:

@@ -24,14 +24,14 @@ Pieces are halved until these bounds are small. Every stage is an upper bound of
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 from scipy.special import log_ndtr, ndtr
 
-from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Vector, field_names
 
 __all__ = ["Outlines", "enclosed"]
 
@@ -222,14 +222,14 @@ class _Pieces:
 
     def take(self, chosen: Truths) -> Self:
         """Return some of them."""
-        return type(self)(*(getattr(self, each.name)[chosen] for each in fields(self)))
+        # Masks are slower than places for nine short arrays.
+        places = np.flatnonzero(chosen)
+        return type(self)(*(getattr(self, name)[places] for name in field_names(type(self))))
 
     def joined(self, *others: Self) -> Self:
         """Return these and others."""
-        parts = (self, *others)
-        return type(self)(
-            *(np.concatenate([getattr(p, each.name) for p in parts]) for each in fields(self))
-        )
+        parts, names = (self, *others), field_names(type(self))
+        return type(self)(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
 
 
 def enclosed(

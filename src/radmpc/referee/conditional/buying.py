@@ -169,7 +169,7 @@ class _Purchase:
         exact = all_integrals(self.integrals, d)
         strays = places_at(parties, exact.encounters, exact.windows, tracks, d)
         exact = replace(exact, strays=strays)
-        return Witnesses(plan, self.motion, parties, rows, exact, far)
+        return Witnesses(plan, self.motion, parties, rows, exact, far, loops)
 
     def _are_hidden(self, first: Indices, other: Indices) -> Flags:
         """Return of which encounters what is measured does not tell if they hit, (B,) bool."""

@@ -31,7 +31,7 @@ from radmpc.arrays import Matrix, Tensor, Vector, as_array, as_vector
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.referee.conditional.buying import unseen_of, witnesses_of
 from radmpc.referee.conditional.far import is_surprised
-from radmpc.referee.conditional.loops import loops_of, since, together
+from radmpc.referee.conditional.loops import since, together
 from radmpc.referee.conditional.rows import HalfspaceRows, IntegralRows, Witnesses
 from radmpc.referee.conditional.valuing import Values, halfspace_values, integral_values
 
@@ -161,7 +161,7 @@ def conditionals(
     """
     motion, intervals = witnesses.motion, witnesses.intervals
     scenario, is_measured = witnesses.plan.scenario, states is not None
-    parties, loops = witnesses.parties, loops_of(motion)
+    parties, loops = witnesses.parties, witnesses.loops
     noise = since(loops, scenario.horizon, step, is_measured=is_measured)
     noise = together(noise, loops, parties.first, parties.others)
     deviations = _deviations(witnesses, step, states, loops.initial.shape[1])

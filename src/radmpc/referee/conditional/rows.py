@@ -15,6 +15,7 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.plan import Cause, Plan
 from radmpc.referee.conditional.far import Far
+from radmpc.referee.conditional.loops import Loops
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["Flags", "HalfspaceRows", "IntegralRows", "Parties", "Witnesses"]
@@ -170,6 +171,8 @@ class Witnesses:
         Events by integrals.
     far : Far
         Encounters charged unseen.
+    loops : Loops
+        The closed loops, as rows are valued by them.
     """
 
     plan: Plan
@@ -178,6 +181,7 @@ class Witnesses:
     halfspaces: HalfspaceRows
     integrals: IntegralRows
     far: Far
+    loops: Loops
 
     @property
     def intervals(self) -> bool:

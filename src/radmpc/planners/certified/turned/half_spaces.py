@@ -8,11 +8,11 @@ at hand, half-spaces allow it at least as much as faces do, and paths nearby mos
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector, field_names
 from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import (
     around_approach,
@@ -106,7 +106,9 @@ def half_spaces(
         found.append(_inside(hazards, paths, members, near))
     if hazards.ranges:
         found.append(_within(hazards, paths, members, near))
-    names = [field.name for field in fields(HalfSpaces)]
+    if len(found) == 1:
+        return found[0]
+    names = field_names(HalfSpaces)
     return HalfSpaces(*(np.concatenate([getattr(part, name) for part in found]) for name in names))
 
 

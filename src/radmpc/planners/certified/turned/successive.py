@@ -79,7 +79,7 @@ class SuccessiveLp:
         """Begin with given controls of every vehicle, (T, m) each."""
         for i, each in enumerate(controls):
             self.paths.fly(i, each)
-            self._ahead.fly(i, each)
+        self._ahead.restore(self.paths.state())
 
     def refer(self, vehicle: int, positions: Matrix) -> None:
         """Turn half-spaces of a vehicle to a path next that no controls need follow.
