@@ -251,9 +251,12 @@ def _endpoints(outlook: Outlook) -> Iterator[Concern]:
 
     scenario = outlook.scenario
     reasons = endpoint_reasons(scenario, outlook.endpoints)
+    # Of goals that are shared others may risk less; starts stay as they are.
+    worst_start = max((hazard.risk for hazard in outlook.endpoints.starts), default=0.0)
+    is_fatal = not scenario.goals or worst_start > scenario.risk_bound
     for reason, (_, text) in zip(reasons, grouped(scenario, reasons), strict=False):
         names = tuple(scenario.vehicles[i].name for i in reason.members)
-        yield Concern("endpoint", names, text, True)
+        yield Concern("endpoint", names, text, is_fatal)
     if reasons or outlook.least_risk <= _SMALL * scenario.risk_bound:
         return
     worst = max(outlook.hazards, key=lambda hazard: hazard.risk)
