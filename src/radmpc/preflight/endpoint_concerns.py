@@ -34,11 +34,14 @@ def told_of_endpoints(outlook: Outlook) -> Iterator[tuple[tuple[str, ...], str, 
 
     scenario = outlook.scenario
     reasons = endpoint_reasons(scenario, outlook.endpoints)
+    # Of goals that are shared others may risk less; starts stay as they are.
+    worst_start = max((hazard.risk for hazard in outlook.endpoints.starts), default=0.0)
+    is_fatal = not scenario.goals or worst_start > scenario.risk_bound
     for k, (reason, (_, text)) in enumerate(zip(reasons, grouped(scenario, reasons), strict=False)):
         names = tuple(scenario.vehicles[i].name for i in reason.members)
         found = hazards_of(outlook.endpoints, reason.members)
         cures = endpoint_cures(scenario, found) if k < _CURED and found else ()
-        yield names, " ".join(filter(None, [text, helps_sentence(cures)])), True
+        yield names, " ".join(filter(None, [text, helps_sentence(cures)])), is_fatal
     if reasons or outlook.least_risk <= SMALL_SHARE * scenario.risk_bound:
         return
     ranked = sorted(outlook.hazards, key=lambda hazard: -hazard.risk)

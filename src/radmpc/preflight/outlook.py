@@ -82,7 +82,7 @@ class Outlook:
     Attributes
     ----------
     scenario : Scenario
-        The fleet.
+        The fleet; goals that it shares are those near by, as long as nobody is late for that.
     vehicles : tuple of VehicleOutlook
         Its vehicles, in its order.
     endpoints : Floors or None
@@ -117,6 +117,10 @@ def outlook_of(scenario: Scenario) -> Outlook:
     Outlook
         In time that grows with vehicles, steps and obstacles, but not with ways around them.
     """
+    if scenario.goals:
+        from radmpc.preflight.goals import with_near_goals  # noqa: PLC0415 - few share goals
+
+        scenario = with_near_goals(scenario)
     covariances = [vehicle.covariances(scenario.horizon) for vehicle in scenario.vehicles]
     places = []
     for vehicle, tensor in zip(scenario.vehicles, covariances, strict=True):

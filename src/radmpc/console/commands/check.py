@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from radmpc.console.output import show, show_json, width
 from radmpc.console.running.guard import Code
 from radmpc.console.words import scenario_line
+from radmpc.model.relations.goals import places_of
 from radmpc.model.scenario import Scenario
 from radmpc.preflight.concerns import Concern, concerns_of
 from radmpc.preflight.outlook import Outlook, VehicleOutlook, outlook_of
@@ -71,7 +72,8 @@ def check_report(outlook: Outlook, concerns: Sequence[Concern]) -> list[Renderab
     head = f"valid: {scenario_line(outlook.scenario)}"
     rows = [_COLUMNS, *(_row(outlook.scenario, seen) for seen in outlook.vehicles)]
     widest = [max(len(row[k]) for row in rows) for k in range(len(_COLUMNS))]
-    parts: list[RenderableType] = [head, *(_warning(concern) for concern in concerns), ""]
+    warnings = [_warning(concern) for concern in concerns]
+    parts: list[RenderableType] = [head, *_goals(outlook.scenario), *warnings, ""]
     if sum(widest) + len(_GAP) * (len(widest) - 1) > width():
         return [*parts, *_blocks(rows)]
     lines = [
@@ -79,6 +81,15 @@ def check_report(outlook: Outlook, concerns: Sequence[Concern]) -> list[Renderab
         for row in rows
     ]
     return [*parts, *lines]
+
+
+def _goals(scenario: Scenario) -> list[str]:
+    """Return who is taken to go where, where goals are shared."""
+    if not scenario.goals:
+        return []
+    from radmpc.preflight.goals import assigned_text  # noqa: PLC0415 - few share goals
+
+    return [assigned_text(scenario)]
 
 
 def _warning(concern: Concern) -> Text:
@@ -162,6 +173,9 @@ def outlook_json(outlook: Outlook, concerns: Sequence[Concern]) -> dict[str, obj
             }
             for concern in concerns
         ],
+        "goals": list(places_of(scenario.goals, [v.goal for v in scenario.vehicles]))
+        if scenario.goals
+        else [],
         "vehicles": [_vehicle_json(seen) for seen in outlook.vehicles],
         "endpoints": [
             {

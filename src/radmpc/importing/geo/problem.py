@@ -80,10 +80,7 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
     vehicles = tuple(_vehicle(key, both, placed, area) for key, both in ends.items())
     obstacles = _obstacles(by_role.get("obstacle", []), placed, ends)
     keep = keep_of([*by_role.get("start", []), *by_role.get("goal", [])], ends)
-    taken = {obstacle.name for obstacle in obstacles}
-    clashes = sorted(taken & {piece.name for piece in area.outside})
-    if clashes:
-        raise ScenarioError(f"names of obstacles must not be {clashes[0]!r}: the area's are")
+    _check_names(obstacles, area)
     return ForeignProblem(
         name="",
         format="",
@@ -109,6 +106,13 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
         ),
         warnings=describe_losses(features, placed),
     )
+
+
+def _check_names(obstacles: Sequence[Obstacle], area: Area) -> None:
+    """Refuse obstacles called like what becomes of the area."""
+    clashes = sorted({o.name for o in obstacles} & {piece.name for piece in area.outside})
+    if clashes:
+        raise ScenarioError(f"names of obstacles must not be {clashes[0]!r}: the area's are")
 
 
 def _ends(
