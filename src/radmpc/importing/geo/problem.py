@@ -24,8 +24,9 @@ from radmpc.importing.geo.visits import describe_visits, visits_of, window_of
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.text.files import shown
 from radmpc.model.obstacle import Obstacle
+from radmpc.model.scenario import Workspace
 
-__all__ = ["geo_problem"]
+__all__ = ["Ground", "geo_problem", "ground_of"]
 
 _UNNAMED = {"Polygon": "polygon", "LineString": "line", "Point": "post"}
 
@@ -40,6 +41,52 @@ class _Ends:
     start: Feature
     goal: Feature
     via: tuple[Feature, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """What stands on a map, whoever moves there.
+
+    Attributes
+    ----------
+    obstacles : tuple of Obstacle
+        Those of the area, too.
+    workspace : Workspace or None
+        None if no area is drawn.
+    origin : Origin
+        Where the plane touches the earth.
+    has_vehicles : bool
+        Whether somebody starts or ends there.
+    """
+
+    obstacles: tuple[Obstacle, ...]
+    workspace: Workspace | None
+    origin: Origin
+    has_vehicles: bool
+
+
+def ground_of(features: Sequence[Feature], origin: Origin | None = None) -> Ground:
+    """Return what stands on a map, in a local east-north plane.
+
+    Parameters
+    ----------
+    features : sequence of Feature
+        Checked one by one.
+    origin : Origin or None
+        Of the plane; None is the one that is drawn, else the middle of everything.
+
+    Raises
+    ------
+    ScenarioError
+        If nothing is drawn, or it does not fit together.
+    """
+    by_role = _by_role(features)
+    origin = origin or _origin(features, by_role.get("origin", []))
+    placed = Placed(origin)
+    placed.check(features)
+    area, obstacles = _standing(by_role, placed)
+    has_vehicles = any(role in by_role for role in ("start", "goal", "via"))
+    return Ground(obstacles, area.workspace, origin, has_vehicles)
 
 
 def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
@@ -60,28 +107,19 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
     ScenarioError
         If they do not fit together; its path says which.
     """
-    if not features:
-        raise ScenarioError("needs Points and Polygons or LineStrings, got none of them")
-    by_role: dict[str, list[Feature]] = {}
-    for feature in features:
-        by_role.setdefault(feature.role, []).append(feature)
+    by_role = _by_role(features)
     ends = _ends(by_role.get("start", []), by_role.get("goal", []), by_role.get("via", []))
     origin = _origin(features, by_role.get("origin", []))
     placed = Placed(origin)
     placed.check(features)
-    area = area_of(by_role.get("area", []), placed.outlines)
+    area, obstacles = _standing(by_role, placed)
     vehicles = tuple(_vehicle(key, both, placed, area) for key, both in ends.items())
-    obstacles = _obstacles(by_role.get("obstacle", []), placed)
-    taken = {obstacle.name for obstacle in obstacles}
-    clashes = sorted(taken & {piece.name for piece in area.outside})
-    if clashes:
-        raise ScenarioError(f"names of obstacles must not be {clashes[0]!r}: the area's are")
     return ForeignProblem(
         name="",
         format="",
         file="",
         vehicles=vehicles,
-        obstacles=(*obstacles, *area.outside),
+        obstacles=obstacles,
         workspace=area.workspace,
         origin={
             "latitude": origin.latitude,
@@ -99,6 +137,29 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
         ),
         warnings=describe_losses(features, placed),
     )
+
+
+def _by_role(features: Sequence[Feature]) -> dict[str, list[Feature]]:
+    """Return features by what they stand for."""
+    if not features:
+        raise ScenarioError("needs Points and Polygons or LineStrings, got none of them")
+    by_role: dict[str, list[Feature]] = {}
+    for feature in features:
+        by_role.setdefault(feature.role, []).append(feature)
+    return by_role
+
+
+def _standing(
+    by_role: dict[str, list[Feature]], placed: Placed
+) -> tuple[Area, tuple[Obstacle, ...]]:
+    """Return the area, and all obstacles: its own, too."""
+    area = area_of(by_role.get("area", []), placed.outlines)
+    obstacles = _obstacles(by_role.get("obstacle", []), placed)
+    taken = {obstacle.name for obstacle in obstacles}
+    clashes = sorted(taken & {piece.name for piece in area.outside})
+    if clashes:
+        raise ScenarioError(f"names of obstacles must not be {clashes[0]!r}: the area's are")
+    return area, (*obstacles, *area.outside)
 
 
 def _ends(
