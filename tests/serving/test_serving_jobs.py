@@ -18,7 +18,7 @@ from radmpc.referee import simulate
 from radmpc.serving.documents.content import changed
 from radmpc.serving.views.plan import mean_path, plan_summary, plan_view
 from radmpc.serving.work.asking import Asked
-from radmpc.serving.work.charts import read_chart
+from radmpc.serving.work.charts import read_chart, read_obstacles
 from radmpc.serving.work.concerns import concerns_of_content
 from radmpc.serving.work.control import Control, stop_the_clock
 from radmpc.serving.work.cures import why_not
@@ -232,3 +232,51 @@ def test_a_chart_becomes_a_document(tmp_path):
     content = read_chart(Told(), str(place), "c.geojson")
     assert [vehicle["name"] for vehicle in content["vehicles"]] == ["a"]
     assert encode_scenario(decode_scenario(content)) == content
+
+
+GROUND = """{"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {"name": "rock"}, "geometry": {"type": "Polygon",
+     "coordinates": [[[10, 54], [10.0002, 54], [10.0002, 54.0001], [10, 54.0001], [10, 54]]]}},
+    {"type": "Feature", "properties": {"name": "wall", "role": "obstacle"},
+     "geometry": {"type": "LineString", "coordinates": [[10.0004, 54], [10.0004, 54.0003]]}}]}"""
+
+
+@pytest.fixture
+def ground(tmp_path):
+    """A chart on which nobody starts: a rock of 13 by 11 m, and a wall 13 m east of it."""
+    place = tmp_path / "coast.geojson"
+    place.write_text(GROUND, encoding="utf-8")
+    return str(place)
+
+
+def corners_of(entries):
+    """Return the corners of a rock and a wall."""
+    rock, wall = entries
+    return np.vstack([rock["vertices"], wall["line"]])
+
+
+def test_a_chart_on_which_nobody_starts_becomes_a_world_in_meters(ground):
+    content = read_chart(Told(), ground, "coast.geojson")
+    assert (content["name"], content["vehicles"]) == ("coast", [])
+    assert content["source"]["file"] == "coast.geojson"
+    assert [entry["name"] for entry in content["obstacles"]] == ["rock", "wall"]
+    corners = corners_of(content["obstacles"])
+    size = corners.max(axis=0) - corners.min(axis=0)
+    np.testing.assert_allclose(size, [26.2, 33.4], atol=0.2)
+    assert np.abs(corners).max() < 30
+    workspace = content["workspace"]
+    assert (corners.min(axis=0) >= np.array(workspace["min"]) + 5).all()
+    assert (corners.max(axis=0) <= np.array(workspace["max"]) - 5).all()
+    # Somebody drawn makes it a scenario.
+    somebody = {"name": "a", "start": workspace["min"], "goal": {"center": workspace["max"]}}
+    assert decode_scenario({**content, "vehicles": [somebody]}).obstacles[1].name == "wall"
+
+
+def test_a_chart_is_added_where_it_is_on_earth_or_in_the_middle_of_the_workspace(ground):
+    content = read_chart(Told(), ground, "coast.geojson")
+    again = read_obstacles(Told(), ground, "coast.geojson", content)
+    np.testing.assert_allclose(corners_of(again), corners_of(content["obstacles"]), atol=1e-6)
+    document = two()
+    corners = corners_of(read_obstacles(Told(), ground, "coast.geojson", document))
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    np.testing.assert_allclose(middle, [6, 4], atol=0.6)

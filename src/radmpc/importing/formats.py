@@ -11,10 +11,12 @@ from typing import Any
 
 from radmpc.arguments import check_kind, check_path
 from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.geodesy import Origin
 from radmpc.importing.completion import ImportedScenario, overlay
 from radmpc.importing.dynobench import is_dynobench, read_dynobench
-from radmpc.importing.geo.charts import is_chart, read_charts
+from radmpc.importing.geo.charts import is_chart, read_charts, read_ground
 from radmpc.importing.geo.geojson import geojson_document
+from radmpc.importing.geo.ground import Ground
 from radmpc.importing.geo.kml import kml_document, kmz_refusal
 from radmpc.importing.grid.movingai import is_movingai, map_refusal, read_movingai, scen_document
 from radmpc.importing.grid.problem import is_multi_robot_grid, read_multi_robot_grid
@@ -28,7 +30,7 @@ from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.io.text.document import Document, read_document
 from radmpc.io.text.files import one_line
 
-__all__ = ["ImportedScenario", "import_scenario"]
+__all__ = ["ImportedScenario", "import_ground", "import_scenario"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +102,35 @@ def import_scenario(
         text = "is no chart (GeoJSON, KML): only these are imported several at once"
         raise FileFormatError(one_line(f"{other.name}: {text}"))
     return _of_problem(documents[0], options)
+
+
+def import_ground(path: str | os.PathLike[str], origin: Origin | None = None) -> Ground | None:
+    """Return what stands on a chart, though nobody may start there.
+
+    Parameters
+    ----------
+    path : path
+        As in `import_scenario`, one of it.
+    origin : Origin or None
+        Of the plane that it is drawn in; None leaves that to the chart.
+
+    Returns
+    -------
+    Ground or None
+        None of what is no chart.
+
+    Raises
+    ------
+    FileFormatError
+        With one line that names file, line and field.
+    """
+    document = _read(path)
+    if not is_chart(document.value):
+        return None
+    try:
+        return read_ground(document, origin)
+    except ScenarioError as error:
+        raise document.failure(error) from error
 
 
 def _of_charts(documents: Sequence[Document], options: ImportOptions) -> ImportedScenario:

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
 from radmpc.errors import ScenarioError
+from radmpc.geodesy import Origin
 from radmpc.importing.geo.feature import Feature
 from radmpc.importing.geo.geojson import geojson_features, is_geojson
+from radmpc.importing.geo.ground import Ground, ground_of
 from radmpc.importing.geo.kml import is_kml, kml_features
 from radmpc.importing.geo.layers import Layers
 from radmpc.importing.geo.problem import geo_problem
@@ -18,7 +20,7 @@ from radmpc.importing.problem import ForeignProblem
 from radmpc.io.export.names import distinct
 from radmpc.io.text.document import Document
 
-__all__ = ["is_chart", "read_charts"]
+__all__ = ["is_chart", "read_charts", "read_ground"]
 
 _OF_VEHICLES = ("start", "goal", "via")
 
@@ -94,6 +96,26 @@ def read_charts(documents: Sequence[Document], layer: Sequence[str] = ()) -> For
         file=", ".join(FilePath(document.name).name for document in documents),
         reasons=(*told, *layers.told(), *problem.reasons),
     )
+
+
+def read_ground(document: Document, origin: Origin | None = None) -> Ground:
+    """Return what stands on one chart, vehicles or not.
+
+    Parameters
+    ----------
+    document : Document
+        A chart.
+    origin : Origin or None
+        Of the plane that it is drawn in; None leaves that to the chart.
+
+    Raises
+    ------
+    ScenarioError
+        As in `read_charts`.
+    """
+    kind = next(k for k in _KINDS if k.recognizes(document.value))
+    features = list(kind.features(document, Layers.asked(()), _stem(document)))
+    return ground_of(features, origin)
 
 
 def _stem(document: Document) -> str:

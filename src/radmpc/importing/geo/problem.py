@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.errors import ScenarioError
-from radmpc.geodesy import Origin
-from radmpc.importing.geo.area import Area, area_of
+from radmpc.importing.geo.area import Area
 from radmpc.importing.geo.feature import Feature
+from radmpc.importing.geo.ground import origin_of, sorted_by_role, standing
 from radmpc.importing.geo.local_plane import (
     CONTROL_LIMIT,
     RADIUS,
@@ -19,24 +19,16 @@ from radmpc.importing.geo.local_plane import (
     describe_choices,
     describe_losses,
 )
-from radmpc.importing.geo.moving import moving_obstacle
 from radmpc.importing.geo.relations import (
     check_places,
-    concerning,
     describe_relations,
     keep_of,
 )
 from radmpc.importing.geo.visits import describe_visits, visits_of, window_of
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.text.files import shown
-from radmpc.model.obstacle import Obstacle
 
 __all__ = ["geo_problem"]
-
-_UNNAMED = {"Polygon": "polygon", "LineString": "line", "Point": "post"}
-
-_DIGITS = 6
-"""Decimals of the origin's degrees: 0.1 m."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,27 +58,21 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
     ScenarioError
         If they do not fit together; its path says which.
     """
-    if not features:
-        raise ScenarioError("needs Points and Polygons or LineStrings, got none of them")
-    by_role: dict[str, list[Feature]] = {}
-    for feature in features:
-        by_role.setdefault(feature.role, []).append(feature)
+    by_role = sorted_by_role(features)
     check_places(features)
     ends = _ends(by_role.get("start", []), by_role.get("goal", []), by_role.get("via", []))
-    origin = _origin(features, by_role.get("origin", []))
+    origin = origin_of(features, by_role.get("origin", []))
     placed = Placed(origin)
     placed.check(features)
-    area = area_of(by_role.get("area", []), placed.outlines)
+    area, obstacles = standing(by_role, placed, ends)
     vehicles = tuple(_vehicle(key, both, placed, area) for key, both in ends.items())
-    obstacles = _obstacles(by_role.get("obstacle", []), placed, ends)
     keep = keep_of([*by_role.get("start", []), *by_role.get("goal", [])], ends)
-    _check_names(obstacles, area)
     return ForeignProblem(
         name="",
         format="",
         file="",
         vehicles=vehicles,
-        obstacles=(*obstacles, *area.outside),
+        obstacles=obstacles,
         keep=keep,
         workspace=area.workspace,
         origin={
@@ -106,13 +92,6 @@ def geo_problem(features: Sequence[Feature]) -> ForeignProblem:
         ),
         warnings=describe_losses(features, placed),
     )
-
-
-def _check_names(obstacles: Sequence[Obstacle], area: Area) -> None:
-    """Refuse obstacles called like what becomes of the area."""
-    clashes = sorted({o.name for o in obstacles} & {piece.name for piece in area.outside})
-    if clashes:
-        raise ScenarioError(f"names of obstacles must not be {clashes[0]!r}: the area's are")
 
 
 def _ends(
@@ -151,36 +130,6 @@ def _ends(
     }
 
 
-def _origin(features: Sequence[Feature], stated: Sequence[Feature]) -> Origin:
-    """Return the stated origin, or the middle of everything drawn."""
-    if len(stated) > 1:
-        raise ScenarioError("must be one origin only, got a second", stated[1].path)
-    if stated:
-        longitude, latitude, height = stated[0].rings[0][0].tolist()
-        if "height" in stated[0].properties:
-            height = stated[0].number("height")
-        try:
-            return Origin(latitude, longitude, height)
-        except ScenarioError as error:
-            path = (*stated[0].properties_path, *error.path)
-            raise ScenarioError(error.message, path) from error
-    degrees = np.radians(np.vstack([ring for feature in features for ring in feature.rings])[:, :2])
-    longitude, latitude = degrees.T
-    # The middle of unit vectors: longitudes jump at the antimeridian and mean nothing at poles.
-    x, y, z = np.mean(
-        [
-            np.cos(latitude) * np.cos(longitude),
-            np.cos(latitude) * np.sin(longitude),
-            np.sin(latitude),
-        ],
-        axis=1,
-    )
-    return Origin(
-        round(float(np.degrees(np.arctan2(z, np.hypot(x, y)))), _DIGITS),
-        round(float(np.degrees(np.arctan2(y, x))), _DIGITS),
-    )
-
-
 def _vehicle(name: str, ends: _Ends, placed: Placed, area: Area) -> ForeignVehicle:
     """Return a vehicle, at rest at both ends."""
     settings = ends.start.settings()
@@ -211,38 +160,3 @@ def _vehicle(name: str, ends: _Ends, placed: Placed, area: Area) -> ForeignVehic
         via=via,
         arrival=window_of(ends.goal),
     )
-
-
-def _obstacles(
-    features: Sequence[Feature], placed: Placed, vehicles: Collection[str]
-) -> list[Obstacle]:
-    """Return obstacles under their names; polygon1, line2, … where they have none."""
-    obstacles: list[Obstacle] = []
-    taken: dict[str, Feature] = {}
-    counts: dict[str, int] = {}
-    for i, feature in enumerate(features):
-        name = feature.name or f"{_UNNAMED[feature.kind]}{i + 1}"
-        if taken.setdefault(name, feature).path != feature.path:
-            raise ScenarioError(
-                f"must be unique among obstacles, got {shown(name)} twice",
-                (*feature.properties_path, "name"),
-            )
-        # The parts of one feature share its name.
-        count = counts[name] = counts.get(name, 0) + 1
-        full = name if count == 1 else f"{name} ({count})"
-        obstacles.append(concerning(feature, _obstacle(full, feature, placed), vehicles))
-    return obstacles
-
-
-def _obstacle(name: str, feature: Feature, placed: Placed) -> Obstacle:
-    """Return an obstacle for everybody."""
-    outline, *free = placed.outlines(feature)
-    moving = moving_obstacle(name, feature, outline)
-    if moving is not None:
-        return moving
-    try:
-        if feature.kind == "LineString":
-            return Obstacle.line(name, outline)
-        return Obstacle.polygon(name, outline, free)
-    except ScenarioError as error:
-        raise ScenarioError(error.message, feature.shape_path) from error

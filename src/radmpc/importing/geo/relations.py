@@ -45,7 +45,7 @@ def check_places(features: Sequence[Feature]) -> None:
                 )
 
 
-def concerning(feature: Feature, obstacle: Obstacle, vehicles: Collection[str]) -> Obstacle:
+def concerning(feature: Feature, obstacle: Obstacle, vehicles: Collection[str] | None) -> Obstacle:
     """Return an obstacle that concerns whom its properties ``for`` or ``except`` name.
 
     Parameters
@@ -54,8 +54,8 @@ def concerning(feature: Feature, obstacle: Obstacle, vehicles: Collection[str]) 
         What is drawn.
     obstacle : Obstacle
         What became of it, for everybody.
-    vehicles : collection of str
-        Names of all vehicles that are drawn.
+    vehicles : collection of str or None
+        Names of all vehicles that are drawn; None takes any name.
 
     Raises
     ------
@@ -184,12 +184,12 @@ def _is_whole(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _names(feature: Feature, key: str, vehicles: Collection[str]) -> list[str]:
+def _names(feature: Feature, key: str, vehicles: Collection[str] | None) -> list[str]:
     """Return the vehicles that a property names, none if it is not stated."""
     words = _words(feature, key)
     for i, word in enumerate(words):
         path = (*feature.properties_path, key)
-        if word not in vehicles:
+        if vehicles is not None and word not in vehicles:
             raise ScenarioError(f"must name vehicles that start somewhere, got {shown(word)}", path)
         if word in words[:i]:
             raise ScenarioError(f"must name vehicles once, got {shown(word)} twice", path)

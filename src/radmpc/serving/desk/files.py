@@ -133,13 +133,15 @@ async def _merged(desk: Desk, document: Document, place: Path, name: str) -> obj
     """Add the obstacles of a chart, or of another scenario, to a document."""
     if is_chart(name):
         seconds = _IMPORT_SECONDS
-        content = await desk.crew.run("import", str(place), name, seconds=seconds)
+        job = ("obstacles", str(place), name, document.content)
+        found = await desk.crew.run(*job, seconds=seconds)
     else:
         content = (await asyncio.to_thread(read_file, place, name)).content
+        found = content.get("obstacles") or []
     ours = document.content.get("obstacles")
     entries = list(ours) if isinstance(ours, list) else []
     taken = {entry.get("name") for entry in entries if isinstance(entry, dict)}
-    for entry in content.get("obstacles") or []:
+    for entry in found:
         fresh, count = str(entry.get("name", "obstacle")), 1
         while fresh in taken:
             count += 1

@@ -167,7 +167,9 @@ class Search:
         bounds = [b for b in (plan.lower_bound, plan.certified_lower_bound) if b is not None]
         self._bound = max(bounds, default=self._bound)
         self._improved(self, plan, ended)
-        self._end(plan.status_sentence)
+        # A page has a button for it.
+        told = plan.status_sentence.replace(" (Ctrl-C)", "").replace("Ctrl-C", "Stop")
+        self._end(told)
 
     def _fail(self, error: CallError) -> None:
         """Take an end without an answer."""

@@ -26,6 +26,7 @@ JOBS = {
     "fly": "radmpc.serving.work.flying:fly_plan",
     "judge": "radmpc.serving.work.judging:judged",
     "import": "radmpc.serving.work.charts:read_chart",
+    "obstacles": "radmpc.serving.work.charts:read_obstacles",
 }
 """What a worker can be asked for, and where it is."""
 
