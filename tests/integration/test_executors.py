@@ -19,6 +19,7 @@ from radmpc.experiments.study import Journal, quick_study, read_rows, run_study
 from radmpc.io.native.plan_file import load_plan
 from radmpc.io.native.scenario_file import save_scenario
 from radmpc.planning import plan
+from sampling import IS_THOROUGH
 
 pytestmark = pytest.mark.slow
 SCENARIO = fleet(5, 0)  # three sets, one of them of three vehicles
@@ -36,7 +37,10 @@ def here():
 @pytest.fixture(scope="module")
 def scheduler():
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
+        n_workers=2 if IS_THOROUGH else 1,
+        threads_per_worker=1,
+        processes=True,
+        dashboard_address=":0",
     ) as local:
         yield local
 
@@ -65,6 +69,7 @@ def test_a_process_killed_in_mid_run_loses_nothing(here):
     assert_same(controls(result.require()), here)
 
 
+@pytest.mark.nightly
 def test_a_cluster_gives_the_same_plan(scheduler, here):
     with cluster(scheduler.scheduler_address) as executor:
         result = plan(SCENARIO, "certified", executor=executor)
@@ -112,6 +117,7 @@ def test_a_worker_of_a_cluster_killed_in_mid_run_loses_nothing(scheduler, here):
     assert_same(controls(result.require()), here)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "more",
     [
