@@ -143,8 +143,9 @@ def test_parts_of_numpy_that_only_scipy_names_are_not_loaded(planning: set[str])
 
 def test_a_part_that_waits_is_loaded_by_whoever_asks() -> None:
     asks = "from radmpc.console.running.deferring import defer; defer('json', 'tool', 'nothing'); "
-    assert {"json", "json.tool"} <= loaded_by(asks + "pass")
-    assert loaded_by(asks + "pass") & {"argparse", "json.nothing"} == set()
+    waiting = loaded_by(asks + "pass")
+    assert {"json", "json.tool"} <= waiting
+    assert waiting & {"argparse", "json.nothing"} == set()
     for use in (
         "import json.tool",
         "from json.tool import main",
@@ -173,11 +174,15 @@ def test_what_is_loaded_for_a_small_scenario_is_not_looked_through_for_garbage(
 
 @pytest.mark.slow
 def test_a_preset_loads_what_its_record_is_made_of() -> None:
-    before = loaded_by("from radmpc.planners.presets import PRESETS")
-    of_certified = loaded_by("import radmpc.planners.presets as p; p.parse_planner('certified')")
-    of_radmpc = loaded_by("import radmpc.planners.presets as p; p.parse_planner('radmpc')")
-    assert "radmpc.planners.certified" in of_certified - before
-    assert "radmpc.planners.paper" in of_radmpc - before
+    asks = "import sys, radmpc.planners.presets as p; before = set(sys.modules); "
+    prints = "; print(*('before:' + name for name in before))"
+    of_certified = loaded_by(asks + "p.parse_planner('certified')" + prints)
+    of_radmpc = loaded_by(asks + "p.parse_planner('radmpc')" + prints)
+    assert "before:radmpc.planners.presets" in of_certified & of_radmpc
+    assert "before:radmpc.planners.certified" not in of_certified
+    assert "before:radmpc.planners.paper" not in of_radmpc
+    assert "radmpc.planners.certified" in of_certified
+    assert "radmpc.planners.paper" in of_radmpc
     assert OTHER_PLANNERS & of_certified == set()
     assert "radmpc.planners.certified" not in of_radmpc
 

@@ -21,6 +21,7 @@ from radmpc.io.native.scenario_file import save_scenario
 from radmpc.planners.certified.proof import prove
 from radmpc.planners.executing import in_order
 from radmpc.planning import plan
+from sampling import IS_THOROUGH
 
 pytestmark = pytest.mark.slow
 SCENARIO = fleet(5, 0)  # three sets, one of them of three vehicles
@@ -43,7 +44,10 @@ def here(planned):
 @pytest.fixture(scope="module")
 def scheduler():
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
+        n_workers=2 if IS_THOROUGH else 1,
+        threads_per_worker=1,
+        processes=True,
+        dashboard_address=":0",
     ) as local:
         yield local
 
@@ -89,6 +93,7 @@ def test_the_proof_says_the_same_wherever_its_parts_are_searched(monkeypatch):
     assert_same(controls(found.require()), controls(expected.require()))
 
 
+@pytest.mark.nightly
 def test_a_cluster_gives_the_same_plan(scheduler, here):
     with cluster(scheduler.scheduler_address) as executor:
         result = plan(SCENARIO, "certified", executor=executor)
@@ -136,6 +141,7 @@ def test_a_worker_of_a_cluster_killed_in_mid_run_loses_nothing(scheduler, here):
     assert_same(controls(result.require()), here)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "more",
     [
