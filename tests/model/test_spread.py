@@ -9,6 +9,7 @@ import pytest
 
 from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem, double_integrator
+from radmpc.model.noise import kept
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.program.condensed import PredictionMatrices, condense
@@ -218,3 +219,21 @@ def test_wrong_sensors_are_refused():
         Measurement.of([0, 1], 4, -0.1)
     with pytest.raises(ScenarioError, match=r"^measurement: must be a Measurement, got \[0, 1\]"):
         craft(0, measurement=[0, 1])
+
+
+def test_covariances_are_propagated_once_for_a_vehicle_and_anew_for_another(monkeypatch):
+    asked = []
+    propagate = kept.spread_of
+    monkeypatch.setattr(kept, "spread_of", lambda *given: asked.append(1) or propagate(*given))
+    one = craft(0, disturbance_correlation=0.5, measurement=Measurement.of([0, 1], 4, 0.01))
+    states = one.covariances(HORIZON)
+    one.control_bounds(states)
+    assert not one.spread(HORIZON).known.flags.writeable
+    assert len(asked) == 1
+    louder = replace(one, disturbance_covariance=4.0 * one.disturbance_covariance)
+    assert np.all(
+        np.trace(louder.covariances(HORIZON)[1:], axis1=1, axis2=2)
+        > np.trace(states[1:], axis1=1, axis2=2)
+    )
+    one.covariances(HORIZON + 1)
+    assert len(asked) == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -271,6 +272,7 @@ def test_places_too_close_to_each_other_are_told_together():
     assert "are 0.5 m apart, contact is at 0.8 m (a risk of 1 each" in text
 
 
+@pytest.mark.slow
 def test_vehicles_without_a_way_are_told_together():
     walls = tuple(
         box
@@ -299,6 +301,7 @@ def test_sets_that_a_limit_stopped_are_told_together():
     assert why == "Sets of 'a'; 'b'; 'c': no plan within the limit."
 
 
+@pytest.mark.slow
 def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():
     walls = (
         Obstacle.box("north", [3, 0.5], [4, 30]),
@@ -350,3 +353,17 @@ def test_choices_that_do_not_go_together_are_refused():
         Planner(Ira(), Branch(), Centralized(), gap=0.0)
     with pytest.raises(ScenarioError, match="covariances must be"):
         Receding("sometimes")
+
+
+def test_a_limit_and_a_horizon_are_told_that_bring_a_goal_into_reach():
+    problem = _scenario(_vehicle("slow", (0, 0), (20, 0), speed_limit=np.full(2, 2.0)))
+    text = _explained(problem)
+    horizon = re.search(r"lengthen the horizon to (\d+) steps", text)
+    factor = re.search(r"raise speed_limit to ([0-9.]+) times", text)
+    assert horizon is not None, text
+    assert factor is not None, text
+    assert "soften" not in text  # there is no feedback
+    assert plan(replace(problem, horizon=int(horizon[1])), "multi-vehicle").plan is not None
+    (vehicle,) = problem.vehicles
+    faster = replace(vehicle, speed_limit=float(factor[1]) * vehicle.speed_limit)
+    assert plan(replace(problem, vehicles=(faster,)), "multi-vehicle").plan is not None

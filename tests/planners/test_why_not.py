@@ -222,6 +222,7 @@ def test_less_noise_is_less_of_what_obstacles_stray_too():
     )
 
 
+@pytest.mark.slow
 def test_a_start_too_close_to_a_wall_is_told_where_it_could_be_and_there_it_has_a_plan():
     problem = beside_a_wall(1.5, 1e-2, "steps")
     text = plan(problem, "certified").explanation

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from scipy.special import ndtr
 import radmpc
 from radmpc import Goal, Obstacle, Scenario, Vehicle, double_integrator, load_scenario, lqr_gain
 from radmpc.console.files import demo_text
+from radmpc.planners.cures.variants import with_noise
 from radmpc.preflight.concerns import Concern, concerns_of
 from radmpc.preflight.outlook import outlook_of
 from radmpc.preflight.reserve import expected_saturation, reserve_of, tails
@@ -252,3 +254,11 @@ def test_a_track_that_is_lost_by_the_end_is_told(harbor: Scenario) -> None:
     assert "'barge': its place deviates by 3.61 m at the end, 0.2 m at the start" in concern.text
     assert not concern.is_fatal
     assert warned(replace(harbor, obstacles=(known,)), "track") == []
+    factor = re.search(r"a track of ([0-9.]+) of these deviations is good enough", concern.text)
+    assert factor is not None
+    better, worse = (
+        with_noise(replace(harbor, obstacles=(lost,)), (more * float(factor[1])) ** 2)
+        for more in (1.0, 1.2)
+    )
+    assert warned(better, "track") == []
+    assert warned(worse, "track") != []

@@ -157,6 +157,7 @@ def test_every_cure_of_a_goal_that_risks_too_much_cures_it(risk_bound: float) ->
         assert warned(replace(scenario, risk_bound=bound), "endpoint") == []
 
 
+@pytest.mark.slow
 def test_starts_that_overlap_are_moved_but_not_better_known() -> None:
     scenario = of_scene("starts-clash")
     concern = warned(scenario, "endpoint")[0]
@@ -216,6 +217,7 @@ def gate(width: float, length: float, horizon: int = 16) -> Scenario:
     return Scenario("gate", 1.0, horizon, 0.02, (vehicle,), walls)
 
 
+@pytest.mark.slow
 def test_every_cure_of_a_narrow_gate_cures_it() -> None:
     (concern,) = warned(gate(1.4, 200.0), "narrow")
     wider = number(concern.text, "widen it by")
@@ -227,6 +229,7 @@ def test_every_cure_of_a_narrow_gate_cures_it() -> None:
     assert "horizon" not in concern.text
 
 
+@pytest.mark.slow
 def test_a_horizon_is_advised_where_it_leads_around_what_is_narrow() -> None:
     (concern,) = warned(gate(0.6, 22.0), "narrow")
     horizon = int(number(concern.text, "lengthen the horizon to"))

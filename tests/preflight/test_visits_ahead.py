@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from radmpc import Goal, Scenario, Vehicle, Visit, double_integrator, plan
 from radmpc.model.visits import steps_visited
-from radmpc.preflight import concerns_of, outlook_of
+from radmpc.preflight import Concern, concerns_of, outlook_of
 from radmpc.preflight.pace import Pace
 from radmpc.preflight.visits import earliest_visits
 
@@ -90,3 +91,31 @@ def test_a_check_warns_of_a_goal_that_is_hardly_reached_after_visits() -> None:
     (concern,) = [c for c in concerns_of(beyond) if c.kind == "visit"]
     assert concern.is_fatal
     assert outlook_of(alone(vehicle())).vehicles[0].visits == ()
+
+
+def told(text: str, words: str) -> float:
+    found = re.search(re.escape(words) + r" ([0-9.]*[0-9])", text)
+    assert found is not None, text
+    return float(found[1])
+
+
+def visit_concerns(scenario: Scenario) -> list[Concern]:
+    return [c for c in concerns_of(outlook_of(scenario)) if c.kind == "visit"]
+
+
+def test_every_cure_of_a_visit_that_is_too_late_cures_it() -> None:
+    far = vehicle(Visit.at([0.0, 20.0], 0.5), speed=9.0)
+    (concern,) = visit_concerns(alone(far))
+    horizon = int(told(concern.text, "lengthen the horizon to"))
+    assert visit_concerns(replace(alone(far), horizon=horizon)) == []
+    limit = told(concern.text, "raise control_limit to")
+    assert visit_concerns(alone(replace(far, control_limit=limit))) == []
+    assert "speed_limit" not in concern.text  # it never gets that fast
+
+
+def test_no_horizon_is_advised_where_a_window_ends_too_early() -> None:
+    hasty = vehicle(Visit.at([1.0, 0.0], 0.5), Visit.at([9.0, 3.0], 0.5, between=[2, 2]))
+    (concern,) = visit_concerns(alone(hasty))
+    assert "horizon" not in concern.text
+    limit = told(concern.text, "raise control_limit to")
+    assert visit_concerns(alone(replace(hasty, control_limit=limit))) == []

@@ -248,9 +248,9 @@ class Vehicle(Frozen):
         Spread
             At steps 0..T.
         """
-        from radmpc.model.noise.spread import spread_of  # noqa: PLC0415 - few need it
+        from radmpc.model.noise.kept import kept_spread  # noqa: PLC0415 - few need it
 
-        return spread_of(self.system, self.noise, self.gain, horizon)
+        return kept_spread(self, horizon)
 
     def covariances(self, horizon: int) -> Tensor:
         """Return the state covariances that follow from start, noise and feedback.

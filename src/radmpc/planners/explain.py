@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 
 from radmpc.model.scenario import Scenario
+from radmpc.planners.conflicts import cannot_avoid, start_too_risky
+from radmpc.planners.cures.trying import reach_sentence, room_sentence
 from radmpc.planners.endpoint_risk import floors
 from radmpc.planners.planner import Planner
 from radmpc.planners.policies.policy import SolveRequest
@@ -18,10 +21,9 @@ from radmpc.planners.presolve import (
     overdrawn_texts,
     too_far_texts,
 )
-from radmpc.planners.wording import endpoints_text, hazard_name, is_contact, limit_clause
+from radmpc.planners.wording import endpoints_text, is_contact, limit_clause
 from radmpc.program.build import build_program, condensed_models
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
@@ -66,27 +68,60 @@ def explain_infeasible(scenario: Scenario, planner: Planner, limits: Limits) -> 
         if (texts := unable_alone(scenario, model)) is not None
     ]
     if unable:
-        return " ".join([*(text for _, text in grouped(scenario, unable)), _SLOW])
+        late = [i for reason in unable for i in reason.members]
+        cure = reach_sentence(scenario, late, _all_reach, limits)
+        return " ".join(filter(None, [*(text for _, text in grouped(scenario, unable)), cure]))
+    text, members = _no_way(scenario, planner, limits)
+    if not members:
+        return text
+    part = scenario.subset(members, scenario.risk_bound)
+    cure = room_sentence(part, partial(_finds_way, planner), limits)
+    return " ".join(filter(None, [text, cure]))
+
+
+def _no_way(scenario: Scenario, planner: Planner, limits: Limits) -> tuple[str, tuple[int, ...]]:
+    """Say who finds no way, alone, in pairs or together; and who that is, if it is known."""
+    everyone = tuple(range(scenario.num_vehicles))
     reason = trivially_infeasible(scenario, deterministic=planner.policy.family == "deterministic")
     if reason:
-        return reason
+        return reason, everyone
     is_open = False
     blocked = []
-    for i in range(len(models)):
+    for i in everyone:
         outcome = _solved_alone(scenario, (i,), planner, limits)
         if outcome is Outcome.INFEASIBLE:
             blocked.append(_no_way_alone(scenario, i))
         is_open |= outcome is Outcome.LIMIT
     if blocked:
-        return " ".join(text for _, text in grouped(scenario, blocked))
-    for members in combinations(range(len(models)), 2):
+        alone = tuple(i for reason in blocked for i in reason.members)
+        return " ".join(text for _, text in grouped(scenario, blocked)), alone
+    for members in combinations(everyone, 2):
         outcome = _solved_alone(scenario, members, planner, limits)
         if outcome is Outcome.INFEASIBLE:
-            return _no_way_together(scenario, members)
+            return _no_way_together(scenario, members), members
         is_open |= outcome is Outcome.LIMIT
     if is_open:
-        return f"{_OPEN}: {limit_clause(limits)}"
-    return _GENERAL
+        return f"{_OPEN}: {limit_clause(limits)}", ()
+    return _GENERAL, everyone
+
+
+def _finds_way(planner: Planner, scenario: Scenario, limits: Limits) -> bool:
+    """Whether vehicles have a plan together, by the rows of a planner."""
+    models = condensed_models(scenario)
+    if any(unable_alone(scenario, model) is not None for model in models):
+        return False
+    deterministic = planner.policy.family == "deterministic"
+    if trivially_infeasible(scenario, deterministic=deterministic) is not None:
+        return False
+    everyone = tuple(range(scenario.num_vehicles))
+    outcome = _solved_alone(scenario, everyone, planner, limits)
+    return outcome in {Outcome.OPTIMAL, Outcome.FEASIBLE}
+
+
+def _all_reach(scenario: Scenario, limits: Limits) -> bool:
+    """Whether all vehicles reach their goals through empty space."""
+    del limits  # a linear program each
+    return all(unable_alone(scenario, model) is None for model in condensed_models(scenario))
 
 
 def explain_stuck(
@@ -140,26 +175,20 @@ def trivially_infeasible(scenario: Scenario, *, deterministic: bool = False) -> 
             return " ".join(text for _, text in grouped(scenario, sure))
     at_start = max(program.initial_risk, sum(risk for _, risk in program.initial))
     if program.initial and at_start >= (0.5 if deterministic else program.risk_bound):
-        return _start_too_risky(program, at_start)
+        return start_too_risky(program, at_start)
     infeasible = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
     if infeasible.size:
         taken = [place for place in found.goals if is_contact(scenario, place)]
         if taken:
             return endpoints_text(scenario, taken[:1], taken[0].risk)
-        return _cannot_avoid(scenario, program.avoidances[int(infeasible[0])])
+        return cannot_avoid(scenario, program.avoidances[int(infeasible[0])])
     return None
 
 
 _OPEN = "No plan was found, and a limit ended the search for the reason"
 """Said where nothing was ruled out; which limit follows."""
 
-_SLOW = "Lengthen the horizon, raise the limits, or soften the feedback."
-"""Said of goals out of reach."""
-
-_GENERAL = (
-    "Each vehicle and each pair can be planned, but not all together within the risk bound: "
-    "raise risk_bound, lengthen the horizon, or reduce the noise."
-)
+_GENERAL = "Each vehicle and each pair can be planned, but not all together within the risk bound."
 """Said where no smaller group explains it."""
 
 
@@ -200,62 +229,6 @@ def _without_hazards(scenario: Scenario, model: CondensedModel) -> Scenario:
     )
 
 
-def _start_too_risky(program: DisjunctiveProgram, at_start: float) -> str:
-    """Return the sentence about starts whose risk alone exceeds the bound."""
-    ranked = sorted(program.initial, key=lambda item: -item[1])
-    worst, risk = ranked[0]
-    if risk >= 0.5:
-        return _start_in_conflict(worst)
-    parts = [f"{hazard_name(risk_item)} (risk {risk:.3g})" for risk_item, risk in ranked[:3]]
-    return (
-        f"The starts alone carry a collision risk of {at_start:.3g} by union bounds, above the "
-        f"{program.risk_bound:.3g} allocated: {'; '.join(parts)}. Move the starts apart or reduce "
-        "initial_covariance."
-    )
-
-
-def _start_in_conflict(risk_item: RiskItem) -> str:
-    """Return the sentence about a start in contact."""
-    if risk_item.cause == "pair":
-        return (
-            f"The starts of vehicles {risk_item.vehicle!r} and {risk_item.other!r} are too close: "
-            "they touch before anything moves. Move a start."
-        )
-    if risk_item.cause == "obstacle":
-        return (
-            f"The start of vehicle {risk_item.vehicle!r} lies within obstacle {risk_item.other!r} "
-            "grown by the vehicle's radius. Move the start."
-        )
-    if risk_item.cause == "range":
-        return (
-            f"The starts of vehicles {risk_item.vehicle!r} and {risk_item.other!r} are out of the "
-            "range that they keep. Move a start, or keep a longer one."
-        )
-    return f"The start of vehicle {risk_item.vehicle!r} lies outside the workspace. Move the start."
-
-
-def _cannot_avoid(scenario: Scenario, risk_item: RiskItem) -> str:
-    """Name a hazard that exists wherever the vehicles may be at that time."""
-    when = f"at step {risk_item.step}"
-    if scenario.avoidance == "intervals":
-        when = f"between steps {risk_item.step} and {risk_item.step + 1}"
-    if risk_item.cause == "range":
-        return (
-            f"Vehicles {risk_item.vehicle!r} and {risk_item.other!r} cannot be in the range that "
-            f"they keep {when}: limits and goals lead them apart. Keep a longer one."
-        )
-    return (
-        f"{_capitalized(hazard_name(risk_item))} cannot be kept apart {when}: none of the faces "
-        "between them leaves room for any motion that limits and goals allow. Lengthen the "
-        "horizon, shorten dt, or raise pair_faces."
-    )
-
-
-def _capitalized(text: str) -> str:
-    """Return a text with a capital at its front, names within it as they are."""
-    return text[:1].upper() + text[1:]
-
-
 def _solved_alone(
     scenario: Scenario, members: tuple[int, ...], planner: Planner, limits: Limits
 ) -> Outcome:
@@ -273,8 +246,7 @@ def _no_way_together(scenario: Scenario, members: tuple[int, ...]) -> str:
     first, second = (repr(scenario.vehicles[i].name) for i in members)
     return (
         f"Vehicles {first} and {second} alone find no way past each other within the risk bound "
-        f"{scenario.risk_bound:g} that this planner sees: raise risk_bound, lengthen the horizon, "
-        "or move their goals."
+        f"{scenario.risk_bound:g} that this planner sees."
     )
 
 
@@ -286,9 +258,7 @@ def _no_way_alone(scenario: Scenario, i: int) -> Reason:
         repr(e.other) if e.other else "the workspace border" for e in program.risk_items
     )
     text = (
-        f"within the risk bound {scenario.risk_bound:g} that this planner sees; near are "
-        f"{', '.join(hazards)}. Raise risk_bound, lengthen the horizon, reduce the noise, or "
+        f"finds no way within the risk bound {scenario.risk_bound:g} that this planner sees; near "
+        f"are {', '.join(hazards)}."
     )
-    return Reason(
-        (i,), f"alone finds no way {text}widen its way.", f"each find no way {text}widen their way."
-    )
+    return Reason((i,), f"alone {text}", f"each {text.replace('finds', 'find', 1)}")

@@ -17,6 +17,7 @@ from radmpc.preflight.cures import (
     deviation_cures,
     saturation_cures,
     time_cures,
+    visit_cures,
 )
 from radmpc.preflight.endpoint_concerns import told_of_endpoints
 from radmpc.preflight.narrow_concerns import narrow_cures, told_of_narrow
@@ -147,7 +148,8 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
         from radmpc.preflight.visits import told_of_visits  # noqa: PLC0415 - few visit anything
 
         for text, weight in told_of_visits(vehicle, seen.visits, scenario.horizon):
-            yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0)
+            cures = partial(visit_cures, scenario, vehicle)
+            yield _Found("visit", seen.name, text, weight, is_fatal=weight > 1.0, cures=cures)
     for text, weight in told_of_narrow(scenario, seen):
         yield _Found("narrow", seen.name, text, weight, cures=partial(narrow_cures, scenario, seen))
     most = _SMALL * scenario.risk_bound

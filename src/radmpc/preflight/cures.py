@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.planners.cures.variants import (
     LIMIT_FACTORS,
     WEIGHTS,
+    longer_horizons,
     regulated,
     rounded_down,
     rounded_up,
@@ -27,6 +29,7 @@ __all__ = [
     "largest_deviation",
     "saturation_cures",
     "time_cures",
+    "visit_cures",
 ]
 
 _SIGMAS = (3.5, 4.0, 4.5, 5.0, 6.0, 7.0)
@@ -90,6 +93,30 @@ def time_cures(scenario: Scenario, vehicle: Vehicle) -> str:
 
     found = [*_raised(vehicle, "speed_limit", does), *_raised(vehicle, "control_limit", does)]
     return " or ".join(found)
+
+
+def visit_cures(scenario: Scenario, vehicle: Vehicle) -> str:
+    """Return what lets a vehicle make its visits and reach its goal in time.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose horizon counts.
+    vehicle : Vehicle
+        Of it, late with its present limits.
+
+    Returns
+    -------
+    str
+        In the imperative, joined by "or"; empty where nothing that was tried does.
+    """
+    from radmpc.preflight.visits import is_in_time  # noqa: PLC0415 - few visit anything
+
+    longer = (n for n in longer_horizons(scenario) if is_in_time(vehicle, n))
+    found = [f"lengthen the horizon to {horizon}" for horizon in islice(longer, 1)]
+    for limit in ("speed_limit", "control_limit"):
+        found += _raised(vehicle, limit, lambda one: is_in_time(one, scenario.horizon))
+    return ", or ".join(found)
 
 
 def saturation_cures(scenario: Scenario, vehicle: Vehicle, most: float) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Literal
 
 from radmpc.model.scenario import Scenario
+from radmpc.planners.cures.variants import rounded_down
 
 __all__ = ["NoiseKind", "noise_warnings"]
 
@@ -48,7 +49,8 @@ def noise_warnings(scenario: Scenario) -> Iterator[tuple[NoiseKind, str]]:
         if end > _ASTRAY * largest:
             text = (
                 f"Obstacle {obstacle.name!r}: its place deviates by {end:.3g} m at the end, "
-                f"{begin:.3g} m at the start: plans keep three or four of that away from it; a "
-                "better track, or a shorter horizon"
+                f"{begin:.3g} m at the start: plans keep three or four of that away from it; "
+                f"a track of {rounded_down(_ASTRAY * largest / end):g} of these deviations is "
+                f"good enough"
             )
             yield "track", text

@@ -13,7 +13,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_of_visits
 from radmpc.preflight.pace import ARRIVED, Pace
 
-__all__ = ["earliest_visits", "told_of_visits"]
+__all__ = ["earliest_visits", "is_in_time", "told_of_visits"]
 
 _TIGHT = 0.9
 """Share of the time until the goal is due that visits may take before it is a concern [-], as that
@@ -128,7 +128,7 @@ def told_of_visits(
         if arrival > _TIGHT * due:
             text = (
                 f"goal {arrival} steps away at least by way of its visits, due at step {due}: "
-                "little is left for ways around obstacles and others; lengthen the horizon"
+                "little is left for ways around obstacles and others"
             )
             yield text, arrival / due
         return
@@ -136,8 +136,23 @@ def told_of_visits(
     is_goal = late == len(vehicle.via)
     last = due if is_goal else steps_of_visits(vehicle.via, horizon)[late][1]
     since = "" if late == 0 else f" after via[{late - 1}], at step {earliest[late - 1]} at best"
-    text = (
-        f"cannot be at {'its goal' if is_goal else f'via[{late}]'} by step {last}{since}: lengthen "
-        "the horizon, move windows, or raise speed_limit or control_limit"
-    )
+    text = f"cannot be at {'its goal' if is_goal else f'via[{late}]'} by step {last}{since}"
     yield text, float("inf")
+
+
+def is_in_time(vehicle: Vehicle, horizon: int) -> bool:
+    """Whether a vehicle makes its visits and reaches its goal after them, with some time left.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With visits.
+    horizon : int
+        Number of steps T.
+    """
+    pace = Pace.of(vehicle)
+    if pace is None:
+        return False
+    bounds = np.maximum(vehicle.control_bounds(vehicle.covariances(horizon)), 0.0)
+    earliest = earliest_visits(vehicle, pace, bounds)
+    return not list(told_of_visits(vehicle, earliest, horizon))

@@ -22,10 +22,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Tensor
+from radmpc.arrays import Matrix, Tensor, frozen
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.vehicle import Vehicle
 
@@ -84,6 +85,12 @@ class Loop:
     common: Common | None = None
     unknown: Tensor | None = None
 
+    def __post_init__(self) -> None:
+        """Freeze what is kept for later."""
+        for array in (self.transitions, self.disturbances, self.initial, self.unknown):
+            if array is not None:
+                frozen(array)
+
 
 @dataclass(slots=True, eq=False)
 class _Open:
@@ -111,8 +118,11 @@ class _Open:
         )
 
 
+@lru_cache(maxsize=64)
 def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
-    """Return the closed loop of a vehicle.
+    """Return the closed loop of a vehicle, the same again for the same value.
+
+    A planner has plan after plan of one fleet judged, and a filter takes long.
 
     Parameters
     ----------

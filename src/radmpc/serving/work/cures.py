@@ -9,6 +9,7 @@ from radmpc.errors import ScenarioError
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.planners.cures.variants import MOST_RISK, WEIGHTS, longer_horizons
 from radmpc.planning import plan
 from radmpc.preflight import concerns_of, outlook_of
 from radmpc.serving.documents.content import changed
@@ -30,17 +31,11 @@ _FIRST_SECONDS = 12.0
 _CURE_SECONDS = 5.0
 """Seconds that each cure is given to lead to a plan [s]."""
 
-_LONGER = (1.25, 1.6, 2.2)
-"""Multiples of the horizon that are tried [-]."""
-
 _MORE_RISK = (2.0, 4.0)
 """Multiples of Δ that are tried [-]."""
 
-_SOFT = (1.0, 10.0, 100.0)
+_SOFT = WEIGHTS[:3]
 """Weights R of the control that are tried for a regulator, with Q = 1 [-]."""
-
-_MOST_RISK = 0.25
-"""Δ above which nobody wants a plan [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,17 +96,13 @@ def why_not(control: Control, content: Content) -> list[Remark]:
 
 def _trials(scenario: Scenario, content: Content) -> Iterator[_Trial]:
     """Yield what may help, the cheapest to carry out first."""
-    horizon = scenario.horizon
-    advised = [c.horizon for c in concerns_of(outlook_of(scenario)) if c.horizon is not None]
-    longer = sorted({*advised, *(max(horizon + 1, round(f * horizon)) for f in _LONGER)})
-    is_moving = any(obstacle.is_moving for obstacle in scenario.obstacles)
-    if not is_moving:
-        # Outlines step by step are given for this horizon alone.
+    tried = longer_horizons(scenario)
+    if tried:
+        advised = [c.horizon for c in concerns_of(outlook_of(scenario)) if c.horizon is not None]
+        longer = sorted({*advised, *tried})
         yield _Trial("a longer horizon", tuple(horizon_cure(scenario, n) for n in longer))
     bounds = [round(f * scenario.risk_bound, 4) for f in _MORE_RISK]
-    yield _Trial(
-        "a larger risk bound", tuple(risk_bound_cure(b) for b in bounds if b <= _MOST_RISK)
-    )
+    yield _Trial("a larger risk bound", tuple(risk_bound_cure(b) for b in bounds if b <= MOST_RISK))
     everyone = list(range(scenario.num_vehicles))
     if any(v.disturbance_covariance.any() for v in scenario.vehicles):
         has_gain = any(v.gain is not None for v in scenario.vehicles)
