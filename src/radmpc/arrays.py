@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import fields
 from functools import cache
 from typing import TypeVar
@@ -212,11 +213,13 @@ class Frozen:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Return what makes an equal value, without checking it again."""
-        return unchecked, (type(self), *(getattr(self, name) for name in field_names(type(self))))
+        kind = type(self)
+        names = field_names(kind)  # type: ignore[arg-type] # classes are hashable
+        return unchecked, (kind, *(getattr(self, name) for name in names))
 
 
 @cache
-def field_names(kind: type) -> tuple[str, ...]:
+def field_names(kind: Hashable) -> tuple[str, ...]:
     """Return the names of a dataclass's fields.
 
     Parameters
@@ -224,7 +227,7 @@ def field_names(kind: type) -> tuple[str, ...]:
     kind : type
         The dataclass.
     """
-    return tuple(field.name for field in fields(kind))
+    return tuple(field.name for field in fields(kind))  # type: ignore[arg-type] # a dataclass
 
 
 def unchecked(kind: type[_Value], *values: object) -> _Value:
@@ -239,7 +242,8 @@ def unchecked(kind: type[_Value], *values: object) -> _Value:
     """
     put = object.__setattr__
     made = object.__new__(kind)
-    for name, value in zip(field_names(kind), values, strict=True):
+    names = field_names(kind)  # type: ignore[arg-type] # classes are hashable
+    for name, value in zip(names, values, strict=True):
         for entry in value if isinstance(value, tuple) else (value,):
             if isinstance(entry, np.ndarray):
                 frozen(entry)
