@@ -70,7 +70,10 @@ def known(record: Path, horizon: int) -> list[Row]:
         return []
     missions: dict[int, list[Row]] = {}
     for line in record.read_text(encoding="utf-8").splitlines():
-        row = Row(**json.loads(line))
+        try:
+            row = Row(**json.loads(line))
+        except json.JSONDecodeError:  # cut
+            continue
         missions.setdefault(row.mission, []).append(row)
     return [row for rows in missions.values() if len(rows) == horizon for row in rows]
 

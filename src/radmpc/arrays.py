@@ -213,13 +213,10 @@ class Frozen:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Return what makes an equal value, without checking it again."""
-        kind = type(self)
-        names = field_names(kind)  # type: ignore[arg-type] # classes are hashable
-        return unchecked, (kind, *(getattr(self, name) for name in names))
+        return unchecked, (type(self), *(getattr(self, name) for name in field_names(type(self))))
 
 
-@cache
-def field_names(kind: Hashable) -> tuple[str, ...]:
+def field_names(kind: type) -> tuple[str, ...]:
     """Return the names of a dataclass's fields.
 
     Parameters
@@ -227,6 +224,12 @@ def field_names(kind: Hashable) -> tuple[str, ...]:
     kind : type
         The dataclass.
     """
+    return _field_names(kind)
+
+
+@cache
+def _field_names(kind: Hashable) -> tuple[str, ...]:
+    """Return them; asked for often, they take as long as all else of a small copy."""
     return tuple(field.name for field in fields(kind))  # type: ignore[arg-type] # a dataclass
 
 
@@ -242,8 +245,7 @@ def unchecked(kind: type[_Value], *values: object) -> _Value:
     """
     put = object.__setattr__
     made = object.__new__(kind)
-    names = field_names(kind)  # type: ignore[arg-type] # classes are hashable
-    for name, value in zip(names, values, strict=True):
+    for name, value in zip(field_names(kind), values, strict=True):
         for entry in value if isinstance(value, tuple) else (value,):
             if isinstance(entry, np.ndarray):
                 frozen(entry)

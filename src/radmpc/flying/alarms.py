@@ -69,8 +69,8 @@ class Watcher:
         vehicles = self.scenario.vehicles
         for vehicle, longer, found, noise in zip(vehicles, expected, measured, told, strict=True):
             hoped = longer[: found.size]
-            axes = self._axes(vehicle, step) if noise is None else np.linalg.eigh(noise)
-            scores, rest = _scores(*axes, found - hoped)
+            axes = _directions(noise) if noise is not None else self._axes(vehicle, step)
+            scores, rest = _scores(axes, found - hoped)
             total, components = total + float(scores @ scores), components + scores.size
             largest = float(np.abs(scores).max(initial=0.0))
             if largest > _FAR:
@@ -88,7 +88,7 @@ class Watcher:
         """Return the variances by which a state differs from what was expected, and directions."""
         key = vehicle.name, step == 0
         if key not in self.axes:
-            self.axes[key] = np.linalg.eigh(_noise(vehicle, step))
+            self.axes[key] = _directions(_noise(vehicle, step))
         return self.axes[key]
 
     def _unlikely(self) -> list[str]:
@@ -113,8 +113,15 @@ def _noise(vehicle: Vehicle, step: int) -> Matrix:
     return noise
 
 
-def _scores(values: Vector, vectors: Matrix, deviation: Vector) -> tuple[Vector, float]:
+def _directions(covariance: Matrix) -> tuple[Vector, Matrix]:
+    """Return variances, rising, and the directions they belong to."""
+    values, vectors = np.linalg.eigh(covariance)
+    return values, vectors
+
+
+def _scores(axes: tuple[Vector, Matrix], deviation: Vector) -> tuple[Vector, float]:
     """Return independent components in deviations, and what lies where there is no noise."""
+    values, vectors = axes
     along = vectors.T @ deviation
     noisy = values > 1e-12 * max(float(values[-1]), 1e-300)
     rest = float(np.linalg.norm(along[~noisy]))
