@@ -64,12 +64,26 @@ def _film_harbor(path: Path) -> None:
     save_animation(_harbor(), path, frames_per_step=4)
 
 
-def _draw_flight(path: Path) -> None:
-    """Draw the plan as it is flown, planned anew at every step."""
+@cache
+def _flight() -> Any:
+    """Return a flight of the plan, planned anew at every step."""
     import radmpc  # noqa: PLC0415 - as above
+
+    return radmpc.begin_flight(_harbor(), radmpc.FlightSettings())
+
+
+def _draw_flight(path: Path) -> None:
+    """Draw the flight."""
     from radmpc.plotting import save_flight  # noqa: PLC0415 - as above
 
-    save_flight(radmpc.begin_flight(_harbor(), radmpc.FlightSettings()), path)
+    save_flight(_flight(), path)
+
+
+def _film_flight(path: Path) -> None:
+    """Film the flight."""
+    from radmpc.plotting import save_flight_film  # noqa: PLC0415 - as above
+
+    save_flight_film(_flight(), path)
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {
@@ -80,6 +94,7 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "risk.png": partial(_draw_view, "risk"),
     "flight.png": _draw_flight,
     "film.gif": _film_harbor,
+    "flight.gif": _film_flight,
 }
 
 

@@ -38,10 +38,13 @@ class Watcher:
         Of the mission, for names and noise.
     squares : list of (float, int)
         Of the steps so far: the sum of squared deviations, and of how many components.
+    axes : dict
+        Variances of noise and the directions they belong to, by vehicle, and whether at step 0.
     """
 
     scenario: Scenario
     squares: list[tuple[float, int]] = field(default_factory=list)
+    axes: dict[tuple[str, bool], tuple[Vector, Matrix]] = field(default_factory=dict)
 
     def look(
         self,
@@ -66,7 +69,8 @@ class Watcher:
         vehicles = self.scenario.vehicles
         for vehicle, longer, found, noise in zip(vehicles, expected, measured, told, strict=True):
             hoped = longer[: found.size]
-            scores, rest = _scores(_noise(vehicle, step) if noise is None else noise, found - hoped)
+            axes = _directions(noise) if noise is not None else self._axes(vehicle, step)
+            scores, rest = _scores(axes, found - hoped)
             total, components = total + float(scores @ scores), components + scores.size
             largest = float(np.abs(scores).max(initial=0.0))
             if largest > _FAR:
@@ -79,6 +83,13 @@ class Watcher:
                 )
         self.squares.append((total, components))
         return alarms + self._unlikely()
+
+    def _axes(self, vehicle: Vehicle, step: int) -> tuple[Vector, Matrix]:
+        """Return the variances by which a state differs from what was expected, and directions."""
+        key = vehicle.name, step == 0
+        if key not in self.axes:
+            self.axes[key] = _directions(_noise(vehicle, step))
+        return self.axes[key]
 
     def _unlikely(self) -> list[str]:
         """Return an alarm if recent disturbances are too large together."""
@@ -102,9 +113,15 @@ def _noise(vehicle: Vehicle, step: int) -> Matrix:
     return noise
 
 
-def _scores(covariance: Matrix, deviation: Vector) -> tuple[Vector, float]:
-    """Return independent components in deviations, and what lies where there is no noise."""
+def _directions(covariance: Matrix) -> tuple[Vector, Matrix]:
+    """Return variances, rising, and the directions they belong to."""
     values, vectors = np.linalg.eigh(covariance)
+    return values, vectors
+
+
+def _scores(axes: tuple[Vector, Matrix], deviation: Vector) -> tuple[Vector, float]:
+    """Return independent components in deviations, and what lies where there is no noise."""
+    values, vectors = axes
     along = vectors.T @ deviation
     noisy = values > 1e-12 * max(float(values[-1]), 1e-300)
     rest = float(np.linalg.norm(along[~noisy]))

@@ -44,6 +44,8 @@ class KeptLp(GroupLp):
     def __init__(self, hazards: Hazards, members: Sequence[int]) -> None:
         self.has_failed = False
         self._steps = hazards.horizon
+        # At the steps alone only the later ends of windows have rows.
+        self._num_ends = 2 if hazards.intervals else 1
         self._row_starts: list[int] = []
         super().__init__(hazards, members)
         self._first_controls, self._first_positions = self._controls, self._positions

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces
@@ -71,6 +71,9 @@ class GroupLp:
     members : sequence of int
         The vehicles planned, ascending.
     """
+
+    _num_ends = 2
+    """Ends of windows with columns for what is missed there."""
 
     def __init__(self, hazards: Hazards, members: Sequence[int]) -> None:
         self._hazards = hazards
@@ -142,12 +145,14 @@ class GroupLp:
         lengths[:, :, :-1] = margins.lengths
         prices = np.full(lengths.shape, margins.penalty)
         prices[:, :, :-1] = margins.prices
-        first = self._lp.exchange_columns(prices.ravel(), lengths.ravel())
+        used = slice(2 - self._num_ends, 2)
+        first = self._lp.exchange_columns(prices[:, used].ravel(), lengths[:, used].ravel())
         self._lp.exchange_rows(*self._entries(spaces, paths, rights, (rows, first)))
         values = self._lp.solve()
         if values is None:
             return None
-        kept_less = values[first:].reshape(lengths.shape)
+        kept_less = np.zeros(lengths.shape)
+        kept_less[:, used] = values[first:].reshape(prices[:, used].shape)
         risk = float(np.sum(kept_less[:, :, :-1] * margins.risks))
         return GroupPlan(self._controls_of(values), float(kept_less[:, :, -1].sum()), risk)
 
@@ -205,8 +210,9 @@ class GroupLp:
         normals, windows = spaces.normals[chosen], spaces.windows[chosen]
         steps = windows + ends
         lower = rights[chosen, ends].copy()
-        per_end = (self._lp.num_columns - first) // max(2 * spaces.count, 1)
-        given_up = first + (2 * chosen + ends)[:, None] * per_end + np.arange(per_end)
+        per_end = (self._lp.num_columns - first) // max(self._num_ends * spaces.count, 1)
+        block = self._num_ends * chosen + ends - (2 - self._num_ends)
+        given_up = first + block[:, None] * per_end + np.arange(per_end)
         where, columns = [np.repeat(np.arange(rows.count), per_end)], [given_up.ravel()]
         values = [np.ones(given_up.size)]
         for sign, everyone in ((1.0, spaces.first[chosen]), (-1.0, spaces.second[chosen])):
@@ -235,8 +241,16 @@ class GroupLp:
                 where.append(np.repeat(mine, axes.size))
                 columns.append((plus + half * self._spans[slots][:, None]).ravel())
                 values.append((turn * pulls).ravel())
-        data = np.concatenate(values)
-        kept = data != 0.0
-        places = (np.concatenate(where)[kept], np.concatenate(columns)[kept])
         shape = (rows.count, self._lp.num_columns)
-        return csr_array(coo_array((data[kept], places), shape=shape)), lower
+        entries = np.concatenate(where), np.concatenate(columns), np.concatenate(values)
+        return _by_rows(*entries, shape), lower
+
+
+def _by_rows(where: Indices, columns: Indices, values: Vector, shape: tuple[int, int]) -> csr_array:
+    """Return a matrix of entries that stand in different places; zeros are left out."""
+    kept = np.flatnonzero(values)
+    # Sorting one number each is several times faster than scipy's way over columns.
+    kept = kept[np.argsort(where[kept] * shape[1] + columns[kept], kind="stable")]
+    starts = np.zeros(shape[0] + 1, dtype=np.int64)
+    np.cumsum(np.bincount(where[kept], minlength=shape[0]), out=starts[1:])
+    return csr_array((values[kept], columns[kept], starts), shape=shape)
