@@ -1,10 +1,11 @@
 """Drones change their formation.
 
-Eight drones fly from a line to a ring, and any may take any place. Alone and from rest to rest a
-move by L along an axis costs 2 L / (T - 1), so the cheapest assignment in empty space is a linear
-assignment of distances along the axes; its cost is a bound on every plan of every assignment.
-With it nobody is in anybody's way. The number is what the certified plan costs relative to that
-bound: no other assignment, however planned, is cheaper.
+Eight drones fly from a line to a ring, and any may take any place: `goals` leaves to planning who
+takes which, and its plan's explanation tells. Alone and from rest to rest a move by L along an
+axis costs 2 L / (T - 1), so what the best assignment costs in empty space, found here by another
+way, bounds every plan of every assignment. The number is what the certified plan costs relative to
+that bound: no other assignment, however planned, is cheaper. With the places in the order of the
+list, round the ring, the drones would need at least 1.36 times as much.
 """
 
 from pathlib import Path
@@ -23,28 +24,29 @@ PLACES = np.column_stack([12.0 + RING * np.cos(ANGLES), RING * np.sin(ANGLES)])
 
 
 def main(out: Path) -> float:
-    """Assign, plan, draw, and return the effort relative to a bound on all assignments."""
+    """Plan, draw, and return the effort relative to a bound on all assignments."""
     system = radmpc.double_integrator(1.0, dimension=2)
-    efforts = np.abs(STARTS[:, None] - PLACES).sum(axis=2) * 2.0 / (HORIZON - 1)
-    drones, places = linear_sum_assignment(efforts)
+    places = [radmpc.Goal.at(place) for place in PLACES]
     fleet = [
         radmpc.Vehicle(
             name=f"drone {i + 1}",
             system=system,
-            start=STARTS[i],
-            goal=radmpc.Goal.at(PLACES[k]),
+            start=start,
+            goal=place,
             radius=0.4,
             control_limit=3.0,
             initial_covariance=1e-4,
             disturbance_covariance=1e-4,
             gain=radmpc.lqr_gain(system, np.eye(4), 10.0 * np.eye(2)),
         )
-        for i, k in zip(drones, places, strict=True)
+        for i, (start, place) in enumerate(zip(STARTS, places, strict=True))
     ]
-    plan = radmpc.plan(radmpc.Scenario("formation", 1.0, HORIZON, 0.01, fleet), rng=0).require()
+    scenario = radmpc.Scenario("formation", 1.0, HORIZON, 0.01, fleet, goals=places)
+    plan = radmpc.plan(scenario, rng=0).require()
     radmpc.save_figure(plan, out / "14_formation.png")
     assert plan.cost is not None  # only where there is no plan
-    return float(plan.cost / efforts[drones, places].sum())
+    efforts = np.abs(STARTS[:, None] - PLACES).sum(axis=2) * 2.0 / (HORIZON - 1)
+    return float(plan.cost / efforts[linear_sum_assignment(efforts)].sum())
 
 
 if __name__ == "__main__":

@@ -48,6 +48,10 @@ def test_no_assignment_is_cheaper(count: int, goals: int) -> None:
     assert None not in taken
     assert planned.explanation is not None
     assert planned.explanation.startswith("Goals were assigned: a to 2")
+    as_given = least_costs(given)[np.arange(count), np.arange(count)].sum()
+    assert f"as given, any plan costs {as_given:.4g} at least" in planned.explanation
+    assert planned.cost is not None
+    assert planned.cost < as_given
 
 
 def test_costs_in_empty_space_are_those_of_each_alone() -> None:

@@ -199,12 +199,7 @@ def _told(
         status = status if relative_gap(best.cost, proven) <= gap * 1.001 else Status.FEASIBLE
     if status is Status.INFEASIBLE and others < np.inf:
         status = Status.LIMIT
-    given = [k for k in places_of(scenario.goals, [v.goal for v in scenario.vehicles])]
-    names = [vehicle.name for vehicle in scenario.vehicles]
-    who = ", ".join(f"{n} to {k + 1}" for n, k in zip(names, best.places, strict=True))
-    text = f"Goals were assigned: {who} ({len(tried)} assignments planned)."
-    if best.places == tuple(given):
-        text = f"Goals stay as given, the best of {len(tried)} assignments planned."
+    text = _text(scenario, best, len(tried), costs)
     told = text if draft.explanation is None else f"{text} {draft.explanation}"
     return replace(
         draft,
@@ -213,6 +208,25 @@ def _told(
         certified_lower_bound=bounds[1],
         explanation=told,
     )
+
+
+def _text(scenario: Scenario, best: _Found, count: int, costs: Matrix) -> str:
+    """Return who goes where, and what that is worth, in a sentence."""
+    given = places_of(scenario.goals, [vehicle.goal for vehicle in scenario.vehicles])
+    planned = "1 assignment" if count == 1 else f"{count} assignments"
+    if best.places == given:
+        return f"Goals stay as given, the best of {planned} planned."
+    names = [vehicle.name for vehicle in scenario.vehicles]
+    who = ", ".join(f"{n} to {k + 1}" for n, k in zip(names, best.places, strict=True))
+    worth = ""
+    taken = [k for k in given if k is not None]
+    if len(taken) == len(names) and best.cost < np.inf:
+        least = _sum(costs, taken)
+        if least == np.inf:
+            worth = "; as given, not all are within reach"
+        elif least > best.cost:
+            worth = f"; as given, any plan costs {least:.4g} at least, this one {best.cost:.4g}"
+    return f"Goals were assigned: {who} ({planned} planned){worth}."
 
 
 def _least_untried(costs: Matrix, tried: dict[Places, Draft]) -> float:

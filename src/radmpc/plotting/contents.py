@@ -8,6 +8,7 @@ from radmpc.model.plan import Plan
 from radmpc.plotting.artists.flat import Color, draw_trajectory, number_steps
 from radmpc.plotting.artists.ghosts import draw_ghosts
 from radmpc.plotting.artists.highlights import draw_worst
+from radmpc.plotting.artists.relations import draw_ranges
 from radmpc.plotting.artists.space import draw_trajectory_3d, number_steps_3d
 from radmpc.plotting.canvas.space_labels import Board, SpaceBoard, board_of, show_all
 from radmpc.plotting.canvas.style import MAX_LABELS, vehicle_colors, vehicle_dashes
@@ -39,6 +40,7 @@ def draw_contents(ax: Axes, plan: Plan, plane: Plane = ABOVE) -> None:
     strength = _SWEEP if plan.trajectories else 1.0
     draw_surroundings(ax, scenario, board, colors, strength=strength, plane=plane)
     name_vehicles(scenario, board, colors, plane)
+    draw_ranges(ax, plan, board, plane, is_told=scenario.num_vehicles <= MAX_LABELS)
     draw_ghosts(ax, plan, board, colors, plane)
     _number_steps(plan, board, colors, plane)
     draw_worst(ax, plan, plane)

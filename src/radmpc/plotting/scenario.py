@@ -10,6 +10,7 @@ from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
 from radmpc.plotting.artists.flat import Color, draw_ends, draw_workspace
 from radmpc.plotting.artists.obstacles import draw_obstacle
+from radmpc.plotting.artists.relations import draw_ranges
 from radmpc.plotting.artists.space import (
     draw_ends_3d,
     draw_obstacle_3d,
@@ -67,6 +68,7 @@ def _draw(ax: Axes, scenario: Scenario, plane: Plane) -> None:
     colors = vehicle_colors([v.name for v in scenario.vehicles], [])
     board = board_of(ax)
     draw_surroundings(ax, scenario, board, colors, plane=plane)
+    draw_ranges(ax, scenario, board, plane, is_told=scenario.num_vehicles <= MAX_LABELS)
     name_vehicles(scenario, board, colors, plane)
     show_all(ax)
 

@@ -16,12 +16,15 @@ from matplotlib.transforms import ScaledTranslation
 from mpl_toolkits.mplot3d import Axes3D
 
 from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
 from radmpc.plotting.artists.ghosts import nearest_ghosts
 from radmpc.plotting.artists.highlights import worst_rows
+from radmpc.plotting.artists.relations import FOR_SOME, RANGE_DASHES
 from radmpc.plotting.artists.straying import SPREAD_DASHES
 from radmpc.plotting.canvas.style import (
     ALERT,
     MUTED,
+    OBSTACLE_EDGE,
     OBSTACLE_FILL,
     STAR_SIZE,
     TICK_SIZE,
@@ -109,7 +112,7 @@ def draw_film_legend(ax: Axes, plan: Plan) -> None:
             linestyle=(0, (3, 1.5)),
         )  # fmt: skip
     entries["goal"] = _sign("*", STAR_SIZE, MUTED, "white", 0.4)
-    _place(ax, entries)
+    _place(ax, entries | _relations(plan.scenario, "range"))
 
 
 def _place(ax: Axes, entries: dict[str, Handle]) -> None:
@@ -155,6 +158,7 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
         )
     if any(vehicle.via for vehicle in plan.scenario.vehicles):
         entries["visit"] = _sign("s" if is_flat else "D", 6.0, "none", MUTED, 0.8)
+    entries |= _relations(plan.scenario, "range, widest" if plan.trajectories else "range")
     if nearest_ghosts(plan):
         entries["when nearest"] = (
             _sign("s", 7.5, OBSTACLE_FILL, MUTED, 0.9),
@@ -162,6 +166,18 @@ def _entries(plan: Plan, *, is_flat: bool | None = None) -> dict[str, Handle]:
         )
     if worst_rows(plan):
         entries["most risk"] = _sign("o", 6.5, "none", ALERT, 1.0)
+    return entries
+
+
+def _relations(scenario: Scenario, name: str) -> dict[str, Handle]:
+    """Return the signs of obstacles for some vehicles only, and of ranges under a name."""
+    entries: dict[str, Handle] = {}
+    if any(obstacle.concerns is not None for obstacle in scenario.obstacles):
+        is_flat = scenario.dimension == 2
+        looks = FOR_SOME if is_flat else {"facecolor": OBSTACLE_FILL, "alpha": 0.4}
+        entries["for some only"] = Patch(edgecolor=OBSTACLE_EDGE, linewidth=0.5, **looks)
+    if scenario.keep:
+        entries[name] = Line2D([], [], color=MUTED, linewidth=0.8, linestyle=RANGE_DASHES)
     return entries
 
 

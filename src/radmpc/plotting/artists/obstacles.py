@@ -13,6 +13,7 @@ from matplotlib.path import Path
 from radmpc.arrays import Matrix
 from radmpc.geometry import Polytope, planar
 from radmpc.model.obstacle import Obstacle
+from radmpc.plotting.artists.relations import FOR_SOME, PASSED, name_told
 from radmpc.plotting.canvas.labels import LabelBoard
 from radmpc.plotting.canvas.style import (
     MUTED,
@@ -64,12 +65,12 @@ def draw_obstacle(
         if outline.area == 0.0:
             for piece in obstacle.at(step):
                 ends = shapely.get_coordinates(seen(piece, plane))
-                _draw_wall(ax, obstacle.name, ends, alpha)
+                _draw_wall(ax, obstacle, ends, alpha)
                 board.avoid(along_lines(np.vstack([ends, ends[:1]])))
             continue
         patch = _patch_of(outline)
         patch.set(
-            facecolor=OBSTACLE_FILL,
+            **({"facecolor": OBSTACLE_FILL} if obstacle.concerns is None else FOR_SOME),
             edgecolor=OBSTACLE_EDGE,
             linewidth=0.6,
             alpha=alpha,
@@ -84,18 +85,21 @@ def draw_obstacle(
         _draw_way(ax, obstacle.name, np.array([_center(outline) for outline in outlines]), board)
 
 
-def _draw_wall(ax: Axes, name: str, ends: Matrix, alpha: float) -> None:
-    """Draw a wall without thickness as a line, a post as a dot."""
+def _draw_wall(ax: Axes, obstacle: Obstacle, ends: Matrix, alpha: float) -> None:
+    """Draw a wall without thickness as a line, a post as a dot; dashed or open if for some only."""
+    is_for_all = obstacle.concerns is None
     ax.plot(
         *ends.T,
         color=OBSTACLE_EDGE,
         linewidth=WALL_WIDTH,
         marker="o",
         markersize=POST_SIZE if len(ends) == 1 else 0.0,
-        markeredgewidth=0.0,
+        linestyle="solid" if is_for_all else PASSED,
+        markeredgewidth=0.0 if is_for_all else 0.6,
+        markerfacecolor=OBSTACLE_EDGE if is_for_all else "none",
         alpha=alpha,
         zorder=2,
-        gid=f"obstacle:{name}",
+        gid=f"obstacle:{obstacle.name}",
     )
 
 
@@ -130,12 +134,13 @@ def _name_obstacle(obstacle: Obstacle, board: LabelBoard, plane: Plane) -> None:
     width, height = np.ptp(corners, axis=0)
     center = corners.mean(axis=0)
     has_room = len(obstacle.steps) == 1 and len(corners) > 2
-    if has_room and board.fits(obstacle.name, width, height):
-        board.put(obstacle.name, center, MUTED)
-    elif has_room and board.fits(obstacle.name, height, width):
-        board.put(obstacle.name, center, MUTED, rotation=90.0)
+    text, gid = name_told(obstacle), f"label:{obstacle.name}"
+    if has_room and board.fits(text, width, height):
+        board.put(text, center, MUTED, gid=gid)
+    elif has_room and board.fits(text, height, width):
+        board.put(text, center, MUTED, rotation=90.0, gid=gid)
     else:
-        board.beside(obstacle.name, center, 0.5 * np.array([width, height]), MUTED)
+        board.beside(text, center, 0.5 * np.array([width, height]), MUTED, gid=gid)
 
 
 def _center(outline: shapely.Geometry) -> tuple[float, float]:

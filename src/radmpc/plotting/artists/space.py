@@ -13,6 +13,7 @@ from radmpc.model.plan import Trajectory
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
+from radmpc.plotting.artists.relations import name_told
 from radmpc.plotting.canvas.space_labels import SpaceBoard
 from radmpc.plotting.canvas.style import (
     MUTED,
@@ -34,6 +35,9 @@ __all__ = [
     "draw_workspace_3d",
     "number_steps_3d",
 ]
+
+_PALE = 0.4
+"""Opacity of obstacles that some vehicles pass through, as a share of that of others [-]."""
 
 
 def draw_workspace_3d(ax: Axes3D, workspace: Workspace) -> None:
@@ -88,13 +92,15 @@ def draw_obstacle_3d(
     last = len(obstacle.steps) - 1
     for step, pieces in enumerate(obstacle.steps):
         alpha = 0.45 if last == 0 else strength * (0.03 + 0.3 * (step / last) ** 2)
+        if obstacle.concerns is not None:
+            alpha *= _PALE
         for piece in pieces:
             _draw_piece_3d(ax, obstacle.name, piece.vertices, alpha)
     if not is_named:
         return
     top = np.vstack([piece.vertices for piece in obstacle.steps[-1]])
     place = (*top.mean(axis=0)[:2], float(top[:, 2].max()))
-    board.beside(obstacle.name, np.asarray(place), MUTED)
+    board.beside(name_told(obstacle), np.asarray(place), MUTED, gid=f"label:{obstacle.name}")
 
 
 def _draw_piece_3d(ax: Axes3D, name: str, corners: Matrix, alpha: float) -> None:

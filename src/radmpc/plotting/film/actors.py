@@ -17,6 +17,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.artists.flat import Color
+from radmpc.plotting.artists.relations import FOR_SOME, name_told
 from radmpc.plotting.artists.straying import (
     SPREAD_DASHES,
     grown_outline,
@@ -31,6 +32,7 @@ from radmpc.plotting.canvas.style import (
     OBSTACLE_FILL,
     WALL_WIDTH,
 )
+from radmpc.plotting.film.ranges import RangeLine
 from radmpc.plotting.interpolation import InterpolatedPath, interpolated_path, moving_outline
 
 __all__ = ["Actor", "draw_actors"]
@@ -80,12 +82,16 @@ def draw_actors(ax: Axes, plan: Plan, colors: dict[str, Color], per_step: int) -
             is_flat = not isinstance(ax, Axes3D)
             actors.append(_FlatObstacle(ax, obstacle) if is_flat else _SolidObstacle(ax, obstacle))
     is_named = plan.scenario.num_vehicles <= MAX_LABELS
+    places: dict[str, Matrix] = {}
     for vehicle, trajectory in zip(plan.scenario.vehicles, plan.trajectories, strict=False):
         path = interpolated_path(
             vehicle, trajectory, per_step, intervals=plan.scenario.avoidance == "intervals"
         )
         kind = _SolidVehicle if isinstance(ax, Axes3D) else _FlatVehicle
         actors.append(kind(ax, vehicle, path, colors[vehicle.name], is_named, per_step))
+        places[vehicle.name] = path.positions
+    for one, other in (kept.vehicles for kept in plan.scenario.keep if places):
+        actors.append(RangeLine(ax, f"{one}:{other}", places[one], places[other]))
     return actors
 
 
@@ -194,8 +200,9 @@ class _FlatObstacle:
     def __init__(self, ax: Axes, obstacle: Obstacle) -> None:
         self.obstacle = obstacle
         self.patch = Polygon(
-            np.zeros((1, 2)), facecolor=OBSTACLE_FILL, edgecolor=OBSTACLE_EDGE, linewidth=0.6,
-            zorder=2, gid=f"obstacle:{obstacle.name}",
+            np.zeros((1, 2)), edgecolor=OBSTACLE_EDGE, linewidth=0.6, zorder=2,
+            gid=f"obstacle:{obstacle.name}",
+            **({"facecolor": OBSTACLE_FILL} if obstacle.concerns is None else FOR_SOME),
         )  # fmt: skip
         ax.add_patch(self.patch)
         (self.wall,) = ax.plot(
@@ -203,7 +210,7 @@ class _FlatObstacle:
             markeredgewidth=0.0, zorder=2,
         )  # fmt: skip
         self.name = ax.text(
-            0.0, 0.0, obstacle.name, fontsize=LABEL_SIZE, color=OBSTACLE_EDGE, ha="center",
+            0.0, 0.0, name_told(obstacle), fontsize=LABEL_SIZE, color=OBSTACLE_EDGE, ha="center",
             va="center", zorder=2.1, clip_on=True,
         )  # fmt: skip
         (self.ring,) = ax.plot(
