@@ -50,7 +50,8 @@ export interface Change {
 
 /**
  * A point on the map that can be dragged. Moving it by (dx, dy) adds dx to the numbers at `x`, dy to
- * those at `y`; in space dz to those at `z`.
+ * those at `y`; in space dz to those at `z`. Of an obstacle described by half-spaces these are the
+ * numbers of the corners that take their place.
  */
 export interface Handle {
   readonly at: readonly number[];

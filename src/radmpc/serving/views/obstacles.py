@@ -8,6 +8,7 @@ from radmpc.arrays import Matrix
 from radmpc.facets import surface
 from radmpc.model.obstacle import (
     BoxShape,
+    HalfspaceShape,
     LineShape,
     MovingShape,
     Obstacle,
@@ -148,7 +149,20 @@ def _handles(obstacle: Obstacle, path: Path, content: Content, rounding: Roundin
         return _track_handles(shape, path, content, rounding)
     if isinstance(shape, MovingShape):
         return _moving_handles(shape, path, content, rounding)
-    return []
+    has_corners = isinstance(shape, HalfspaceShape) and obstacle.dimension == 2
+    return _face_handles(obstacle.steps[0][0].vertices, path, rounding) if has_corners else []
+
+
+def _face_handles(corners: Matrix, path: Path, rounding: Rounding) -> list[Handle]:
+    """Return the corners of what is described by half-spaces.
+
+    No number of the document is theirs: whoever moves one puts ``vertices`` in place of the
+    half-spaces, and their paths are those that they have then.
+    """
+    places: list[Path] = [[*path, "vertices", j] for j in range(len(corners))]
+    entry = {"vertices": corners.tolist()}
+    then = {"obstacles": [*([None] * int(path[1])), entry]}
+    return corner_handles(then, corners, places, rounding)
 
 
 def _track_handles(

@@ -5,12 +5,10 @@ import { samePath } from "../../state/selection";
 import type { Camera } from "../camera";
 import { covariances, ellipseAt, num, shapeOf, type Shape } from "../geometry";
 import type { Frame, Layer } from "../frame";
+import { sigmasOf } from "../words";
 
 /** Number of places at which a moving obstacle is shown faintly, at most. */
 const GHOSTS = 6;
-
-/** Standard deviations of the ellipses where no plan states a level. */
-const SIGMAS = 3;
 
 const ellipse = new Float64Array(3);
 const spreads = new WeakMap<ObstacleView, Float64Array>();
@@ -123,7 +121,7 @@ function drawUncertainty(ctx: CanvasRenderingContext2D, frame: Frame, obstacle: 
   const spread = spreads.get(obstacle) ?? covariances(obstacle.uncertain);
   spreads.set(obstacle, spread);
   ellipseAt(spread, time, ellipse);
-  const sigmas = (frame.plan?.sigmas ?? SIGMAS) * camera.scale;
+  const sigmas = sigmasOf(frame.plan) * camera.scale;
   const shape = shapeOf(obstacle);
   const px = camera.px(shape.x + displacement(obstacle, time, 0, 0));
   const py = camera.py(shape.y + displacement(obstacle, time, 0, 1));
