@@ -159,3 +159,13 @@ def test_places_are_as_exact_as_a_screen_shows_them():
 def test_every_reason_to_plan_two_together_is_told(reason):
     told = _coupling(Coupling("tug", "barge", reason, 0.5))
     assert told["text"].startswith("tug and barge ")
+
+
+def test_whom_an_obstacle_concerns_and_who_keeps_in_range_is_told():
+    content = world({"min": [10, 10], "max": [14, 13], "except": ["a", "b"]})
+    content["obstacles"].append({"name": "shoal", "min": [20, 1], "max": [22, 3], "for": ["c"]})
+    content["obstacles"].append({"name": "rock", "min": [24, 1], "max": [26, 3]})
+    content["keep"] = [{"vehicles": ["a", "c"], "within": 12.5}]
+    view = scenario_view(decode_scenario(content), content)
+    assert [one["only"] for one in view["obstacles"]] == ["not for a, b", "for c", None]
+    assert view["ranges"] == [{"vehicles": ["a", "c"], "within": 12.5}]

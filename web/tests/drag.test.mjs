@@ -9,7 +9,7 @@ const handle = (at, x, y) => ({ at, x, y, z: [] });
 const VIEW = {
   obstacles: [
     {
-      name: "rock", path, kind: "polygon", rings: [corners], corners: [], triangles: [], moving: null, uncertain: null,
+      name: "rock", path, kind: "polygon", rings: [corners], corners: [], triangles: [], moving: null, uncertain: null, only: null,
       handles: [
         handle([12, 12], numbers(0), numbers(1)),
         ...corners.map((at, j) => handle(at, [numbers(0)[j]], [numbers(1)[j]])),

@@ -16,7 +16,8 @@ export function vehicleWords({ name, radius }: VehicleView): string {
 export function obstacleWords(obstacle: ObstacleView, plan: PlanView | null): string {
   const what = obstacle.moving !== null ? ", moving" : obstacle.kind === "line" ? ", a line" : "";
   const where = `, place uncertain: drawn with ${short(sigmasOf(plan))} standard deviations`;
-  return `${obstacle.name}${what}${obstacle.uncertain === null ? "" : where}`;
+  const whom = obstacle.only === null ? "" : `, ${obstacle.only}`;
+  return `${obstacle.name}${what}${whom}${obstacle.uncertain === null ? "" : where}`;
 }
 
 export function short(value: number): number {

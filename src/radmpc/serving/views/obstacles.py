@@ -22,6 +22,9 @@ from radmpc.serving.views.numbers import Rounding
 
 __all__ = ["obstacle_view"]
 
+_MOST_NAMES = 3
+"""Vehicles that are named of those whom an obstacle concerns [-]."""
+
 _TURNS = 48
 """Directions in which the corners of outlines are found that differ in number from step to step."""
 
@@ -53,6 +56,7 @@ def obstacle_view(
         "triangles": [],
         "moving": None,
         "uncertain": None if spread is None else ellipses_of(spread.positions),
+        "only": _whom(obstacle),
         "handles": _handles(obstacle, path, content, rounding),
     }
     if obstacle.dimension == 2:
@@ -65,6 +69,17 @@ def obstacle_view(
     if outlines is not None:
         view["moving"] = [rounding.points(outline - outlines[0]) for outline in outlines]
     return view
+
+
+def _whom(obstacle: Obstacle) -> str | None:
+    """Return whom an obstacle concerns, in words; None where everybody."""
+    concerns = obstacle.concerns
+    if concerns is None:
+        return None
+    names = ", ".join(concerns.names[:_MOST_NAMES])
+    if len(concerns.names) > _MOST_NAMES:
+        names += f" and {len(concerns.names) - _MOST_NAMES} more"
+    return f"{'not for' if concerns.are_exempt else 'for'} {names}"
 
 
 def _rings(obstacle: Obstacle) -> tuple[list[Matrix], bool, list[Matrix] | None]:
