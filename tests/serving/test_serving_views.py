@@ -48,9 +48,18 @@ def world(shape):
     }  # fmt: skip
 
 
+def with_corners(content, handle):
+    """Return a document with corners in place of half-spaces, if the handle is of these."""
+    if value_at(content, handle["x"][0]) is not None:
+        return content
+    _, *corners = scenario_view(decode_scenario(content), content)["obstacles"][0]["handles"]
+    entry = {"name": "o", "vertices": [corner["at"] for corner in corners]}
+    return changed(content, [{"path": ["obstacles", 0], "value": entry}])
+
+
 def dragged(content, handle, move):
     """Return a document after a drag, as the page makes it."""
-    changes = []
+    content, changes = with_corners(content, handle), []
     for key, delta in zip("xyz", move, strict=False):
         for path in handle[key]:
             changes.append({"path": path, "value": value_at(content, path) + delta})
@@ -85,7 +94,6 @@ def test_a_handle_that_is_dragged_is_where_it_was_dragged_to(kind):
 def test_what_is_computed_or_of_all_vehicles_cannot_be_dragged():
     content = world(SHAPES["half-planes"])
     view = scenario_view(decode_scenario(content), content)
-    assert view["obstacles"][0]["handles"] == []
     assert view["vehicles"][2]["goal"]["handles"] == []
     assert view["vehicles"][2]["startHandle"] is not None
     ends = view["vehicles"][1]["via"]
@@ -151,3 +159,13 @@ def test_places_are_as_exact_as_a_screen_shows_them():
 def test_every_reason_to_plan_two_together_is_told(reason):
     told = _coupling(Coupling("tug", "barge", reason, 0.5))
     assert told["text"].startswith("tug and barge ")
+
+
+def test_whom_an_obstacle_concerns_and_who_keeps_in_range_is_told():
+    content = world({"min": [10, 10], "max": [14, 13], "except": ["a", "b"]})
+    content["obstacles"].append({"name": "shoal", "min": [20, 1], "max": [22, 3], "for": ["c"]})
+    content["obstacles"].append({"name": "rock", "min": [24, 1], "max": [26, 3]})
+    content["keep"] = [{"vehicles": ["a", "c"], "within": 12.5}]
+    view = scenario_view(decode_scenario(content), content)
+    assert [one["only"] for one in view["obstacles"]] == ["not for a, b", "for c", None]
+    assert view["ranges"] == [{"vehicles": ["a", "c"], "within": 12.5}]

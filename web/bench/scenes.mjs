@@ -55,7 +55,7 @@ function obstacleView(obstacle, i, horizon) {
   const path = ["obstacles", i];
   const view = {
     name: obstacle.name, path, kind: "polygon", rings: [], corners: [], triangles: [],
-    moving: null, uncertain: null, handles: [],
+    moving: null, uncertain: null, only: null, handles: [],
   };
   if (obstacle.min !== undefined) {
     const { min, max } = obstacle;
@@ -118,7 +118,7 @@ export function scenarioView(content) {
     riskBound: content.risk_bound, avoidance: content.avoidance ?? "intervals",
     workspace: content.workspace ?? null,
     workspaceHandles: content.workspace ? boxHandles(content.workspace, ["workspace"]) : [],
-    vehicles, obstacles, extent,
+    vehicles, obstacles, ranges: [], extent,
   };
 }
 

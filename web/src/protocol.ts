@@ -50,7 +50,8 @@ export interface Change {
 
 /**
  * A point on the map that can be dragged. Moving it by (dx, dy) adds dx to the numbers at `x`, dy to
- * those at `y`; in space dz to those at `z`.
+ * those at `y`; in space dz to those at `z`. Of an obstacle described by half-spaces these are the
+ * numbers of the corners that take their place.
  */
 export interface Handle {
   readonly at: readonly number[];
@@ -78,6 +79,8 @@ export interface ObstacleView {
   readonly moving: readonly (readonly (readonly number[])[])[] | null;
   /** Where its place is uncertain: half axes [m] and angle [rad] at each step, one deviation. */
   readonly uncertain: readonly Ellipse[] | null;
+  /** Whom it stands in the way of where that is not everybody: `for tanker`. */
+  readonly only: string | null;
   /** The whole of it, then its corners. */
   readonly handles: readonly Handle[];
 }
@@ -115,6 +118,12 @@ export interface VehicleView {
   readonly via: readonly GoalView[];
 }
 
+/** Two vehicles that are to stay within a distance [m] of each other. */
+export interface RangeView {
+  readonly vehicles: readonly string[];
+  readonly within: number;
+}
+
 /** A scenario, ready to be drawn. */
 export interface ScenarioView {
   readonly name: string;
@@ -127,6 +136,7 @@ export interface ScenarioView {
   readonly workspaceHandles: readonly Handle[];
   readonly vehicles: readonly VehicleView[];
   readonly obstacles: readonly ObstacleView[];
+  readonly ranges: readonly RangeView[];
   /** What all of it takes up [m]. */
   readonly extent: Box;
 }

@@ -15,6 +15,7 @@ __all__ = [
     "ObstacleView",
     "Path",
     "Point",
+    "RangeView",
     "Remark",
     "ScenarioView",
     "VehicleView",
@@ -84,6 +85,7 @@ class ObstacleView(TypedDict):
     triangles: Sequence[Sequence[int]]
     moving: Sequence[Sequence[Point]] | None
     uncertain: Sequence[Ellipse] | None
+    only: str | None
     handles: Sequence[Handle]
 
 
@@ -108,6 +110,13 @@ class VehicleView(TypedDict):
     via: Sequence[GoalView]
 
 
+class RangeView(TypedDict):
+    """Two vehicles that are to stay in range of each other."""
+
+    vehicles: Sequence[str]
+    within: float
+
+
 class ScenarioView(TypedDict):
     """A scenario, ready to be drawn."""
 
@@ -121,4 +130,5 @@ class ScenarioView(TypedDict):
     workspaceHandles: Sequence[Handle]
     vehicles: Sequence[VehicleView]
     obstacles: Sequence[ObstacleView]
+    ranges: Sequence[RangeView]
     extent: Box

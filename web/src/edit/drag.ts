@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { change } from "../actions";
-import type { Box, Change, GoalView, Handle, ObstacleView, Path, ScenarioView } from "../protocol";
+import type { Box, Change, DocumentState, GoalView, Handle, ObstacleView, Path, ScenarioView } from "../protocol";
 import { document, echo } from "../state/document";
 import { samePath, type Thing } from "../state/selection";
 import { clean, get, keyOf } from "./paths";
@@ -41,11 +41,28 @@ export async function finish(thing: Thing, index: number, dx: number, dy: number
     echo.value = null;
     return;
   }
-  const changes = [
+  const changes = cornersInstead(state.content, state.view, thing, index, dx, dy) ?? [
     ...changesAlong(handle.x, dx, (path) => get(state.content, path)),
     ...changesAlong(handle.y, dy, (path) => get(state.content, path)),
   ];
   if (!(await change(changes, `Move ${nameOf(state.view, thing)}`))) echo.value = null;
+}
+
+/** Of what is described by half-spaces no number is a corner's: its corners take their place. */
+export function cornersInstead(
+  content: DocumentState["content"],
+  view: ScenarioView,
+  thing: Thing,
+  index: number,
+  dx: number,
+  dy: number,
+): readonly Change[] | null {
+  const at = (key: string): Path => [...thing.path, key];
+  if (thing.kind !== "obstacle" || get(content, at("normals")) === undefined) return null;
+  const after = moved(view, thing, index, dx, dy).obstacles.find((one) => samePath(one.path, thing.path));
+  const value = after?.rings[0]?.map((place) => place.map((each) => clean(each)));
+  if (value === undefined) return null;
+  return [{ path: at("normals") }, { path: at("offsets") }, { path: at("vertices"), value }];
 }
 
 function changesAlong(paths: readonly Path[], by: number, read: (path: Path) => unknown): readonly Change[] {

@@ -6,13 +6,14 @@ import { Camera } from "../scene/camera";
 import type { Frame, Layer } from "../scene/frame";
 import { drawGrid, drawGround, drawRulers, drawWorkspace } from "../scene/layers/grid";
 import { drawMovingObstacles, drawObstacleMarks, drawObstacles } from "../scene/layers/obstacles";
+import { drawRanges } from "../scene/layers/ranges";
 import { drawRisk } from "../scene/layers/risk";
 import { drawGoals, drawTracks } from "../scene/layers/tracks";
 import { drawVehicleMarks, drawVehicles } from "../scene/layers/vehicles";
 
 const LAYERS: readonly Layer[] = [
   drawGround, drawGrid, drawWorkspace, drawObstacles, drawGoals, drawTracks, drawMovingObstacles,
-  drawVehicles, drawRisk, drawObstacleMarks, drawVehicleMarks, drawRulers,
+  drawRanges, drawVehicles, drawRisk, drawObstacleMarks, drawVehicleMarks, drawRulers,
 ];
 
 const MARGIN = 40; // around what is fitted [px]

@@ -87,7 +87,9 @@ function price({ points, riskBound, shown }: DeltaProps): string {
 
 /** Place of a bound along the slider [px]. */
 function place(riskBound: number, width: number): number {
-  return INSET + ((Math.log10(riskBound) - LOW) / (HIGH - LOW)) * (width - 2 * INSET);
+  // What is certified may be less than any bound that the slider has.
+  const share = Math.max((Math.log10(riskBound) - LOW) / (HIGH - LOW), 0);
+  return INSET + share * (width - 2 * INSET);
 }
 
 function PriceCurve(props: DeltaProps & { width: number }) {

@@ -11,6 +11,7 @@ import { num } from "./geometry";
 import { markAt, markText } from "./layers/risk";
 import { pointer } from "./pointer";
 import { camera } from "./viewport";
+import { obstacleWords, short, vehicleWords } from "./words";
 
 export function Tip() {
   const text = useComputed(() => {
@@ -43,16 +44,10 @@ function wordsOf(scenario: ScenarioView, thing: Thing): string {
   const goal = goalAt(scenario, thing.path);
   if (goal !== null) {
     const { min, max } = goal.box;
-    return `${name}, ${clean(num(max, 0) - num(min, 0))} × ${clean(num(max, 1) - num(min, 1))} m`;
+    return `${name}, ${short(num(max, 0) - num(min, 0))} × ${short(num(max, 1) - num(min, 1))} m`;
   }
   const vehicle = vehicleAt(scenario, thing.path);
-  if (vehicle !== null) return `${name}, radius ${clean(vehicle.radius)} m`;
+  if (vehicle !== null) return vehicleWords(vehicle);
   const obstacle = obstacleAt(scenario, thing.path);
-  if (obstacle === null) return name;
-  const what = obstacle.moving !== null ? ", moving" : obstacle.kind === "line" ? ", a line" : "";
-  return `${name}${what}${obstacle.uncertain === null ? "" : ", place uncertain"}`;
-}
-
-function clean(value: number): number {
-  return Number(value.toPrecision(4));
+  return obstacle === null ? name : obstacleWords(obstacle, shown.value);
 }

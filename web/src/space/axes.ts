@@ -83,10 +83,10 @@ export class Axes {
       const span = (this.#high[axis] ?? 0) - (this.#low[axis] ?? 0);
       const part = value === null ? 0.5 : (value - (this.#low[axis] ?? 0)) / (span || 1);
       // Names of axes stand outside of their numbers.
-      const out = value === null ? 0.13 : 0.04;
+      const out = value === null ? 0.13 : 0.04; // of the upright one, above them
       if (axis === 0) label.at = this.#at(part, nearY + (nearY ? out : -out), 0);
       else if (axis === 1) label.at = this.#at(nearX + (nearX ? out : -out), part, 0);
-      else label.at = this.#beside(left ?? center, center, out, part);
+      else label.at = this.#beside(left ?? center, center, 0.04, value === null ? 1.08 : part);
     }
     const shown = names.length > 0 ? this.#names : [];
     for (const label of this.#marks.map((mark) => mark.label).concat(shown)) {

@@ -15,7 +15,9 @@ import {
 
 import type { Box, ObstacleView } from "../protocol";
 import type { Colors } from "../scene/colors";
-import { point, type SpaceFrame } from "./types";
+import { sigmasOf } from "../scene/words";
+import { displacement, point, type SpaceFrame } from "./types";
+import { Uncertain } from "./uncertain";
 
 const SHARPEST = 12; // angle between faces from which on their edge is drawn [°]
 
@@ -35,6 +37,7 @@ export function boxEdges(box: Box, color: string, opacity = 1): LineSegments {
 /** An obstacle as a translucent solid with its edges, which follows its motion. */
 class Solid {
   readonly group = new Group();
+  readonly mesh: Mesh;
   readonly #geometry = new BufferGeometry();
   readonly #rest: Float32Array;
   readonly #edges: LineSegments<EdgesGeometry>;
@@ -60,23 +63,17 @@ class Solid {
       new EdgesGeometry(this.#geometry, SHARPEST),
       new LineBasicMaterial({ color: isMarked ? colors.accent : colors.obstacleEdge }),
     );
-    this.group.add(new Mesh(this.#geometry, material), this.#edges);
+    this.mesh = new Mesh(this.#geometry, material);
+    this.group.add(this.mesh, this.#edges);
   }
 
   moveTo(time: number): void {
-    const { moving } = this.obstacle;
-    if (moving === null || moving.length === 0) return;
-    const at = Math.min(Math.max(time, 0), moving.length - 1);
-    const before = moving[Math.floor(at)] ?? [];
-    const after = moving[Math.floor(at) + 1] ?? before;
-    const part = at - Math.floor(at);
+    if (this.obstacle.moving === null) return;
     const places = this.#rest.slice();
     for (let corner = 0; corner < this.obstacle.corners.length; corner += 1) {
-      const [from, to] = [point(before[corner] ?? []), point(after[corner] ?? [])];
-      for (let axis = 0; axis < 3; axis += 1) {
-        const [low, high] = [from[axis] ?? 0, to[axis] ?? 0];
-        places[3 * corner + axis] = (places[3 * corner + axis] ?? 0) + low + part * (high - low);
-      }
+      displacement(this.obstacle, corner, time).forEach((by, axis) => {
+        places[3 * corner + axis] = (places[3 * corner + axis] ?? 0) + by;
+      });
     }
     this.#geometry.setAttribute("position", new BufferAttribute(places, 3));
     this.#geometry.computeBoundingSphere();
@@ -88,15 +85,22 @@ class Solid {
 /** All that is there before a plan. */
 export class Solids {
   readonly group = new Group();
+  /** What of obstacles is drawn, with the number of each. */
+  readonly numbers: ReadonlyMap<Mesh, number>;
   readonly #solids: readonly Solid[];
+  readonly #uncertain: readonly Uncertain[];
 
-  constructor({ scenario: view, colors, vehicleColors, highlight }: SpaceFrame) {
+  constructor({ scenario: view, plan, colors, vehicleColors, highlight }: SpaceFrame) {
     const marked = highlight?.obstacles ?? [];
     if (view.workspace) this.group.add(boxEdges(view.workspace, colors.muted));
     this.#solids = view.obstacles
       .filter((obstacle) => obstacle.triangles.length > 0)
       .map((obstacle) => new Solid(obstacle, colors, marked.includes(obstacle.name)));
-    for (const solid of this.#solids) this.group.add(solid.group);
+    this.numbers = new Map(this.#solids.map((solid) => [solid.mesh, view.obstacles.indexOf(solid.obstacle)]));
+    this.#uncertain = this.#solids
+      .filter(({ obstacle }) => obstacle.uncertain !== null)
+      .map(({ obstacle }) => new Uncertain(obstacle, sigmasOf(plan), colors));
+    for (const { group } of [...this.#solids, ...this.#uncertain]) this.group.add(group);
     view.vehicles.forEach((vehicle, index) => {
       const color = vehicleColors[index] ?? colors.text;
       this.group.add(boxEdges(vehicle.goal.box, color, 0.8));
@@ -105,6 +109,11 @@ export class Solids {
   }
 
   moveTo(time: number): void {
-    for (const solid of this.#solids) solid.moveTo(time);
+    for (const solid of [...this.#solids, ...this.#uncertain]) solid.moveTo(time);
+  }
+
+  /** Gives back what is not in the scene now. */
+  dispose(): void {
+    for (const one of this.#uncertain) one.dispose();
   }
 }

@@ -2,7 +2,7 @@
  * Scenes of three dimensions: the same layers as the map, turned by pointer and keys.
  *
  * A module of its own, loaded where a scene has a third dimension; it shares nothing with the page
- * but the protocol's types, so that notebooks can load it, too. It draws when something changed, and
+ * but types and what things are called, so that notebooks can load it, too. It draws when something changed, and
  * then once per frame.
  */
 
@@ -21,6 +21,7 @@ import {
 import { Axes } from "./axes";
 import { Orbit } from "./orbit";
 import { Solids } from "./solids";
+import { Tip } from "./tip";
 import { flightLines, Fleet, riskMarks, trailLines } from "./tracks";
 import type { SpaceFrame } from "./types";
 
@@ -47,6 +48,7 @@ export class Space {
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
   readonly #orbit: Orbit;
+  readonly #tip: Tip;
   readonly #watch: ResizeObserver;
   #shown: { solids: Solids; fleet: Fleet; axes: Axes; more: Object3D[] } | null = null;
   #frame: SpaceFrame | null = null;
@@ -64,6 +66,7 @@ export class Space {
     this.#stage.append(this.#renderer.domElement);
     host.append(this.#stage);
     this.#orbit = new Orbit(this.#stage, () => this.#ask());
+    this.#tip = new Tip(this.#stage, () => this.#ask());
     this.#stage.addEventListener("keydown", (event) => {
       if (event.key === "0") this.fit();
     });
@@ -120,6 +123,7 @@ export class Space {
     const { solids, fleet, axes, more } = this.#shown;
     for (const thing of [solids.group, fleet.group, axes.group, ...more]) release(thing);
     axes.dispose();
+    solids.dispose();
     this.#shown = null;
   }
 
@@ -168,11 +172,14 @@ export class Space {
     this.#renderer.render(this.#scene, camera);
     this.frames += 1;
     if (this.#shown === null || this.#frame === null) return;
-    const { fleet, axes } = this.#shown;
+    const { solids, fleet, axes } = this.#shown;
     const { scenario, switches, time } = this.#frame;
+    const { clientWidth: width, clientHeight: height } = this.host;
     const places = switches.names
       ? scenario.vehicles.map((_, index) => fleet.placeOf(index, time))
       : [];
-    axes.place(camera, this.host.clientWidth, this.host.clientHeight, places);
+    axes.place(camera, width, height, places);
+    const placeOf = (index: number) => fleet.placeOf(index, time);
+    this.#tip.show({ frame: this.#frame, camera, width, height, placeOf, solids: solids.numbers });
   }
 }

@@ -15,8 +15,10 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
-import type { Ellipse, FlightState, PlanView, TrailsView } from "../protocol";
+import type { Ellipse, FlightState, LedgerLine, PlanView, TrailsView } from "../protocol";
 import type { Colors } from "../scene/colors";
+import { causeColor } from "../scene/layers/causes";
+import { marksOf } from "../scene/layers/risk";
 import { placeAt, point, type SpaceFrame } from "./types";
 
 /** Many lines in their colors, some pixels wide, as one thing to draw. */
@@ -132,19 +134,25 @@ function marks(of: readonly { at: Vector3; radius: number; color: string }[]): I
 }
 
 /** Where a plan's risk is: a ball at each place, its volume the share of what is allowed. */
-export function riskMarks(plan: PlanView, colors: Colors, lit: readonly (readonly number[])[]): InstancedMesh {
-  const { extent } = plan.scenario;
-  const largest = 0.03 * new Vector3(...point(extent.min)).distanceTo(new Vector3(...point(extent.max)));
-  const bound = plan.summary.riskBound;
-  const radius = (risk: number) => largest * Math.max(Math.cbrt(Math.min(risk / bound, 1)), 0.1);
-  const places = plan.ledger
-    .filter(({ risk }) => risk > 1e-4 * bound)
-    .map(({ at, risk }) => ({ at: new Vector3(...point(at)), radius: radius(risk), color: colors.alert }));
-  const pointed = lit.map((at) => ({
-    at: new Vector3(...point(at)),
-    radius: 0.4 * largest,
-    color: colors.accent,
+export function riskPlaces(plan: PlanView): readonly { line: LedgerLine; at: Vector3; radius: number }[] {
+  const largest = largestOf(plan);
+  return marksOf(plan).map(({ line, share }) => ({
+    line,
+    at: new Vector3(...point(line.at)),
+    radius: largest * Math.max(Math.cbrt(Math.min(share, 1)), 0.1),
   }));
+}
+
+/** Radius of a ball that takes all that is allowed [m]. */
+function largestOf({ scenario: { extent } }: PlanView): number {
+  return 0.03 * new Vector3(...point(extent.min)).distanceTo(new Vector3(...point(extent.max)));
+}
+
+/** The same, drawn in the colors of their causes; those pointed at are seen best. */
+export function riskMarks(plan: PlanView, colors: Colors, lit: readonly (readonly number[])[]): InstancedMesh {
+  const places = riskPlaces(plan).map(({ line, at, radius }) => ({ at, radius, color: causeColor(line.cause, colors.isDark) }));
+  const radius = 0.4 * largestOf(plan);
+  const pointed = lit.map((at) => ({ at: new Vector3(...point(at)), radius, color: colors.accent }));
   return marks([...places, ...pointed]);
 }
 

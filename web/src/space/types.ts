@@ -1,5 +1,6 @@
 /** What the view in space is told: what the map's layers are, less what is flat. */
 
+import type { ObstacleView } from "../protocol";
 import type { Frame } from "../scene/frame";
 
 export type SpaceFrame = Pick<
@@ -21,6 +22,12 @@ export type Point = readonly [number, number, number];
 /** A place as three coordinates, whatever the list has. */
 export function point(at: readonly number[]): Point {
   return [at[0] ?? 0, at[1] ?? 0, at[2] ?? 0];
+}
+
+/** How far a corner of an obstacle has moved at a time [steps], in m. */
+export function displacement({ moving }: ObstacleView, corner: number, time: number): Point {
+  if (moving === null || moving.length === 0) return [0, 0, 0];
+  return placeAt(moving.map((step) => step[corner] ?? []), 1, time);
 }
 
 /** A place on a list of places of which there are `perStep` for each step. */

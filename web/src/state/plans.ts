@@ -37,8 +37,8 @@ export const isStale = computed(() => {
 
 /** What a plan depends on, but for the bound, which a search may be given for itself. */
 function essence(view: ScenarioView): string {
-  const { dt, horizon, avoidance, workspace, vehicles, obstacles } = view;
-  return JSON.stringify([dt, horizon, avoidance, workspace, vehicles, obstacles]);
+  const { dt, horizon, avoidance, workspace, vehicles, obstacles, ranges } = view;
+  return JSON.stringify([dt, horizon, avoidance, workspace, vehicles, obstacles, ranges]);
 }
 
 function of<V>(id: string | null, values: ReadonlyMap<string, V>): V | null {

@@ -8,6 +8,7 @@ from radmpc.arrays import Matrix
 from radmpc.facets import surface
 from radmpc.model.obstacle import (
     BoxShape,
+    HalfspaceShape,
     LineShape,
     MovingShape,
     Obstacle,
@@ -20,6 +21,9 @@ from radmpc.serving.views.handles import box_handles, corner_handles, handle_of,
 from radmpc.serving.views.numbers import Rounding
 
 __all__ = ["obstacle_view"]
+
+_MOST_NAMES = 3
+"""Vehicles that are named of those whom an obstacle concerns [-]."""
 
 _TURNS = 48
 """Directions in which the corners of outlines are found that differ in number from step to step."""
@@ -52,6 +56,7 @@ def obstacle_view(
         "triangles": [],
         "moving": None,
         "uncertain": None if spread is None else ellipses_of(spread.positions),
+        "only": _whom(obstacle),
         "handles": _handles(obstacle, path, content, rounding),
     }
     if obstacle.dimension == 2:
@@ -64,6 +69,17 @@ def obstacle_view(
     if outlines is not None:
         view["moving"] = [rounding.points(outline - outlines[0]) for outline in outlines]
     return view
+
+
+def _whom(obstacle: Obstacle) -> str | None:
+    """Return whom an obstacle concerns, in words; None where everybody."""
+    concerns = obstacle.concerns
+    if concerns is None:
+        return None
+    names = ", ".join(concerns.names[:_MOST_NAMES])
+    if len(concerns.names) > _MOST_NAMES:
+        names += f" and {len(concerns.names) - _MOST_NAMES} more"
+    return f"{'not for' if concerns.are_exempt else 'for'} {names}"
 
 
 def _rings(obstacle: Obstacle) -> tuple[list[Matrix], bool, list[Matrix] | None]:
@@ -148,7 +164,20 @@ def _handles(obstacle: Obstacle, path: Path, content: Content, rounding: Roundin
         return _track_handles(shape, path, content, rounding)
     if isinstance(shape, MovingShape):
         return _moving_handles(shape, path, content, rounding)
-    return []
+    has_corners = isinstance(shape, HalfspaceShape) and obstacle.dimension == 2
+    return _face_handles(obstacle.steps[0][0].vertices, path, rounding) if has_corners else []
+
+
+def _face_handles(corners: Matrix, path: Path, rounding: Rounding) -> list[Handle]:
+    """Return the corners of what is described by half-spaces.
+
+    No number of the document is theirs: whoever moves one puts ``vertices`` in place of the
+    half-spaces, and their paths are those that they have then.
+    """
+    places: list[Path] = [[*path, "vertices", j] for j in range(len(corners))]
+    entry = {"vertices": corners.tolist()}
+    then = {"obstacles": [*([None] * int(path[1])), entry]}
+    return corner_handles(then, corners, places, rounding)
 
 
 def _track_handles(

@@ -60,6 +60,10 @@ def scenario_view(scenario: Scenario, content: Content | None = None) -> Scenari
             obstacle_view(obstacle, i, document, rounding)
             for i, obstacle in enumerate(scenario.obstacles)
         ],
+        "ranges": [
+            {"vehicles": list(keep.vehicles), "within": rounding.length(keep.within)}
+            for keep in scenario.keep
+        ],
         "extent": {"min": rounding.point(lower), "max": rounding.point(upper)},
     }
 

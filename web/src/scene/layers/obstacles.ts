@@ -5,12 +5,13 @@ import { samePath } from "../../state/selection";
 import type { Camera } from "../camera";
 import { covariances, ellipseAt, num, shapeOf, type Shape } from "../geometry";
 import type { Frame, Layer } from "../frame";
+import { sigmasOf } from "../words";
 
 /** Number of places at which a moving obstacle is shown faintly, at most. */
 const GHOSTS = 6;
 
-/** Standard deviations of the ellipses where no plan states a level. */
-const SIGMAS = 3;
+/** Dashes around what only some vehicles may not enter [px]. */
+const PARTLY = [6, 4];
 
 const ellipse = new Float64Array(3);
 const spreads = new WeakMap<ObstacleView, Float64Array>();
@@ -18,23 +19,45 @@ const spreads = new WeakMap<ObstacleView, Float64Array>();
 export const drawObstacles: Layer = (ctx, frame) => {
   const { camera, colors, scenario } = frame;
   if (scenario === null) return;
+  const standing = scenario.obstacles.filter(({ moving }) => moving === null);
+  drawStanding(ctx, frame, standing.filter(({ only }) => only === null));
+  const some = standing.filter(({ only }) => only !== null);
+  if (some.length === 0) return;
+  // Others pass through: less of a wall, and it says for whom it is one.
+  ctx.setLineDash(PARTLY);
+  ctx.globalAlpha = 0.5;
+  drawStanding(ctx, frame, some);
+  ctx.globalAlpha = 1;
+  ctx.setLineDash([]);
+  if (!frame.switches.names) return;
+  ctx.font = "11px system-ui, 'Noto Sans', 'Liberation Sans', sans-serif";
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.fillStyle = colors.muted;
+  for (const obstacle of some) {
+    const { x, y, bounds } = shapeOf(obstacle);
+    const isRoom = (bounds.maxX - bounds.minX) * camera.scale > 50;
+    if (isRoom) ctx.fillText(obstacle.only ?? "", camera.px(x), camera.py(y));
+  }
+};
+
+function drawStanding(ctx: CanvasRenderingContext2D, { camera, colors }: Frame, obstacles: readonly ObstacleView[]): void {
   ctx.fillStyle = colors.obstacle;
   ctx.strokeStyle = colors.obstacleEdge;
   ctx.lineWidth = 1;
   ctx.beginPath();
-  for (const obstacle of scenario.obstacles) {
-    if (obstacle.moving !== null || obstacle.kind === "line") continue;
-    addRings(ctx, camera, shapeOf(obstacle), true);
+  for (const obstacle of obstacles) {
+    if (obstacle.kind !== "line") addRings(ctx, camera, shapeOf(obstacle), true);
   }
   ctx.fill();
   ctx.stroke();
   ctx.lineWidth = 2.5;
   ctx.beginPath();
-  for (const obstacle of scenario.obstacles) {
-    if (obstacle.moving === null && obstacle.kind === "line") addRings(ctx, camera, shapeOf(obstacle), false);
+  for (const obstacle of obstacles) {
+    if (obstacle.kind === "line") addRings(ctx, camera, shapeOf(obstacle), false);
   }
   ctx.stroke();
-};
+}
 
 /** Adds the outlines to the path, unless they are out of sight. */
 function addRings(ctx: CanvasRenderingContext2D, camera: Camera, shape: Shape, isClosed: boolean): void {
@@ -75,10 +98,12 @@ function drawMoving(ctx: CanvasRenderingContext2D, frame: Frame, obstacle: Obsta
   ctx.fillStyle = colors.obstacle;
   ctx.strokeStyle = colors.obstacleEdge;
   ctx.lineWidth = obstacle.kind === "line" ? 2.5 : 1.25;
+  if (obstacle.only !== null) ctx.setLineDash(PARTLY);
   ctx.beginPath();
   addMoved(ctx, frame.camera, obstacle, frame.time);
   if (obstacle.kind !== "line") ctx.fill();
   ctx.stroke();
+  ctx.setLineDash([]);
 }
 
 function drawGhosts(ctx: CanvasRenderingContext2D, frame: Frame, scenario: ScenarioView, obstacle: ObstacleView): void {
@@ -123,7 +148,7 @@ function drawUncertainty(ctx: CanvasRenderingContext2D, frame: Frame, obstacle: 
   const spread = spreads.get(obstacle) ?? covariances(obstacle.uncertain);
   spreads.set(obstacle, spread);
   ellipseAt(spread, time, ellipse);
-  const sigmas = (frame.plan?.sigmas ?? SIGMAS) * camera.scale;
+  const sigmas = sigmasOf(frame.plan) * camera.scale;
   const shape = shapeOf(obstacle);
   const px = camera.px(shape.x + displacement(obstacle, time, 0, 0));
   const py = camera.py(shape.y + displacement(obstacle, time, 0, 1));
