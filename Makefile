@@ -37,12 +37,11 @@ serve: $(INSTALLED_SERVE) node ## a page to draw, plan and fly in: make serve FI
 	@$(PAGE) build
 	@$(BIN)/radmpc serve $(FILE) $(if $(PORT),--port $(PORT))
 
-# What takes seconds comes first: the page and the environment wait for registries, each beside the
-# other. Types, which only one processor can check, are beside the tests: these wait now and then,
-# for what they start.
+# No processor waits: the page and the environment wait for registries, each beside the other; types,
+# which only one processor can check, and the site are beside the tests, which wait now and then, for
+# what they start. Tests look at the page, so that they come after it.
 check: ## everything that must hold before a commit
-	@$(MAKE) --jobs=$(WORKERS) --output-sync=target page format lint floors docs
-	@$(MAKE) --jobs=2 test types
+	@$(MAKE) --jobs=3 AFTER=page format lint floors page types docs test
 	@echo 'make check: everything holds'
 
 # Neither the site nor tests marked slow, which is where the minutes go.
@@ -83,8 +82,7 @@ user-types: types ## mypy --strict on examples and pages as a user would run it
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports
 
-# Each of the three is left out while its sources are as they were; tests look at the bundle, so that it
-# is made before them.
+# Each of the three is left out while its sources are as they were.
 page: node ## types, lint, tests and bundle of the page of `radmpc serve`
 	@$(PAGE) check
 
@@ -112,7 +110,7 @@ oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies allowed, in
 	$(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
 	    -W default::DeprecationWarning -W default::PendingDeprecationWarning
 
-test: $(INSTALLED_DEV) ## all tests, and of long lists of cases a sample
+test: $(INSTALLED_DEV) $(AFTER) ## all tests, and of long lists of cases a sample
 	$(PYTEST)
 
 coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third longer

@@ -62,6 +62,7 @@ def killing(pid):
     return told
 
 
+@pytest.mark.nightly
 def test_a_process_killed_in_mid_run_loses_nothing(here):
     with ProcessPoolExecutor(2) as pool:
         pids = {pool.submit(os.getpid).result() for _ in range(8)}
