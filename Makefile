@@ -37,12 +37,11 @@ serve: $(INSTALLED_SERVE) node ## a page to draw, plan and fly in: make serve FI
 	@$(PAGE) build
 	@$(BIN)/radmpc serve $(FILE) $(if $(PORT),--port $(PORT))
 
-# What takes seconds comes first: the page and the environment wait for registries, each beside the
-# other. Types, which only one processor can check, are beside the tests: these wait now and then,
-# for what they start.
+# No processor waits: the page and the environment wait for registries, each beside the other; types,
+# which only one processor can check, and the site are beside the tests, which wait now and then, for
+# what they start. Tests look at the page and `types` packs it, so that they come after it.
 check: ## everything that must hold before a commit
-	@$(MAKE) --jobs=$(WORKERS) --output-sync=target page format lint floors docs
-	@$(MAKE) --jobs=2 test types
+	@$(MAKE) --jobs=3 AFTER=page format lint floors page types docs test
 	@echo 'make check: everything holds'
 
 # Neither the site nor tests marked slow, which is where the minutes go.
@@ -67,7 +66,7 @@ package: $(INSTALLED_DEV) ## mypy --strict on src
 
 # The second run is a user's: no settings, the package as it is installed from a wheel, which mypy reads
 # in a third of the time of one that is being worked on. What it needs else is beside it.
-types: package ## mypy --strict on src, the examples and the pages' programs
+types: package $(AFTER) ## mypy --strict on src, the examples and the pages' programs
 	@$(BIN)/python tests/docs/programs.py build/programs
 	@rm -rf $(USER) && $(BIN)/python -m venv --without-pip $(USER)
 	@packages=$$(echo $(USER)/lib/python3*/site-packages) \
@@ -80,8 +79,7 @@ types: package ## mypy --strict on src, the examples and the pages' programs
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports
 
-# Each of the three is left out while its sources are as they were; tests look at the bundle, and it is in
-# the wheel that `types` builds, so that it is made before them.
+# Each of the three is left out while its sources are as they were.
 page: node ## types, lint, tests and bundle of the page of `radmpc serve`
 	@$(PAGE) check
 
@@ -109,7 +107,7 @@ oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies allowed, in
 	$(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
 	    -W default::DeprecationWarning -W default::PendingDeprecationWarning
 
-test: $(INSTALLED_DEV) ## all tests, and of long lists of cases a sample
+test: $(INSTALLED_DEV) $(AFTER) ## all tests, and of long lists of cases a sample
 	$(PYTEST)
 
 coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third longer

@@ -68,7 +68,7 @@ def test_no_example_imports_a_private_name_or_another_example(example):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_every_example_gives_its_number_and_its_picture(example, hooks):
     gallery = importlib.import_module("gallery")
     made = gallery.read_example(example)

@@ -146,7 +146,7 @@ def test_two_runs_do_not_write_to_one_journal(tmp_path):
         pass
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_processes_give_the_same_rows(rows, tmp_path):
     path = tmp_path / "rows.jsonl"
     with ProcessPoolExecutor(2) as pool, Journal.opened(path) as journal:

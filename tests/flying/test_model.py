@@ -25,7 +25,7 @@ def roomy(plan: Plan) -> Plan:
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
 @pytest.mark.parametrize(
     ("dimension", "gain", "noise"), [(2, True, 0.3), (2, False, 0.25), (3, True, 0.3)]

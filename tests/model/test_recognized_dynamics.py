@@ -85,7 +85,7 @@ def rewritten(scenario: Scenario, states, controls, *, named: bool) -> Scenario:
     return replace(scenario, vehicles=(turned,))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("feedback", [False, True])
 @pytest.mark.parametrize(("states", "controls", "named"), ORDERS)

@@ -35,7 +35,7 @@ def plan_asked(scenario, times):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("num_vehicles", [2, 4, 6])
 def test_plans_are_certified_and_proven(num_vehicles, seed):

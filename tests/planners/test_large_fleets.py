@@ -75,7 +75,7 @@ def test_a_set_of_a_large_fleet_may_leave_open_what_matters_little_to_the_fleet(
     assert alone.nodes > known.nodes
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_other_processes_search_a_large_fleet_to_the_same_end(large, rounds):
     here = rounds[0][1]
     with ProcessPoolExecutor(2) as pool:

@@ -112,7 +112,7 @@ MUTANTS = [
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("mutant", MUTANTS)
 @pytest.mark.parametrize(("dimension", "avoidance"), [(2, "steps"), (2, "intervals")])
 def test_a_wrong_conditional_value_is_no_martingale(

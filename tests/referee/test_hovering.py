@@ -68,7 +68,7 @@ def test_hovering_that_is_safe_at_the_steps_is_charged_for_what_happens_between(
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", FEEDBACKS)
 def test_a_plan_beside_a_wall_is_flown_within_its_bound(name):
     result = plan(beside_a_wall(name), rng=0)
