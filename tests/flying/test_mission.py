@@ -13,7 +13,7 @@ from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, RiskErr
 from radmpc.experiments.families import paper
 from radmpc.flying.account import Account
 from radmpc.flying.flight import Flight, fly
-from radmpc.flying.leg import leg_of
+from radmpc.flying.leg import Leg, Outlook, leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
 from radmpc.flying.tick import Contact
@@ -159,6 +159,27 @@ def test_a_candidate_that_comes_too_late_costs_nothing(result: Result) -> None:
     assert {t.reason for t in late.ticks[:10]} == {"the candidate came too late"}
     assert [t.seconds for t in late.ticks[:10]] == pytest.approx([0.6] * 10)
     assert differences(late.states, flown(result, planner=None).states) == []
+
+
+def test_a_decision_that_takes_too_long_to_compare_is_for_the_tail(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seconds, plain = [0.0], Leg.outlook
+
+    def pondering(leg: Leg, *given: object) -> Outlook:
+        seconds[0] += 0.3
+        return plain(leg, *given)
+
+    monkeypatch.setattr(Leg, "outlook", pondering)
+    first = waiting(beside_a_wall())
+    states = [first.scenario.vehicles[0].start]
+    for deadline, choice in ((1.0, "candidate"), (0.5, "tail"), (0.6004, "tail")):
+        mission = Mission(first, planner=staking, share=1.0, clock=lambda: seconds[0])
+        tick = mission.step(states, deadline=deadline)
+        assert tick.choice == choice
+        assert tick.seconds == pytest.approx(0.6)
+    assert tick.reason == "the candidate came too late"
+    assert mission.account[-1].what == "kept"
 
 
 @pytest.mark.slow

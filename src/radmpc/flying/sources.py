@@ -18,7 +18,10 @@ from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.scenario import Scenario
 from radmpc.referee.conditional.conditional import Conditional
 
-__all__ = ["Moment", "Sources", "Timer"]
+__all__ = ["LATE", "Moment", "Sources", "Timer"]
+
+LATE = "the candidate came too late"
+"""Why a candidate is not flown that is there when the decision is due."""
 
 _PLANNING_SHARE = 0.8
 """Share of the time to the deadline that planning gets [-]; the rest is for judging."""
@@ -224,7 +227,7 @@ def _on_the_spot(planning: Planning, moment: Moment, grant: float, timer: Timer)
         return Candidate(None, None, "there was no time to plan")
     found = answered(planning, order, seconds, moment.states)
     if timer.is_over():
-        return Candidate(None, found.price, "the candidate came too late")
+        return Candidate(None, found.price, LATE)
     return found
 
 
@@ -247,7 +250,7 @@ def _warm(
         order = Order(left, found[1], moment.step)
         offer = leg_judged(found[0], order, moment.step, moment.states)
         if timer.is_over():
-            yield Candidate(None, offer.price, "the candidate came too late")
+            yield Candidate(None, offer.price, LATE)
             return
         yield offer
         if offer.price is None or moment.is_unsafe:
