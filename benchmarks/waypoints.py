@@ -25,6 +25,9 @@ import radmpc
 
 SIZE, STEPS, BOXES = 60.0, 10, 4
 """Sides of the square [m], steps per waypoint, boxes in it."""
+SPEED, CONTROL = 8.0, 3.0
+"""Limits per axis [m/s, m/s²]."""
+
 CLEAR = 2.5
 """What waypoints keep from boxes [m]."""
 
@@ -61,17 +64,10 @@ def scenario(kind: Kind, seed: int) -> radmpc.Scenario:
     obstacles = [radmpc.Obstacle.box(f"box {k}", c, c + 4.0) for k, c in enumerate(corners)]
     fleet = []
     for i in range(kind.vehicles):
-        places = np.column_stack(
-            [
-                np.sort(rng.uniform(0.15 * SIZE, 0.85 * SIZE, kind.waypoints)),
-                rng.uniform(5.0, SIZE - 5.0, kind.waypoints),
-            ]
-        )
-        for place in places:
-            for corner in corners:
-                if np.all((place > corner - CLEAR) & (place < corner + 4.0 + CLEAR)):
-                    place[1] = corner[1] + 4.0 + CLEAR
         rows = SIZE * (np.array([i, (7 * i + 3) % kind.vehicles]) + 0.5) / kind.vehicles
+        places = waypoints(kind, corners, rng)
+        while turning_time(rows, places) > kind.horizon:
+            places = waypoints(kind, corners, rng)
         fleet.append(vehicle(kind, f"v{i}", rows, places))
     return radmpc.Scenario(
         f"waypoints {seed}",
@@ -82,6 +78,27 @@ def scenario(kind: Kind, seed: int) -> radmpc.Scenario:
         obstacles,
         time_weight=kind.price or 0.0,
     )
+
+
+def waypoints(kind: Kind, corners: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return places on the way from west to east that keep clear of boxes, (W, 2) [m]."""
+    places = np.column_stack(
+        [
+            np.sort(rng.uniform(0.15 * SIZE, 0.85 * SIZE, kind.waypoints)),
+            rng.uniform(5.0, SIZE - 5.0, kind.waypoints),
+        ]
+    )
+    for place in places:
+        for corner in corners:
+            if np.all((place > corner - CLEAR) & (place < corner + 4.0 + CLEAR)):
+                place[1] = corner[1] + 4.0 + CLEAR
+    return places
+
+
+def turning_time(rows: np.ndarray, places: np.ndarray) -> float:
+    """Return about how long the way takes from north to south and back, with a turn at each [s]."""
+    way = np.abs(np.diff([rows[0], *places[:, 1], rows[1]]))
+    return float(np.sum(way / SPEED + np.where(way > 2.0 * CLEAR, SPEED / CONTROL, 0.0)))
 
 
 def vehicle(kind: Kind, name: str, rows: np.ndarray, places: np.ndarray) -> radmpc.Vehicle:
@@ -102,10 +119,10 @@ def vehicle(kind: Kind, name: str, rows: np.ndarray, places: np.ndarray) -> radm
         start=ends[0],
         goal=radmpc.Goal.at(ends[1], 0.5, within=within),
         radius=0.4,
-        control_limit=3.0,
+        control_limit=CONTROL,
         initial_covariance=1e-3,
         disturbance_covariance=[1e-3, 1e-3, 1e-4, 1e-4],
-        speed_limit=8.0,
+        speed_limit=SPEED,
         gain=radmpc.lqr_gain(system, np.eye(4), 5.0 * np.eye(2)),
         via=[
             radmpc.Visit.at(place, 1.0, between=between)

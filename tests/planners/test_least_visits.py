@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,10 +12,12 @@ from scipy.optimize import linprog
 
 import radmpc
 from radmpc.model.visits import steps_of_visits
+from radmpc.planners.certified.proof import least_visits
 from radmpc.planners.certified.proof.least_visits import least_cost
 from radmpc.planners.certified.proof.leg_speeds import leg_efforts
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
+from radmpc.solvers import solution
 from radmpc.solvers.solution import Limits
 
 HORIZON = 9
@@ -149,3 +152,33 @@ def test_a_plan_with_open_steps_has_its_bound_at_once() -> None:
     assert plan.certified_lower_bound is not None
     assert plan.certified_lower_bound >= least * (1.0 - 1e-9)
     assert plan.cost == pytest.approx(least, rel=2e-3)
+
+
+@dataclass(frozen=True)
+class _Fleet:
+    """As much of a fleet as is looked at."""
+
+    limits: Limits
+    programs: SimpleNamespace
+    base: tuple[float, ...]
+
+
+def test_a_vehicle_whose_steps_are_hard_to_choose_leaves_the_others_their_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now, given = [0.0], list[float]()
+
+    def slow(model: CondensedModel, limits: Limits) -> float:
+        given.append(limits.seconds_left)
+        now[0] += limits.seconds_left if len(given) != 2 else 0.0
+        return 7.0
+
+    monkeypatch.setattr(solution.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(least_visits, "least_cost", slow)
+    fleet = _Fleet(
+        Limits(deadline=100.0), SimpleNamespace(models=[model_of(0)] * 4), (0.0, 9.0, 0.0, 0.0)
+    )
+    found = least_visits.with_least_visits(fleet)  # type: ignore[arg-type]
+    assert found.base == (7.0, 9.0, 7.0, 7.0)
+    # A fifth of all is for all; of what the second one leaves the last two have half each.
+    np.testing.assert_allclose(given, [5.0, 5.0, 7.5, 7.5])

@@ -59,9 +59,19 @@ def with_least_visits(fleet: Fleet) -> Fleet:
     if limits.seconds_left < float("inf"):
         limits = limits.within(_SHARE * limits.seconds_left)
     base = list(fleet.base)
-    for i, model in enumerate(fleet.programs.models):
-        if is_disjunctive(model) and model.vehicle.cost_weight > 0.0 and not limits.reached:
-            base[i] = max(base[i], least_cost(model, limits))
+    models = fleet.programs.models
+    waiting = [
+        i
+        for i, model in enumerate(models)
+        if is_disjunctive(model) and model.vehicle.cost_weight > 0.0
+    ]
+    for left, i in zip(range(len(waiting), 0, -1), waiting, strict=True):
+        if limits.reached:
+            break
+        # What one needs less the next ones have more of; a hard one leaves them their shares.
+        share = limits.seconds_left / left
+        own = limits.within(share) if share < float("inf") else limits
+        base[i] = max(base[i], least_cost(models[i], own))
     return replace(fleet, base=tuple(base))
 
 
