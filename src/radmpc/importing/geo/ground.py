@@ -73,7 +73,18 @@ def ground_of(features: Sequence[Feature], origin: Origin | None = None) -> Grou
 
 
 def sorted_by_role(features: Sequence[Feature]) -> dict[str, list[Feature]]:
-    """Return features by what they stand for."""
+    """Return features by what they stand for.
+
+    Parameters
+    ----------
+    features : sequence of Feature
+        What is drawn.
+
+    Raises
+    ------
+    ScenarioError
+        If there is nothing.
+    """
     if not features:
         raise ScenarioError("needs Points and Polygons or LineStrings, got none of them")
     by_role: dict[str, list[Feature]] = {}
@@ -111,7 +122,20 @@ def standing(
 
 
 def origin_of(features: Sequence[Feature], stated: Sequence[Feature]) -> Origin:
-    """Return the stated origin, or the middle of everything drawn."""
+    """Return the stated origin, or the middle of everything drawn.
+
+    Parameters
+    ----------
+    features : sequence of Feature
+        What is drawn, one at least.
+    stated : sequence of Feature
+        Those among them that state an origin.
+
+    Raises
+    ------
+    ScenarioError
+        If there are several, or one is no place on earth.
+    """
     if len(stated) > 1:
         raise ScenarioError("must be one origin only, got a second", stated[1].path)
     if stated:

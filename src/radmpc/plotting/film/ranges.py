@@ -38,7 +38,15 @@ class RangeLine:
         self.is_flat = not isinstance(ax, Axes3D)
 
     def show(self, frame: int, time: float) -> None:
-        """Show it at a frame."""
+        """Show it at a frame.
+
+        Parameters
+        ----------
+        frame : int
+            Which one.
+        time : float
+            Not needed [s].
+        """
         del time
         places = self.ends[frame].T
         line: Any = self.line
