@@ -44,8 +44,7 @@ _LEAST_GRANT = 1e-5
 """Wealth below which nothing is planned [-]: planners search long for plans that risk nothing."""
 
 _TELLING = 5e-4
-"""Time before a deadline from which on the tail is flown [s]: telling eight vehicles what to do
-takes
+"""Time before a deadline from which on the tail is flown [s]: what eight vehicles are told takes
 0.2 ms of processor."""
 
 _WORKER_SHARE = 0.8
