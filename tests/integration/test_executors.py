@@ -19,7 +19,6 @@ from radmpc.experiments.study import Journal, quick_study, read_rows, run_study
 from radmpc.io.native.plan_file import load_plan
 from radmpc.io.native.scenario_file import save_scenario
 from radmpc.planning import plan
-from sampling import IS_THOROUGH
 
 pytestmark = pytest.mark.slow
 SCENARIO = fleet(5, 0)  # three sets, one of them of three vehicles
@@ -37,10 +36,7 @@ def here():
 @pytest.fixture(scope="module")
 def scheduler():
     with distributed.LocalCluster(
-        n_workers=2 if IS_THOROUGH else 1,
-        threads_per_worker=1,
-        processes=True,
-        dashboard_address=":0",
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
     ) as local:
         yield local
 
