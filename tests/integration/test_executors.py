@@ -21,7 +21,6 @@ from radmpc.io.native.scenario_file import save_scenario
 from radmpc.planners.certified.proof import prove
 from radmpc.planners.executing import in_order
 from radmpc.planning import plan
-from sampling import IS_THOROUGH
 
 pytestmark = pytest.mark.slow
 SCENARIO = fleet(5, 0)  # three sets, one of them of three vehicles
@@ -44,10 +43,7 @@ def here(planned):
 @pytest.fixture(scope="module")
 def scheduler():
     with distributed.LocalCluster(
-        n_workers=2 if IS_THOROUGH else 1,
-        threads_per_worker=1,
-        processes=True,
-        dashboard_address=":0",
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
     ) as local:
         yield local
 
