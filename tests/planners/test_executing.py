@@ -10,6 +10,7 @@ from contextlib import closing
 
 import pytest
 
+from radmpc.console.running.cluster import _Lossless
 from radmpc.planners.executing import in_order
 from radmpc.solvers.solution import Limits
 
@@ -69,3 +70,21 @@ def test_a_task_whose_worker_dies_has_no_answer() -> None:
         first, *others = in_order(_die, [0, 1, 2], Limits(), pool)
     assert first == 0
     assert others == [None, None]
+
+
+def test_a_task_on_a_cluster_is_given_up_without_a_word(caplog: pytest.LogCaptureFixture) -> None:
+    begun, may_end, ran = threading.Event(), threading.Event(), []
+
+    def work() -> None:
+        begun.set()
+        assert may_end.wait(10.0)
+
+    with ThreadPoolExecutor(1) as pool:
+        executor = _Lossless(pool)
+        running, queued = executor.submit(work), executor.submit(ran.append, 1)
+        assert begun.wait(10.0)
+        assert running.cancel()
+        assert queued.cancel()
+        may_end.set()
+    assert ran == []
+    assert caplog.records == []

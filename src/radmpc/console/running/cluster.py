@@ -83,6 +83,7 @@ class _Lossless(Executor):
         outer: Future[Any] = Future()
         inner: Future[Any] = self._inner.submit(fn, *args, **kwargs)
         inner.add_done_callback(lambda done: _pass_on(done, outer))
+        outer.add_done_callback(lambda given_up: given_up.cancelled() and inner.cancel())
         return outer
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -91,7 +92,9 @@ class _Lossless(Executor):
 
 
 def _pass_on(done: Future[Any], outer: Future[Any]) -> None:
-    """Hand a result on; a lost worker as a broken executor."""
+    """Hand a result on; a lost worker as a broken executor. Who cancelled asks no more."""
+    if not outer.set_running_or_notify_cancel():
+        return
     try:
         outer.set_result(done.result())
     except CancelledError:
