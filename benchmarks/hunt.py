@@ -129,14 +129,19 @@ def _run(
     context = multiprocessing.get_context("spawn")  # threads and forks do not go together
     with ProcessPoolExecutor(jobs, context) as executor:
         running: set[Future[Catch]] = set()
-        while True:
-            for index in itertools.islice(left, 2 * jobs - len(running)):
-                running.add(executor.submit(run_scene, seed, index, effort))
-            if not running:
-                return
-            done, running = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield future.result()
+        try:
+            while True:
+                for index in itertools.islice(left, 2 * jobs - len(running)):
+                    running.add(executor.submit(run_scene, seed, index, effort))
+                if not running:
+                    return
+                done, running = wait(running, return_when=FIRST_COMPLETED)
+                for future in done:
+                    yield future.result()
+        finally:
+            # An interrupt may leave a worker asleep for good; what it flies is flown again.
+            for worker in multiprocessing.active_children():
+                worker.terminate()
 
 
 def summary(catches: Sequence[Catch]) -> list[str]:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import multiprocessing
+import signal
 import sys
 import time
 import warnings
@@ -25,7 +27,7 @@ from radmpc.referee import Certificate, simulate
 from radmpc.result import Result
 
 SEED = 0
-CHUNK = 12
+CHUNK = 4
 EFFORT = Effort(1.0, 0.5, samples=2_000, planners=("certified", "ira", "dlp", "radmpc"))
 
 # What a slow machine alone brings about is left to long runs: late, late_cpu, dear_late, lost;
@@ -36,12 +38,24 @@ SURE = {
 }  # fmt: skip
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("chunk", range(25))
+@pytest.mark.slow
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("chunk", range(75))
 def test_nothing_is_caught_in_small_nasty_scenes(chunk: int):
     caught = [run_scene(SEED, i, EFFORT) for i in range(chunk * CHUNK, (chunk + 1) * CHUNK)]
     wrong = [f"{c.index}: {c.notes}" for c in caught if SURE & set(c.kinds.split())]
     assert not wrong, f"seed {SEED}, scenes " + "\n".join(wrong)
+
+
+@pytest.mark.nightly
+def test_a_hunt_that_is_left_stops_its_processes_at_once():
+    children = set(multiprocessing.active_children())
+    scenes = hunt._run(range(200), 2, SEED, EFFORT)
+    next(scenes)
+    begun = set(multiprocessing.active_children()) - children
+    scenes.close()
+    assert len(begun) == 2
+    assert [worker.exitcode for worker in begun] == [-signal.SIGTERM] * 2
 
 
 @pytest.mark.slow
