@@ -12,6 +12,7 @@ INSTALLED := $(VENV)/.installed
 INSTALLED_DEV := $(VENV)/.installed-dev
 INSTALLED_SIMULATORS := $(VENV)/.installed-simulators
 INSTALLED_SERVE := $(VENV)/.installed-serve
+COMPILED := $(VENV)/.compiled
 PAGE := $(BIN)/python web/page.py
 
 # Workers share the processors already: threads within small matrices only stand in their way.
@@ -50,7 +51,7 @@ quick: $(INSTALLED_DEV) ## format, lint, types of the package and the tests that
 	@$(MAKE) --jobs=2 quick-test package
 	@echo 'make quick: holds so far; make check tells the rest'
 
-quick-test: $(INSTALLED_DEV)
+quick-test: $(COMPILED)
 	$(PYTEST) -m 'not slow'
 
 still: docs types format lint floors ## all of it but the tests
@@ -107,7 +108,7 @@ oldest: $(INSTALLED_DEV) ## quick tests with the oldest dependencies allowed, in
 	$(OLDEST)/bin/pytest -n $(WORKERS) --dist worksteal -m 'not slow' \
 	    -W default::DeprecationWarning -W default::PendingDeprecationWarning
 
-test: $(INSTALLED_DEV) $(AFTER) ## all tests, and of long lists of cases a sample
+test: $(COMPILED) $(AFTER) ## all tests, and of long lists of cases a sample
 	$(PYTEST)
 
 coverage: $(INSTALLED_DEV) ## the same with branch coverage, which takes a third longer
@@ -134,6 +135,11 @@ $(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
 $(INSTALLED_DEV): pyproject.toml constraints.txt | $(BIN)/python
 	$(call install,'.[dev]')
 	@touch $@ $(INSTALLED)
+
+# Workers begin together: in a new environment each of them would compile all that tests import.
+$(COMPILED): $(INSTALLED_DEV)
+	@$(BIN)/pytest --collect-only -qq > /dev/null || true
+	@touch $@
 
 # All that `dev` has serves, too.
 $(INSTALLED_SERVE): pyproject.toml constraints.txt | $(BIN)/python
