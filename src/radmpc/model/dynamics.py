@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,6 +42,8 @@ class LinearSystem(Frozen):
     position: tuple[int, ...]
     velocity: tuple[int, ...] | None
     is_double_integrator: bool = False
+    # Asked for by every part of a scenario, which is checked anew.
+    _rates: tuple[tuple[int, ...], float] | None = field(init=False, repr=False)
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
 
@@ -79,11 +81,12 @@ class LinearSystem(Frozen):
                 ("is_double_integrator",),
             )
         object.__setattr__(self, "is_double_integrator", rates is not None)
+        object.__setattr__(self, "_rates", rates)
 
     @property
     def rates(self) -> tuple[tuple[int, ...], float] | None:
         """State indices of the velocities and the step [s] of a double integrator, else None."""
-        return integrator_rates(self.A, self.B, self.position)
+        return self._rates
 
     @property
     def sagitta(self) -> Matrix:

@@ -256,13 +256,17 @@ class Scenario:
         chosen = [self.vehicles[i] for i in places]
         return replace(self.with_vehicles(chosen), risk_bound=risk_bound)
 
-    def with_vehicles(self, vehicles: Iterable[Vehicle]) -> Scenario:
+    def with_vehicles(
+        self, vehicles: Iterable[Vehicle], obstacles: Iterable[Obstacle] | None = None
+    ) -> Scenario:
         """Return the scenario of other vehicles, with what those keep and meet that are among them.
 
         Parameters
         ----------
         vehicles : iterable of Vehicle
             In the place of all.
+        obstacles : iterable of Obstacle or None
+            In the place of all; None is those of this scenario.
 
         Returns
         -------
@@ -279,8 +283,9 @@ class Scenario:
         chosen = tuple(vehicles)
         names = {vehicle.name for vehicle in chosen}
         keep = tuple(one for one in self.keep if names.issuperset(one.vehicles))
-        obstacles = tuple(among(obstacle, names) for obstacle in self.obstacles)
-        return replace(self, vehicles=chosen, keep=keep, obstacles=obstacles)
+        met = self.obstacles if obstacles is None else obstacles
+        some = tuple(among(obstacle, names) for obstacle in met)
+        return replace(self, vehicles=chosen, keep=keep, obstacles=some)
 
 
 def _all_of(kind: type[_Part], given: object, field: str) -> tuple[_Part, ...]:

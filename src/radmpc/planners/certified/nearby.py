@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -63,5 +62,5 @@ class Surroundings:
         """Return the scenario of some vehicles and the obstacles they may meet."""
         whole = self._scenario
         near = np.flatnonzero(self._near[list(members)].any(axis=0))
-        some = replace(whole, obstacles=tuple(whole.obstacles[int(i)] for i in near))
-        return some.with_vehicles(whole.vehicles[i] for i in members)
+        met = [whole.obstacles[int(i)] for i in near]
+        return whole.with_vehicles([whole.vehicles[i] for i in members], met)

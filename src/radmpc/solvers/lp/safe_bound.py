@@ -144,6 +144,17 @@ class LpRecord:
         self._row_lower.all[rows] = lower
         self._row_upper.all[rows] = upper
 
+    def change_cost(self, cost: Vector) -> None:
+        """Change the costs of all columns.
+
+        Parameters
+        ----------
+        cost : (n,) array
+            Of every column.
+        """
+        self._cost.all[:] = cost
+        self._cost_weight = float(np.abs(cost) @ self._largest.all)
+
     def cost_at(self, point: Vector) -> float:
         """Return what a point costs."""
         return float(self._cost.all @ point)

@@ -36,27 +36,36 @@ def within_tube(
     """
     lower, upper = model.reach_lower.copy(), model.reach_upper.copy()
     shape = lower.shape
-    positions, constant = program.outputs[: program.num_positions], program.constant
-    for entry in range(shape[1], program.num_positions):
-        if limits.reached:
-            break
-        along = positions[[entry]].toarray()[0]
-        place = np.unravel_index(entry, shape)
-        least = _least(program, along, most_cost) + constant[entry]
-        most = constant[entry] - _least(program, -along, most_cost)
-        lower[place] = min(max(lower[place], least), model.reach_upper[place])
-        upper[place] = max(min(upper[place], most), lower[place])
+    lp = _cheap_plans(program, most_cost)
+    places = np.unravel_index(np.arange(shape[1], program.num_positions), shape)
+    along = program.outputs[shape[1] : program.num_positions].toarray()
+    constant = program.constant[shape[1] : program.num_positions]
+    least, most = (_least(lp, sign * along, limits) for sign in (1.0, -1.0))
+    lower[places] = np.minimum(np.maximum(lower[places], constant + least), upper[places])
+    upper[places] = np.maximum(np.minimum(upper[places], constant - most), lower[places])
     return replace(model, reach_lower=_kept(lower), reach_upper=_kept(upper))
 
 
-def _least(program: DisjunctiveProgram, along: Vector, most_cost: float) -> float:
-    """Return the proven least of a linear function over the plans of a vehicle up to a cost."""
-    lp = HighsLp(along, program.lower, program.upper)
+def _cheap_plans(program: DisjunctiveProgram, most_cost: float) -> HighsLp:
+    """Return the plans of a vehicle up to a cost, without hazards, as a linear program."""
+    lp = HighsLp(np.zeros(program.num_columns), program.lower, program.upper)
     lp.add_rows(program.hard, program.hard_lower, program.hard_upper)
     columns = np.arange(program.num_columns, dtype=np.int32)
     lp.add_row(columns, program.cost, -np.inf, most_cost)
-    outcome, bound = lp.solve()
-    return bound if outcome is LpOutcome.OPTIMAL else -np.inf
+    return lp
+
+
+def _least(lp: HighsLp, along: Matrix, limits: Limits) -> Vector:
+    """Return the proven least of linear functions, one by one; −inf where none is known."""
+    least = np.full(len(along), -np.inf)
+    for number, each in enumerate(along):
+        if limits.reached:
+            break
+        lp.change_cost(each)
+        outcome, bound = lp.solve()
+        if outcome is LpOutcome.OPTIMAL:
+            least[number] = bound
+    return least
 
 
 def _kept(places: Matrix) -> Matrix:
