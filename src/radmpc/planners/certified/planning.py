@@ -203,7 +203,8 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
 
         begun = at_good_visits(hazards)
     task = Task(begun, run.judge, begin, planner.gap, bound, partial(_tell_first, run))
-    first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng)
+    to_choose = hazards.models if scenario.has_windows else None
+    first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng, to_choose)
     fleet = Fleet.of(
         scenario,
         planner.gap,

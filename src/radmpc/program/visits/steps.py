@@ -11,7 +11,14 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.visits.columns import timed_visits, windows_of
 
-__all__ = ["arrival_step", "at_steps", "at_steps_of", "times_of", "visiting_steps"]
+__all__ = [
+    "arrival_step",
+    "at_steps",
+    "at_steps_of",
+    "steps_on",
+    "times_of",
+    "visiting_steps",
+]
 
 _MISSED = 1e6
 """What a meter beside a box counts, in meters from its middle [-]: of the steps in the box the one
@@ -36,15 +43,18 @@ def visiting_steps(model: CondensedModel, controls: Matrix) -> tuple[int, ...]:
     tuple of int
         One per visit, rising, each within its window.
     """
+    means, speeds = _flown(model, controls)
+    return _visited(model, means, speeds)
+
+
+def _visited(model: CondensedModel, means: Matrix, speeds: Matrix | None) -> tuple[int, ...]:
+    """Return the steps at which a path makes visits, or is nearest to that."""
     horizon, via = model.horizon, model.vehicle.via
-    means = model.drift_position + model.position @ controls.ravel()
     totals, before = np.zeros(horizon + 1), []
     for visit, (first, last) in zip(via, windows_of(model), strict=True):
         beside = np.maximum(np.maximum(visit.lower - means, means - visit.upper), 0.0).sum(axis=1)
-        velocity, drift = model.velocity, model.drift_velocity
-        if visit.speed is not None and velocity is not None and drift is not None:
-            speeds = np.abs(drift + velocity @ controls.ravel())
-            beside += np.maximum(speeds - visit.speed, 0.0).sum(axis=1)
+        if visit.speed is not None and speeds is not None:
+            beside += np.maximum(np.abs(speeds) - visit.speed, 0.0).sum(axis=1)
         beside[beside <= _ROUNDING] = 0.0
         costs = _MISSED * beside + np.linalg.norm(means - visit.center, axis=1)
         costs[:first] = costs[last + 1 :] = np.inf
@@ -70,11 +80,43 @@ def arrival_step(model: CondensedModel, controls: Matrix) -> int:
     controls : (T, m) array
         Its nominal controls.
     """
+    return _arrived(model, *_flown(model, controls))
+
+
+def steps_on(model: CondensedModel, places: Matrix) -> tuple[tuple[int, ...], int | None]:
+    """Return the steps at which places make visits, and arrive where time costs, or nearly.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle; its speeds are told from one place to the next.
+    places : (T+1, d) array
+        Where it is at each step [m].
+
+    Returns
+    -------
+    tuple of int
+        One per visit, rising, each within its window.
+    int or None
+        That of the arrival; None where time costs nothing.
+    """
+    rates = model.vehicle.system.rates
+    speeds = None if rates is None else np.gradient(places, float(rates[1]), axis=0)
+    arrival = _arrived(model, places, speeds) if model.time_cost > 0.0 else None
+    return _visited(model, places, speeds), arrival
+
+
+def _flown(model: CondensedModel, controls: Matrix) -> tuple[Matrix, Matrix | None]:
+    """Return mean positions, and velocities if there are any, for given controls."""
     means = model.drift_position + model.position @ controls.ravel()
     velocity, drift = model.velocity, model.drift_velocity
-    speeds = None
-    if velocity is not None and drift is not None:
-        speeds = drift + velocity @ controls.ravel()
+    if velocity is None or drift is None:
+        return means, None
+    return means, drift + velocity @ controls.ravel()
+
+
+def _arrived(model: CondensedModel, means: Matrix, speeds: Matrix | None) -> int:
+    """Return the step at which a path arrives; the last of the window where it is late."""
     step = model.vehicle.goal.arrival(means, speeds, _ROUNDING)
     return model.vehicle.goal.window(model.horizon)[1] if step is None else step
 

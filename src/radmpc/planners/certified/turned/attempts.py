@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.planners.certified.turned.paths import Paths, evenly, timed
+from radmpc.planners.certified.turned.paths import Paths, evenly, timed, timed_by_visits
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
@@ -46,6 +47,8 @@ class Begin:
         Shadow price of the risk, per unit of probability.
     clearance : float
         Standard deviations to keep [-].
+    to_choose : tuple of CondensedModel or None
+        The vehicles with visits at any step of their windows; None where no step is to be chosen.
     """
 
     task: Task
@@ -54,6 +57,7 @@ class Begin:
     sets: tuple[tuple[int, ...], ...]
     price: float
     clearance: float
+    to_choose: tuple[CondensedModel, ...] | None = None
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""
@@ -86,7 +90,10 @@ def attempts(
     """
     ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
-    usually = {i: timed(way, hazards.horizon, 0.0, 1.0) for i, way in ways.items()}
+    usually = {i: timed_by_visits(hazards.models[i], way) for i, way in ways.items()}
+    toured = _toured(begin, limits)
+    if toured is not None:
+        yield toured, TUNING.paced_penalty, TUNING.quick_sweeps
     if ways:
         yield begin.referring(usually), usual, TUNING.quick_sweeps
     else:
@@ -103,6 +110,24 @@ def attempts(
                 path = _arched(hazards, i, TUNING.most_arc * rng.uniform(-1.0, 1.0))
                 drawn[i] = _timed_anyhow(hazards, i, path, rng)
         yield begin.referring(drawn), usual, TUNING.max_sweeps
+
+
+def _toured(begin: Begin, limits: Limits) -> Turning | None:
+    """Begin with vehicles planned one after the other, visits at steps that suit that."""
+    task = begin.task
+    if begin.to_choose is None:
+        return None
+    from radmpc.planners.certified.turned.touring.touring import Touring  # noqa: PLC0415 - few visit anything
+
+    touring = Touring(task.hazards, begin.to_choose, limits, begin.clearance)
+    if not touring.run(begin.alone, begin.ways):
+        return None
+    successive = touring.successive
+    turning = Turning(
+        replace(task, hazards=successive.hazards), FleetIncumbent(), begin.sets, begin.price
+    )
+    turning.successive.begin(successive.paths.controls)
+    return turning
 
 
 def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:

@@ -17,13 +17,19 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.components import components
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 
 __all__ = ["first_plan"]
 
 
-def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncumbent:
+def first_plan(
+    task: Task,
+    price: float,
+    rng: np.random.Generator,
+    to_choose: tuple[CondensedModel, ...] | None = None,
+) -> FleetIncumbent:
     """Plan a fleet one vehicle after the other, then all at a price of risk.
 
     Vehicles begin with what they do alone; those that an obstacle stops begin with the shortest way
@@ -38,6 +44,8 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         First guess of what Δ is worth, as a share of what plans cost without hazards [-].
     rng : Generator
         Draws the times.
+    to_choose : tuple of CondensedModel or None
+        The vehicles with visits at any step of their windows; None where no step is to be chosen.
 
     Returns
     -------
@@ -68,7 +76,7 @@ def first_plan(task: Task, price: float, rng: np.random.Generator) -> FleetIncum
         ways = detours(hazards, stopped, clearance)
     time_share = TUNING.easy_share if is_easy else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
-    begin = Begin(task, alone.paths, ways, sets, price, clearance)
+    begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose)
     return _tried(begin, rng, task.limits.within(seconds))
 
 

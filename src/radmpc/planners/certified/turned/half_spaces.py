@@ -11,16 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector, field_names
 from radmpc.geometry import inner_faces
-from radmpc.planners.certified.turned.directions import (
-    around_approach,
-    closest_approach,
-    from_shape,
-    refined,
-)
+from radmpc.planners.certified.turned.directions import closest_approach, from_shape, refined
 from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
+from radmpc.planners.certified.turned.meeting import meeting_encounter, meeting_normals
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.paths import Paths
@@ -72,6 +69,10 @@ class HalfSpaces:
         """Number of half-spaces w."""
         return len(self.first)
 
+    def of(self, chosen: npt.NDArray[np.bool_]) -> HalfSpaces:
+        """Return some of them, (w,) bool array."""
+        return HalfSpaces(*(getattr(self, name)[chosen] for name in field_names(HalfSpaces)))
+
     @property
     def clearances(self) -> Matrix:
         """Standard deviations that the latest paths keep, (w, 2); large without noise."""
@@ -116,44 +117,27 @@ def _between(
     hazards: Hazards, both: tuple[Paths, Paths], pairs: tuple[Indices, Indices], near: Near
 ) -> HalfSpaces:
     """Return half-spaces between pairs of vehicles, along the line of closest approach."""
-    paths, ahead = both
+    paths = both[0]
     one, two = pairs
     relative = paths.means[one] - paths.means[two]
-    moved = relative[:, 1:] - relative[:, :-1]
     closest = closest_approach(relative) if hazards.intervals else relative[:, 1:]
     apart = np.sqrt(np.einsum("ptd,ptd->pt", closest, closest))
     radii = hazards.radii[one] + hazards.radii[two]
     spread = np.sqrt(hazards.variances[one] + hazards.variances[two])
     limit = radii[:, None] + near.clearance * spread + near.reach
     number, window = np.nonzero(apart < limit)
-    first, second, distance = one[number], two[number], radii[number]
-    tried = around_approach(
-        closest[number, window],
-        moved[number, window],
-        distance,
-        np.where(first < second, 1.0, -1.0),
-        many=near.is_refined,
-    )
-
-    def supports(directions: Tensor) -> tuple[Vector, Vector]:
-        reach = np.broadcast_to(distance[:, None], directions.shape[:2])
-        return reach, reach
-
-    def encounter(paths: Paths) -> Encounter:
-        start = paths.means[first, window] - paths.means[second, window]
-        end = paths.means[first, window + 1] - paths.means[second, window + 1]
-        return Encounter(
-            ends_of(hazards, start, end),
-            noise_of(hazards, window, first, second),
-            paths.sagittas[first, window] - paths.sagittas[second, window],
-            supports,
+    meeting = one[number], two[number], window
+    normals = meeting_normals(hazards, both, meeting, radii[number], is_refined=near.is_refined)
+    if near.is_start_refined and not near.is_refined:
+        # Where a path begins is given: what cannot be kept there is missed whatever follows.
+        starts = np.flatnonzero(window == 0)
+        few = tuple(each[starts] for each in meeting)
+        normals[starts] = meeting_normals(
+            hazards, both, few, radii[number[starts]], is_refined=True
         )
-
-    normals = tried[:, 0]
-    if near.is_refined and first.size:
-        normals = refined((encounter(paths), encounter(ahead)), tried)
-    keys = (first * hazards.count + second) * hazards.horizon + window
-    return _laid_out(encounter(paths), normals, (first, second, window), keys)
+    keys = (meeting[0] * hazards.count + meeting[1]) * hazards.horizon + window
+    met = meeting_encounter(hazards, paths, meeting, radii[number])
+    return _laid_out(met, normals, meeting, keys)
 
 
 def _around(

@@ -20,8 +20,11 @@ class Near:
     is_refined : bool
         Whether directions are refined to the best by clearance, or the line of closest approach
         will do.
+    is_start_refined : bool
+        Whether they are in the first window between vehicles, where one end is given.
     """
 
     clearance: float
     reach: float
     is_refined: bool
+    is_start_refined: bool = False

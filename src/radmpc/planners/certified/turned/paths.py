@@ -8,9 +8,11 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.nearby import near_pairs
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+from radmpc.program.visits.columns import windows_of
 
-__all__ = ["Paths", "SavedPaths", "evenly", "timed"]
+__all__ = ["Paths", "SavedPaths", "evenly", "timed", "timed_by_visits"]
 
 
 SavedPaths = tuple[Sequence[Matrix], Tensor, Tensor]
@@ -127,6 +129,36 @@ def timed(way: Matrix, horizon: int, begin: float, end: float) -> Matrix:
     shares = np.clip((np.linspace(0.0, 1.0, horizon + 1) - begin) / (end - begin), 0.0, 1.0)
     along = shares * lengths[-1]
     return np.stack([np.interp(along, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)
+
+
+def timed_by_visits(model: CondensedModel, way: Matrix) -> Matrix:
+    """Return where a vehicle is at each step on a way, at even speed from visit to visit.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle; of a visit whose step is open the time follows from the way.
+    way : (p, d) array
+        Its corners, middles of all visits among them [m].
+
+    Returns
+    -------
+    (T+1, d) array
+        Positions [m].
+    """
+    horizon, goal = model.horizon, model.vehicle.goal
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)))
+    steps, along, at = [0], [0.0], 0
+    for visit, (first, last) in zip(model.vehicle.via, windows_of(model), strict=True):
+        at += int((way[at:] == visit.center).all(axis=1).argmax())
+        if first == last:
+            steps.append(first)
+            along.append(float(lengths[at]))
+    first, last = goal.window(horizon)
+    steps.append(first if first == last else horizon)
+    along.append(float(lengths[-1]))
+    there = np.interp(np.arange(horizon + 1), steps, along)
+    return np.stack([np.interp(there, lengths, way[:, a]) for a in range(way.shape[1])], axis=1)
 
 
 def evenly(ticks: Matrix, horizon: int) -> Matrix:

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Matrix
 from radmpc.gaussian import Tail
@@ -74,6 +75,7 @@ class SuccessiveLp:
         self._ahead = Paths(hazards)
         self._programs: dict[Group, GroupLp] = dict(programs)
         self._meter = _cheapest_meter(hazards)
+        self._has_visits = any(model.vehicle.via for model in hazards.models)
 
     def begin(self, controls: Sequence[Matrix]) -> None:
         """Begin with given controls of every vehicle, (T, m) each."""
@@ -153,10 +155,19 @@ class SuccessiveLp:
             penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty * self._meter)
         return float(self.missed.sum()) <= _MISSED
 
-    def _plan_alone(self, i: int, clearance: float, penalty: float) -> None:
-        """Plan one vehicle between half-spaces turned to its latest path."""
-        near = Near(clearance, float(self.hazards.moves[i]), is_refined=False)
+    def _plan_alone(
+        self,
+        i: int,
+        clearance: float,
+        penalty: float,
+        counts: npt.NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Plan one vehicle between half-spaces turned to its latest path, some others or all."""
+        reach = float(self.hazards.moves[i])
+        near = Near(clearance, reach, is_refined=False, is_start_refined=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
+        if counts is not None:
+            spaces = spaces.of(counts[spaces.second, spaces.windows])
         margins = fixed_margins(spaces.deviations, clearance, penalty)
         plan = self._program((i,)).solve(spaces, self.paths, margins)
         if plan is not None:

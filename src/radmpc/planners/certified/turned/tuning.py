@@ -59,6 +59,8 @@ class Tuning:
     stuck : int
         Sweeps in which what is missed falls by less than a tenth, after which nothing is expected
         [-].
+    stuck_at : float
+        Share of what a vehicle missed before from which on planning it again is given up [-].
     looks : int
         Times that a group is planned in a round at most [-], until its paths stay where half-spaces
         were.
@@ -183,6 +185,7 @@ class Tuning:
     misses: float = 0.02
     steady: float = 2e-3
     stuck: int = 8
+    stuck_at: float = 0.9
     looks: int = 3
     further: float = 3.0
     max_sweeps: int = 40

@@ -1,0 +1,81 @@
+"""How two vehicles meet: where they are to each other, and along what they are kept apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.planners.certified.turned.directions import around_approach, closest_approach, refined
+from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
+from radmpc.planners.certified.turned.paths import Paths
+from radmpc.program.hazards import Hazards
+
+__all__ = ["Meeting", "meeting_encounter", "meeting_normals"]
+
+Meeting = tuple[Indices, ...]
+"""Two vehicles and a window, (w,) each."""
+
+
+def meeting_normals(
+    hazards: Hazards,
+    both: tuple[Paths, Paths],
+    meeting: Meeting,
+    distance: Vector,
+    *,
+    is_refined: bool,
+) -> Matrix:
+    """Return the lines of closest approach, or the best directions by clearance, (w, d).
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    both : tuple of Paths
+        The latest, and where they are expected to move.
+    meeting : Meeting
+        Who meets whom when.
+    distance : (w,) array
+        Distance to keep [m].
+    is_refined : bool
+        Whether the best are asked for.
+    """
+    paths, ahead = both
+    first, second, window = meeting
+    relative = paths.means[first, window] - paths.means[second, window]
+    end = paths.means[first, window + 1] - paths.means[second, window + 1]
+    pairs = np.stack([relative, end], axis=1)
+    closest = closest_approach(pairs)[:, 0] if hazards.intervals else end
+    signs = np.where(first < second, 1.0, -1.0)
+    tried = around_approach(closest, end - relative, distance, signs, many=is_refined)
+    if not (is_refined and first.size):
+        return np.asarray(tried[:, 0])
+    each = tuple(meeting_encounter(hazards, latest, meeting, distance) for latest in (paths, ahead))
+    return refined((each[0], each[1]), tried)
+
+
+def meeting_encounter(
+    hazards: Hazards, paths: Paths, meeting: Meeting, distance: Vector
+) -> Encounter:
+    """Return where two vehicles are to each other at both ends of windows.
+
+    Parameters
+    ----------
+    hazards, paths : Hazards and Paths
+        The fleet, and its paths.
+    meeting, distance
+        As in `meeting_normals`.
+    """
+    first, second, window = meeting
+
+    def supports(directions: Tensor) -> tuple[Vector, Vector]:
+        reach = np.broadcast_to(distance[:, None], directions.shape[:2])
+        return reach, reach
+
+    start = paths.means[first, window] - paths.means[second, window]
+    end = paths.means[first, window + 1] - paths.means[second, window + 1]
+    return Encounter(
+        ends_of(hazards, start, end),
+        noise_of(hazards, window, first, second),
+        paths.sagittas[first, window] - paths.sagittas[second, window],
+        supports,
+    )

@@ -1,0 +1,110 @@
+"""First plans of vehicles on their way from visit to visit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from visiting import scene, vehicle
+
+from radmpc import Obstacle, Scenario, Visit, certify
+from radmpc.model.visits import steps_visited
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
+from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.certified.turned.touring.crowding import crowding
+from radmpc.planners.certified.turned.touring.tour import Tour, tour
+from radmpc.planners.certified.turned.touring.touring import Touring
+from radmpc.planners.certified.turned.visiting import at_good_visits
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
+from radmpc.program.visits.steps import at_steps, steps_on
+from radmpc.solvers.solution import Limits
+from running import first_plan
+
+WAY = np.array([[0.0, 0.0], [4.0, 3.0], [9.0, 0.0]])
+VISIT = Visit.at([4.0, 3.0], 0.5)
+
+
+def laid_out(scenario: Scenario, way: np.ndarray = WAY) -> tuple[Hazards, Tour]:
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    clear = Clear.of(hazards)
+    assert clear is not None
+    found = tour(hazards, hazards.models[0], 0, way, (clear, 3.0))
+    assert found is not None
+    return hazards, found
+
+
+@pytest.mark.parametrize("window", [None, (2, 3), (8, 9)])
+def test_a_pace_stops_in_every_box_within_its_window(window: tuple[int, int] | None) -> None:
+    hazards, found = laid_out(scene(replace(VISIT, between=window), horizon=12))
+    paced = found.laid_out.paced(12, found.due)
+    assert paced is not None
+    (step,), arrival = steps_on(hazards.models[0], paced[0])
+    assert arrival is None
+    assert np.all(np.abs(paced[0][step] - VISIT.center) <= 1.3 * 0.5)
+    first, last = window or (1, 11)
+    assert first <= step <= last
+
+
+def test_a_pace_arrives_sooner_where_time_costs_more() -> None:
+    given = scene(horizon=14)
+    arrivals = []
+    for price in (1e-3, 10.0):
+        first = given.vehicles[0]
+        goal = replace(first.goal, within=(5, 14))
+        free = replace(given, vehicles=(replace(first, goal=goal),), time_weight=price)
+        hazards, found = laid_out(free, np.array([[0.0, 0.0], [0.0, 6.0], [9.0, 0.0]]))
+        paced = found.laid_out.paced(14, found.due)
+        assert paced is not None
+        arrivals.append(steps_on(hazards.models[0], paced[0])[1])
+    assert arrivals[1] < arrivals[0]
+
+
+def test_places_cost_something_near_others_and_only_when_these_count() -> None:
+    other = vehicle("b", [4.0, 3.0], [4.0, 3.0])
+    hazards, found = laid_out(scene(VISIT, horizon=8, others=(other,)))
+    paths = Paths(hazards)
+    counts = np.zeros((2, 8), dtype=bool)
+    assert not crowding(found.laid_out, hazards, paths, counts, 3.0)[0].size
+    counts[1, 5] = True
+    steps, places, lack = crowding(found.laid_out, hazards, paths, counts, 3.0)
+    assert set(steps.tolist()) == {5}
+    apart = np.linalg.norm(found.laid_out.places[places] - [4.0, 3.0], axis=1)
+    touching = hazards.radii.sum()
+    assert np.all(lack[apart < touching].min(axis=1) > 0.0)
+    longest = found.laid_out.num_moves * np.linalg.norm(np.diff(found.laid_out.places[:2], axis=0))
+    assert not lack[apart > touching + 3.0 + longest].any()
+
+
+def test_a_way_is_timed_by_the_steps_of_its_visits() -> None:
+    given = scene(VISIT, horizon=8)
+    model = at_steps(condensed_models(given)[0], (2,))
+    places = timed_by_visits(model, WAY)
+    assert places[2] == pytest.approx(VISIT.center)
+    assert places[1] == pytest.approx(0.5 * np.array(VISIT.center))
+    assert places[-1] == pytest.approx(WAY[-1])
+
+
+def test_vehicles_that_would_meet_at_a_visit_make_it_at_different_times() -> None:
+    other = vehicle("b", [9.0, 0.0], [0.0, 0.0], VISIT)
+    given = scene(VISIT, horizon=10, others=(other,))
+    to_choose = condensed_models(given)
+    hazards = at_good_visits(Hazards.of(given, to_choose))
+    alone = SuccessiveLp(hazards, Limits())
+    assert alone.begin_alone()
+    touring = Touring(hazards, to_choose, Limits(), 3.0)
+    assert touring.run(alone.paths, {})
+    assert touring.successive.missed.sum() < 0.05
+    means = touring.successive.paths.means
+    steps = [steps_visited(v.via, one, None) for v, one in zip(given.vehicles, means, strict=True)]
+    assert steps[0] != steps[1]
+
+
+def test_a_first_plan_leads_around_a_box_between_visits() -> None:
+    box = Obstacle.box("box", [5.0, 0.5], [7.0, 2.5])
+    given = scene(VISIT, Visit.at([8.0, 1.0], 0.5), horizon=14)
+    found = first_plan(replace(given, obstacles=(box,)), time_limit=20.0)
+    assert found.plan is not None
+    assert certify(found.plan).holds
