@@ -86,13 +86,12 @@ def gusts_taken_for_each_ones_own(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def estimates_taken_for_the_truth(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = module.loops_of
+    right = module.since
 
-    def wrong(motion):
-        loops = right(motion)
-        return replace(loops, unknown=0.0 * loops.unknown)
+    def wrong(loops, *given, **named):
+        return right(replace(loops, unknown=0.0 * loops.unknown), *given, **named)
 
-    monkeypatch.setattr(module, "loops_of", wrong)
+    monkeypatch.setattr(module, "since", wrong)
 
 
 MUTANTS = [

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from radmpc.arrays import Vector, field_names, unchecked
+import numpy as np
+
+from radmpc.arrays import Vector, field_names, frozen
 from radmpc.errors import ScenarioError
 from radmpc.flying.knowing import remembers, unknown_after
 from radmpc.model.noise.known import Known
@@ -81,6 +83,7 @@ def changed(value: Record, **fields: object) -> Record:
     """Return a copy of a frozen value with other fields, unchecked.
 
     What is measured was checked, and checking all of a scenario takes longer than a linear program.
+    Fields that stay are frozen already.
 
     Parameters
     ----------
@@ -90,8 +93,19 @@ def changed(value: Record, **fields: object) -> Record:
         What differs, of the right kind; arrays are frozen.
     """
     kind = type(value)
-    names = field_names(kind)
-    return unchecked(kind, *(fields[n] if n in fields else getattr(value, n) for n in names))
+    made = object.__new__(kind)
+    for name in field_names(kind):
+        if name in fields:
+            for entry in _parts(fields[name]):
+                if isinstance(entry, np.ndarray):
+                    frozen(entry)
+        object.__setattr__(made, name, fields[name] if name in fields else getattr(value, name))
+    return made
+
+
+def _parts(field: object) -> tuple[object, ...]:
+    """Return what may be an array: a field, or the entries of one."""
+    return field if isinstance(field, tuple) else (field,)
 
 
 def later(obstacle: Obstacle, passed: int) -> Obstacle:

@@ -219,12 +219,12 @@ def limit_problems(plan: Plan, motion: FleetMotion) -> list[str]:
 
 
 def _control_bounds(vehicle: Vehicle, covariances: npt.NDArray[np.float64]) -> Matrix:
-    """Return the limit less the reserve for the feedback on what it sees of ``x − x̄``, (T, m)."""
-    bounds = np.tile(vehicle.control_limit, (len(covariances), 1))
-    if vehicle.gain is not None:
-        spread = (vehicle.gain @ covariances) * vehicle.gain
-        bounds = bounds - vehicle.control_sigmas * np.sqrt(spread.sum(axis=2).clip(min=0.0))
-    return bounds
+    """Return the limit less the reserve for feedback on what it sees of ``x − x̄``, (T or 1, m)."""
+    if vehicle.gain is None:
+        return vehicle.control_limit[None]
+    spread = (vehicle.gain @ covariances) * vehicle.gain
+    reserve = vehicle.control_sigmas * np.sqrt(spread.sum(axis=2).clip(min=0.0))
+    return np.asarray(vehicle.control_limit - reserve)
 
 
 def _arrival_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
@@ -233,7 +233,7 @@ def _arrival_problems(vehicle: Vehicle, states: Matrix) -> list[str]:
     if vehicle.system.velocity is not None:
         speeds = states[:, list(vehicle.system.velocity)]
         if vehicle.speed_limit is not None:
-            limits = np.broadcast_to(vehicle.speed_limit, speeds[1:].shape)
+            limits = vehicle.speed_limit[None]
             problems += _excess(vehicle.name, "speed", speeds[1:], limits, 1)
         if vehicle.goal.speed is not None:
             last = len(states) - 1
@@ -246,6 +246,8 @@ def _goal_problems(vehicle: Vehicle, position: Vector) -> list[str]:
     """Name the axes on which the mean ends outside the goal."""
     lower, upper = vehicle.goal.lower, vehicle.goal.upper
     missed = (position < lower - _TOL) | (position > upper + _TOL)
+    if not missed.any():
+        return []
     return [
         f"vehicle {vehicle.name!r}: ends at {position[a]:.9g} on axis {a}, "
         f"its goal is {lower[a]:.9g} to {upper[a]:.9g}"
@@ -256,6 +258,9 @@ def _goal_problems(vehicle: Vehicle, position: Vector) -> list[str]:
 def _excess(name: str, field: str, values: Matrix, limits: Matrix, first: int) -> list[str]:
     """Name the first value per axis whose size exceeds its limit."""
     over = np.abs(values) > limits + _TOL * np.maximum(1.0, np.abs(limits))
+    if not over.any():
+        return []
+    limits = np.broadcast_to(limits, values.shape)
     problems = []
     for axis in np.flatnonzero(over.any(axis=0)):
         k = int(over[:, axis].argmax())

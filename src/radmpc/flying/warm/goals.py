@@ -23,13 +23,15 @@ _ROUNDING = 1e-7
 Goals count as reached within 1e-6."""
 
 
-def widened(scenario: Scenario) -> Scenario:
+def widened(scenario: Scenario, models: Sequence[CondensedModel] | None = None) -> Scenario:
     """Return a scenario whose goals limits of control and speed allow to reach, obstacles aside.
 
     Parameters
     ----------
     scenario : Scenario
         Of the steps that are left.
+    models : sequence of CondensedModel or None
+        Its vehicles over these steps, where they are known; None makes them.
 
     Returns
     -------
@@ -38,7 +40,8 @@ def widened(scenario: Scenario) -> Scenario:
         least sum of meters and of excess speed times a step. A vehicle that no goal would help, as
         one that cannot brake to its speed limit, is left as it is.
     """
-    models = condensed_models(scenario)
+    if models is None:
+        models = condensed_models(scenario)
     slacks = least_slacks(models, scenario.dt)
     if not any(slack is not None and float(slack.max()) > _ROUNDING for slack in slacks):
         return scenario
@@ -79,31 +82,36 @@ def _wider(vehicle: Vehicle, slack: Vector | None) -> Vehicle:
 
 def _add(lp: ExchangeLp, model: CondensedModel, dt: float) -> slice:
     """Add a vehicle: controls, shifted to begin at 0, then slacks; return where these stand."""
-    vehicle, last, d = model.vehicle, model.horizon, model.vehicle.system.dimension
+    vehicle, d = model.vehicle, model.vehicle.system.dimension
     bounds = np.maximum(model.control_bounds, 0.0).ravel()
     has_speed = vehicle.goal.speed is not None and model.velocity is not None
     begin = lp.add_columns(np.zeros(bounds.size), np.zeros(bounds.size), 2.0 * bounds)
     costs = np.concatenate([np.ones(d), np.full(d if has_speed else 0, dt)])
     first = lp.add_columns(costs, np.zeros(costs.size), np.full(costs.size, np.inf))
-    eye, none = np.eye(d), np.zeros((d, costs.size - d))
-
-    def ask(rows: Matrix, slack: Matrix, least: Vector) -> None:
-        """Ask for rows of both signs, each with what it may lack."""
-        matrix = csr_array(np.hstack([rows, slack]))
-        lp.add_rows(matrix, least + rows @ bounds, np.full(len(rows), np.inf), begin)
-
-    place, still = model.position[last], model.drift_position[last]
-    ask(place, np.hstack([eye, none]), vehicle.goal.lower - still)
-    ask(-place, np.hstack([eye, none]), still - vehicle.goal.upper)
-    if model.velocity is None or model.drift_velocity is None:
-        return slice(first, first + costs.size)
-    if vehicle.speed_limit is not None:
-        rows, idle = model.velocity[1:].reshape(last * d, -1), model.drift_velocity[1:].ravel()
-        limits, zeros = np.tile(vehicle.speed_limit, last), np.zeros((last * d, costs.size))
-        ask(rows, zeros, -limits - idle)
-        ask(-rows, zeros, idle - limits)
-    if vehicle.goal.speed is not None:
-        rows, ends = model.velocity[last], model.drift_velocity[last]
-        ask(rows, np.hstack([none, eye]), -vehicle.goal.speed - ends)
-        ask(-rows, np.hstack([none, eye]), ends - vehicle.goal.speed)
+    rows, least = _asked(model, costs.size)
+    moved = least + rows[:, : bounds.size] @ bounds
+    lp.add_rows(csr_array(rows), moved, np.full(len(rows), np.inf), begin)
     return slice(first, first + costs.size)
+
+
+def _asked(model: CondensedModel, num_slacks: int) -> tuple[Matrix, Vector]:
+    """Return rows over controls and slacks, each with the opposite one, and what they are at least.
+
+    Goals, speeds at every step, the goal's speed: what the first and the last may lack is slack.
+    """
+    vehicle, last, d = model.vehicle, model.horizon, model.vehicle.system.dimension
+    of_place, of_speed = np.eye(d, num_slacks), np.eye(d, num_slacks, d)
+    place, still = model.position[last], model.drift_position[last]
+    blocks = [(place, of_place, vehicle.goal.lower - still, still - vehicle.goal.upper)]
+    if model.velocity is not None and model.drift_velocity is not None:
+        if vehicle.speed_limit is not None:
+            speeds, idle = model.velocity[1:], model.drift_velocity[1:].ravel()
+            limits, nothing = np.tile(vehicle.speed_limit, last), np.zeros((last * d, num_slacks))
+            flat = speeds.reshape(last * d, -1)
+            blocks.append((flat, nothing, -limits - idle, idle - limits))
+        if vehicle.goal.speed is not None:
+            ends = model.drift_velocity[last]
+            most = vehicle.goal.speed
+            blocks.append((model.velocity[last], of_speed, -most - ends, ends - most))
+    both = [np.hstack([sign * rows, slack]) for rows, slack, _, _ in blocks for sign in (1.0, -1.0)]
+    return np.vstack(both), np.concatenate([each for block in blocks for each in block[2:]])

@@ -84,7 +84,7 @@ class WarmSearch:
         found = self._turned(asked, left)
         if found is None and not asked.is_stopped():
             # Limits may leave no way to the goals: these give way by the least that will do.
-            left = widened(left)
+            left = widened(left, self._left(left).models)
             found = None if left is asked.left else self._turned(asked, left)
         return None if found is None else (found, left)
 
@@ -115,13 +115,10 @@ class WarmSearch:
 
     def _turned(self, asked: Try, left: Scenario) -> tuple[Matrix, ...] | None:
         """Return better controls within given goals; None if limits leave none."""
-        goals = [v.goal for v in left.vehicles]
-        if self._ahead is None:
-            self._ahead = Ahead.of(self._scenario)
-        hazards = self._ahead.left(self._horizon - left.horizon, left.vehicles, goals)
+        hazards = self._left(left)
         if not self._groups:
             self._groups = _groups(hazards, asked.controls)
-            self._programs = {g: KeptLp(self._ahead.whole, g) for g in self._groups}
+            self._programs = {g: KeptLp(self._all().whole, g) for g in self._groups}
         for program in self._programs.values():
             program.move(hazards)
         limits = Limits(is_stopped=asked.is_stopped)
@@ -131,6 +128,17 @@ class WarmSearch:
             self._safer(successive, asked) if asked.is_safest else self._cheaper(successive, asked)
         )
         return tuple(successive.paths.controls) if is_found else None
+
+    def _all(self) -> Ahead:
+        """Return the mission over all of its steps."""
+        if self._ahead is None:
+            self._ahead = Ahead.of(self._scenario)
+        return self._ahead
+
+    def _left(self, left: Scenario) -> Hazards:
+        """Return the fleet over the steps that are left."""
+        goals = [vehicle.goal for vehicle in left.vehicles]
+        return self._all().left(self._horizon - left.horizon, left.vehicles, goals)
 
     def _safer(self, successive: SuccessiveLp, asked: Try) -> bool:
         """Turn half-spaces at a price at which risk is nearly all that counts."""

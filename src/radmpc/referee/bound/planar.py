@@ -12,7 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
-from radmpc.referee.bound.contour import Outlines, enclosed
+from radmpc.referee.bound.contour import enclosed
+from radmpc.referee.bound.outlines import Outlines
 
 __all__ = ["grown_polygon_risks"]
 
@@ -194,8 +195,9 @@ def _first_pieces(
     arc = begin + np.where(past <= 0.5 * (2.0 * np.pi - (end - begin)), turned, 0.0)
     nearest = np.clip(np.where(outlines.curved, arc, line), begin, end)
     local = outlines.expand(np.arange(len(nearest)), nearest)
-    rate = np.square(local.s1) + np.square(local.t1)
-    rate += np.hypot(local.s, local.t) * np.hypot(local.s2, local.t2)
+    s, t, s1, t1, s2, t2 = local.numbers
+    rate = np.square(s1) + np.square(t1)
+    rate += np.hypot(s, t) * np.hypot(s2, t2)
     marks = nearest[:, None] + _MARKS / np.sqrt(np.where(rate > 0.0, rate, 1.0))[:, None]
     marks = np.concatenate([begin[:, None], marks, end[:, None]], axis=1)
     marks = np.clip(marks, begin[:, None], end[:, None])

@@ -54,6 +54,8 @@ class Encounter:
 
     def shares(self, normals: Tensor) -> Vector:
         """Return the share of the near end that is best along normals, (w, c)."""
+        if len(self.ends) == 1:
+            return np.full(normals.shape[:2], 0.5)
         return self._rated(normals)[1]
 
     def deviations(self, normals: Tensor) -> list[Vector]:
