@@ -19,7 +19,7 @@ from making import ROOT
 
 __all__ = ["SCREENS", "draw_screens"]
 
-_WIDTH, _COLORS = 1100, 128  # of a picture [px], of its palette
+_WIDTH, _COLORS, _SURFACES = 1100, 128, 24  # of a picture [px], of its palette, exact ones
 
 _FLAGS = (
     "--no-sandbox",
@@ -122,8 +122,21 @@ def _write_small(source: Path, target: Path) -> None:
         width = min(image.width, _WIDTH)
         size = width, round(image.height * width / image.width)
         small = image.convert("RGB").resize(size, Image.Resampling.LANCZOS)
-    method = Image.Quantize.MAXCOVERAGE
-    small.quantize(_COLORS, method, dither=Image.Dither.NONE).save(target, optimize=True)
+    colors = _palette(small)
+    small.quantize(palette=colors, dither=Image.Dither.NONE).save(target, optimize=True)
+
+
+def _palette(image: Image.Image) -> Image.Image:
+    """Return colors for a screen: its large surfaces' own, and some for small things.
+
+    A palette of means would tint all of a page that is white.
+    """
+    counted: Any = image.getcolors(image.width * image.height)
+    exact = [color for _, color in sorted(counted, reverse=True)[:_SURFACES]]
+    rest = image.quantize(_COLORS - _SURFACES, Image.Quantize.MAXCOVERAGE).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([value for color in exact for value in color] + rest)
+    return palette
 
 
 def _planned(scenario: str, folder: Path) -> Path:

@@ -92,7 +92,8 @@ def test_a_view_looks_its_own_way_among_the_styles_of_a_notebook(notebook, plann
 
 CELLS = (
     "import radmpc\nfrom pathlib import Path\n"
-    "result = radmpc.plan('strait.yaml', 'multi-vehicle', rng=0)\nradmpc.view(result)",
+    "scenario = radmpc.load_scenario('strait.yaml')\n"
+    "result = radmpc.plan(scenario, 'multi-vehicle', rng=0)\nradmpc.view(result)",
     "result",
     "drones = Path(radmpc.__file__).parent / 'data' / 'templates' / 'drones.yaml'\n"
     "radmpc.view(radmpc.load_scenario(drones))",

@@ -1,4 +1,4 @@
-"""What the page's protocol.ts names, the server's protocol.py names too."""
+"""What the page's protocol.ts and scenes.ts name, the server's protocol.py names too."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import pytest
 from radmpc.serving import protocol
 from radmpc.serving.desk.calls import _CALLS
 
-TEXT = (Path(__file__).parents[2] / "web" / "src" / "protocol.ts").read_text(encoding="utf-8")
+SOURCES = Path(__file__).parents[2] / "web" / "src"
+TEXT = "".join((SOURCES / f"{name}.ts").read_text("utf-8") for name in ("protocol", "scenes"))
 TEXT = re.sub(r"/\*.*?\*/|//[^\n]*", "", TEXT, flags=re.DOTALL)
 INTERFACES = dict(re.findall(r"export interface (\w+) \{(.*?)\n\}", TEXT, re.DOTALL))
 ARGUMENTS = {"Calls"}

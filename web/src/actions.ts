@@ -8,7 +8,7 @@ import { comparedId, shownId, summaries, trails, views } from "./state/plans";
 import { seek } from "./state/playback";
 import { kept } from "./state/restore";
 import { selected } from "./state/selection";
-import { complain, hello, tab } from "./state/session";
+import { complain, hello, judging, tab } from "./state/session";
 
 /** Say hello, and take up the document that was shown before a reload or a loss. */
 async function greet(): Promise<void> {
@@ -147,6 +147,7 @@ function withSearch(state: DocumentState, search: SearchState): DocumentState {
 }
 
 function hear(event: Event): void {
+  if (event.event === "judging") judging.value = event.state.isOver ? null : event.state;
   const state = document.peek();
   if (state === null) return;
   switch (event.event) {

@@ -5,6 +5,7 @@ import { line } from "./connection";
 import { ScenePanel } from "./edit/scene-panel";
 import { announcement } from "./edit/tools";
 import { Dialogs } from "./files/dialogs";
+import { JudgingLine } from "./files/judging";
 import { dialog, take } from "./files/saving";
 import { FlightRegion, PlanRegion, RiskRegion, TimelineRegion } from "./panels/wiring";
 import { Scene } from "./scene/scene";
@@ -48,6 +49,7 @@ export function Shell() {
         <TimelineRegion />
       </footer>
       <NoticeLine />
+      <JudgingLine />
       <p class="unseen" role="status">
         {announcement.value}
       </p>

@@ -2,10 +2,11 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { accountLines, replans, tickAt } from "../src/panels/account.ts";
 import { differences } from "../src/panels/difference.ts";
-import { bound, cost, leftOf, percent, percentUp, share, signedCost, signedPercent } from "../src/panels/format.ts";
+import { bound, cost, duration, leftOf, percent, percentUp, share, signedCost, signedPercent } from "../src/panels/format.ts";
 import { sentence } from "../src/panels/search.tsx";
 import { judged } from "../src/panels/simulate.tsx";
 import { timeAfter } from "../src/panels/timeline.tsx";
+import { around, Taken } from "../src/scene/placing.ts";
 import { markAt, marksOf } from "../src/scene/layers/risk.ts";
 
 test("a certified risk is never shown below itself", () => {
@@ -112,4 +113,21 @@ test("a risk is found under the pointer, and what is next to nothing is not draw
   assert.equal(marksOf(plan).length, 1);
   assert.equal(markAt(plan, camera, 105, 3).line.risk, 0.005);
   assert.equal(markAt(plan, camera, 300, 0), null);
+});
+
+test("what takes seconds is not told in thousands of milliseconds", () => {
+  assert.equal(duration(7.83), "7.83 ms");
+  assert.equal(duration(999.4), "999 ms");
+  assert.equal(duration(999.9), "1 s");
+  assert.equal(duration(15152.4), "15.2 s");
+});
+
+test("a name goes where no other stands, and is left out where there is no such place", () => {
+  const taken = new Taken();
+  const places = around(100, 50, 10, 30, 12);
+  const first = taken.claim(places);
+  assert.deepEqual(first, { left: 114, top: 44, width: 30, height: 12 });
+  assert.equal(taken.claim(places), places[1]);
+  taken.add({ left: 0, top: 0, width: 200, height: 100 });
+  assert.equal(taken.claim(places), null);
 });

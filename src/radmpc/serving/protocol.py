@@ -45,6 +45,7 @@ __all__ = [
     "GoalView",
     "Handle",
     "Hello",
+    "Judging",
     "LedgerLine",
     "Named",
     "ObstacleView",
@@ -72,11 +73,11 @@ REFUSED = 4401
 CALLS = (
     "hello", "files", "new", "open", "drop", "state", "close", "change", "undo", "redo", "save",
     "export", "why", "plan", "stop", "pause", "resume", "view", "savePlan", "simulate", "fly",
-    "stopFlight", "flight",
+    "stopFlight", "flight", "stopJudging",
 )  # fmt: skip
 """Everything that a page may ask for."""
 
-EVENTS = ("document", "search", "plan", "flight", "tick")
+EVENTS = ("document", "search", "plan", "flight", "tick", "judging")
 """Everything that the server tells unasked."""
 
 Content = Mapping[str, Any]
@@ -248,6 +249,16 @@ class FileEntry(TypedDict):
     path: str
     kind: Literal["scenario", "plan", "flight", "chart"]
     bytes: int
+
+
+class Judging(TypedDict):
+    """How far the referee is with a plan from a file."""
+
+    file: str
+    vehicles: int
+    seconds: float
+    limit: float
+    isOver: bool
 
 
 class Named(TypedDict):

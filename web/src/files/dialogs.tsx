@@ -8,6 +8,7 @@ import { KEYS } from "../edit/keyboard";
 import type { FileEntry } from "../protocol";
 import { document } from "../state/document";
 import { complain, hello, helpIsOpen } from "../state/session";
+import { JudgingLine } from "./judging";
 import { dialog, openPath, openTemplate, saveAs, switchTo, take } from "./saving";
 
 export function Dialogs() {
@@ -53,6 +54,7 @@ function OpenDialog() {
   const matching = files.value.filter((file) => file.path.toLowerCase().includes(wanted));
   return (
     <Modal title="Open" close={() => (dialog.value = null)}>
+      <JudgingLine />
       <section>
         <h3>New</h3>
         <div class="choices">

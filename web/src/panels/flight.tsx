@@ -5,7 +5,7 @@ import type { FlightState, PlanSummary, TickView } from "../protocol";
 import { accountLines, alarmed, replans, tickAt, tickLines, tickTimes } from "./account";
 import { Block, Button, Empty, Facts, NumberField, Toggle } from "./controls";
 import { Curve, Key } from "./curve";
-import { bound, counted, leftOf, percent } from "./format";
+import { bound, counted, duration, leftOf, percent } from "./format";
 import { Speaker } from "./speaking";
 
 /** Mission seconds per second of the wall; 0 is as fast as it goes. */
@@ -206,7 +206,7 @@ function Moment(props: FlightProps & { flight: FlightState; tick: TickView; step
         rows={[
           ["Left of Δ", leftOf(flight.riskBound, tick.left)],
           ["Spent", percent(tick.spent)],
-          ["Took", `${tick.milliseconds.toFixed(1)} ms`],
+          ["Took", duration(tick.milliseconds)],
         ]}
       />
       {tick.left > flight.riskBound && (
@@ -222,10 +222,10 @@ function Ticks({ flight, dt, at }: { flight: FlightState; dt: number; at: number
   const times = tickTimes(flight);
   if (times === null) return null;
   const [median, most] = times;
-  const text = `median ${median.toFixed(1)} ms, most ${most.toFixed(1)} ms, step ${(dt * 1000).toFixed(0)} ms`;
+  const text = `median ${duration(median)}, most ${duration(most)}, step ${duration(dt * 1000)}`;
   return (
     <Block title="Time of ticks">
-      <Curve label={`Time of ticks: ${text}`} lines={lines} height={80} xUnit="s" xTo={flight.steps * dt} fromZero format={(value) => `${Number(value.toPrecision(3))} ms`} at={at} />
+      <Curve label={`Time of ticks: ${text}`} lines={lines} height={80} xUnit="s" xTo={flight.steps * dt} fromZero format={duration} at={at} />
       <p class="p-note">{text}</p>
     </Block>
   );

@@ -92,6 +92,13 @@ export function seconds(value: number): string {
   return `${Math.floor(whole / 60)} min ${String(whole % 60).padStart(2, "0")} s`;
 }
 
+/** A time of milliseconds, or of seconds from one on: three digits. */
+export function duration(milliseconds: number): string {
+  const isLong = milliseconds >= 999.5;
+  const digits = isLong ? milliseconds / 1000 : milliseconds;
+  return `${Number(digits.toPrecision(3))} ${isLong ? "s" : "ms"}`;
+}
+
 /** Meters: centimeters are the last digit. */
 export function meters(value: number): string {
   return `${value.toFixed(2)} m`;

@@ -12,6 +12,7 @@ import {
 
 import type { Box } from "../protocol";
 import type { Colors } from "../scene/colors";
+import { around, type Spot, Taken } from "../scene/placing";
 import { point, type Point } from "./types";
 
 const MOST_NAMES = 24; // more would hide what they name
@@ -34,6 +35,32 @@ function told(value: number): string {
 interface Label {
   readonly element: HTMLElement;
   at: Vector3;
+  /** On the screen [px]; 0 until it was seen. */
+  width: number;
+}
+
+const [HALF, HIGH] = [5.5, 11]; // of a text [px]
+const BESIDE = 5; // of a vehicle, on the screen [px]
+const ORDER = [4, 5, 0, 1, 2, 3]; // of the places around it: those that hide the least of it first
+
+/** Where a label's place is on the screen [px]; null where it is not seen. */
+function seenAt({ at }: Label, camera: PerspectiveCamera, width: number, height: number): readonly [number, number] | null {
+  const { x, y, z } = at.clone().project(camera);
+  const isSeen = z > -1 && z < 1 && Math.abs(x) < 1.02 && Math.abs(y) < 1.02;
+  return isSeen ? [((1 + x) * width) / 2, ((1 - y) * height) / 2] : null;
+}
+
+/** The width of a text that stays the same: measured once, when it can be. */
+function widthOf(label: Label): number {
+  if (label.width > 0) return label.width;
+  label.element.hidden = false;
+  label.width = label.element.offsetWidth;
+  return label.width;
+}
+
+function put({ element }: Label, spot: Spot | null): void {
+  element.hidden = spot === null;
+  if (spot !== null) element.style.transform = `translate(${spot.left.toFixed(1)}px, ${spot.top.toFixed(1)}px)`;
 }
 
 export class Axes {
@@ -88,14 +115,18 @@ export class Axes {
       else if (axis === 1) label.at = this.#at(nearX + (nearX ? out : -out), part, 0);
       else label.at = this.#beside(left ?? center, center, 0.04, value === null ? 1.08 : part);
     }
-    const shown = names.length > 0 ? this.#names : [];
-    for (const label of this.#marks.map((mark) => mark.label).concat(shown)) {
-      const { x, y, z } = label.at.clone().project(camera);
-      const isSeen = z > -1 && z < 1 && Math.abs(x) < 1.02 && Math.abs(y) < 1.02;
-      label.element.hidden = !isSeen;
-      if (!isSeen) continue;
-      const [px, py] = [((1 + x) * width) / 2, ((1 - y) * height) / 2];
-      label.element.style.transform = `translate(${px.toFixed(1)}px, ${py.toFixed(1)}px)`;
+    // Names of axes first: where it is narrow, a number less is better than two over each other.
+    const marks = [...this.#marks].sort((one, other) => Number(other.value === null) - Number(one.value === null));
+    const taken = new Taken();
+    for (const { label } of marks) {
+      const pixel = seenAt(label, camera, width, height);
+      const spot = pixel && taken.claim([{ left: pixel[0] - HALF, top: pixel[1] - HALF, width: widthOf(label), height: HIGH }]);
+      put(label, spot);
+    }
+    for (const label of names.length > 0 ? this.#names : []) {
+      const pixel = seenAt(label, camera, width, height);
+      const spots = pixel && around(pixel[0], pixel[1], BESIDE, widthOf(label), HIGH);
+      put(label, spots && (taken.claim(ORDER.flatMap((index) => spots[index] ?? [])) ?? spots[4] ?? null));
     }
   }
 
@@ -117,7 +148,7 @@ export class Axes {
     element.className = kind;
     element.textContent = text;
     this.#layer.append(element);
-    return { element, at: new Vector3() };
+    return { element, at: new Vector3(), width: 0 };
   }
 
   #ground(colors: Colors): LineSegments {

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { CallError } from "../connection";
-import type { Hello } from "../protocol";
+import type { Hello, Judging } from "../protocol";
 
 export const hello = signal<Hello | null>(null);
 
@@ -13,6 +13,9 @@ export interface Notice {
 }
 
 export const notice = signal<Notice | null>(null);
+
+/** What the referee is at before a file's plan is shown. */
+export const judging = signal<Judging | null>(null);
 
 /** Side panels. */
 export type Tab = "plan" | "risk" | "flight" | "scene";

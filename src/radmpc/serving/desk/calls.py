@@ -10,6 +10,7 @@ from radmpc.errors import RadmpcError
 from radmpc.serving.desk import arguments as given
 from radmpc.serving.desk import files
 from radmpc.serving.desk.desk import Desk
+from radmpc.serving.desk.judging import stop_judging
 from radmpc.serving.documents.content import check_changes
 from radmpc.serving.documents.document import Document
 from radmpc.serving.failures import CallError, refused
@@ -212,6 +213,12 @@ async def _flight(desk: Desk, args: Args) -> object:
     return desk.flight(given.text(args, "flight")).state
 
 
+async def _stop_judging(desk: Desk, args: Args) -> object:
+    """End what the referee is at with a file's plan."""
+    stop_judging(desk, given.text(args, "file"))
+    return None
+
+
 def _document(desk: Desk, args: Args) -> Document:
     """Return the document that a call is about."""
     return desk.document(given.text(args, "document"))
@@ -246,4 +253,5 @@ _CALLS: Mapping[str, Callable[[Desk, Args], Awaitable[object]]] = {
     "fly": _fly,
     "stopFlight": _stop_flight,
     "flight": _flight,
+    "stopJudging": _stop_judging,
 }

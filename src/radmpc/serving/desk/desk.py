@@ -56,6 +56,7 @@ class Desk:
         self.flights: dict[str, Flight] = {}
         self.first: str | None = None
         self.opening: asyncio.Task[None] | None = None
+        self.judging: dict[str, asyncio.Future[Plan]] = {}
         self._numbers = {kind: count(1) for kind in "dpsf"}
         self._lookout = Lookout(self.crew, self._seen)
 

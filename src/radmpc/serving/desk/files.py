@@ -15,6 +15,7 @@ from radmpc.io.text.yaml_text import read_yaml
 from radmpc.model.plan import Plan
 from radmpc.serving.desk import arguments as given
 from radmpc.serving.desk.desk import Desk
+from radmpc.serving.desk.judging import judged
 from radmpc.serving.desk.opening import Opened, is_chart, read_file
 from radmpc.serving.desk.things import Changed
 from radmpc.serving.documents import templates as kinds
@@ -121,8 +122,10 @@ async def _added(desk: Desk, place: Path, name: str, *, is_kept: bool = True) ->
         return await desk.add(Opened(content), None)
     found = await asyncio.to_thread(read_file, place, name)
     if found.plan is not None and found.plan.trajectories:
-        judged = await desk.crew.run("judge", found.plan, seconds=_IMPORT_SECONDS)
-        found = Opened(found.content, found.origin, found.is_scenario, judged, found.ticks)
+        plan = await judged(desk, found.plan, name)
+        # Who does not want to wait for the referee gets the scenario alone.
+        ticks = None if plan is None else found.ticks
+        found = Opened(found.content, found.origin, found.is_scenario, plan, ticks)
     document = await desk.add(found, name if is_kept else None)
     if document.file is not None:
         document.digest = await asyncio.to_thread(desk.folder.digest, place)

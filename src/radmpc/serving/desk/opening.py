@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from radmpc.errors import FileFormatError, ScenarioError
+from radmpc.io.flight.flight_file import is_flight
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.native.plan_file import decode_plan
 from radmpc.io.ranges import PLAN_FORMAT, SCENARIO_FORMAT
@@ -72,7 +73,8 @@ def read_file(path: Path, name: str) -> Opened:
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise refused(f"{name}: must be at most {_MOST_BYTES // 2**20} MiB")
-        if path.suffix.lower() in FLIGHTS:
+        # A flight is one by its first line, as for the commands: plans end in .json, too.
+        if path.suffix.lower() in FLIGHTS or is_flight(path):
             return _flight(path)
         return _document(path)
     except (FileFormatError, ScenarioError) as error:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 from radmpc.errors import ScenarioError
@@ -11,6 +15,9 @@ from radmpc.serving.work.control import Control
 
 __all__ = ["judged"]
 
+_EVERY = 0.5
+"""Seconds between two pieces of news [s]."""
+
 
 def judged(control: Control, plan: Plan) -> Plan:
     """Return a plan with the referee's own certificate and ledger.
@@ -18,7 +25,7 @@ def judged(control: Control, plan: Plan) -> Plan:
     Parameters
     ----------
     control : Control
-        Told nothing.
+        Told now and then how long it took so far, as `spent`, in seconds of this processor [s].
     plan : Plan
         As its file has it.
 
@@ -28,9 +35,27 @@ def judged(control: Control, plan: Plan) -> Plan:
         If the plan is not what it says: its paths do not follow from its controls, limits are
         exceeded.
     """
-    del control
-    said = certify(replace(plan, risk=Risk(plan.risk.bound)))
+    with _told(control):
+        said = certify(replace(plan, risk=Risk(plan.risk.bound)))
     if said.problems:
         raise ScenarioError("; ".join(said.problems[:3]))
     risk = Risk(plan.risk.bound, said.certified, said.ledger, plan.risk.price, said.saturation)
     return replace(plan, risk=risk)
+
+
+@contextmanager
+def _told(control: Control) -> Iterator[None]:
+    """Tell how long it takes, while it does."""
+    begun, over = time.process_time(), threading.Event()
+
+    def tell() -> None:
+        while not over.wait(_EVERY):
+            control.tell("spent", time.process_time() - begun)
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()

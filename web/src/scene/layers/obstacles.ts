@@ -17,7 +17,7 @@ const ellipse = new Float64Array(3);
 const spreads = new WeakMap<ObstacleView, Float64Array>();
 
 export const drawObstacles: Layer = (ctx, frame) => {
-  const { camera, colors, scenario } = frame;
+  const { scenario } = frame;
   if (scenario === null) return;
   const standing = scenario.obstacles.filter(({ moving }) => moving === null);
   drawStanding(ctx, frame, standing.filter(({ only }) => only === null));
@@ -29,16 +29,6 @@ export const drawObstacles: Layer = (ctx, frame) => {
   drawStanding(ctx, frame, some);
   ctx.globalAlpha = 1;
   ctx.setLineDash([]);
-  if (!frame.switches.names) return;
-  ctx.font = "11px system-ui, 'Noto Sans', 'Liberation Sans', sans-serif";
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = colors.muted;
-  for (const obstacle of some) {
-    const { x, y, bounds } = shapeOf(obstacle);
-    const isRoom = (bounds.maxX - bounds.minX) * camera.scale > 50;
-    if (isRoom) ctx.fillText(obstacle.only ?? "", camera.px(x), camera.py(y));
-  }
 };
 
 function drawStanding(ctx: CanvasRenderingContext2D, { camera, colors }: Frame, obstacles: readonly ObstacleView[]): void {

@@ -6,6 +6,7 @@ import { drawDraft, drawHandles } from "./editing";
 import { drawFlight } from "./flight";
 import { drawGrid, drawGround, drawRulers, drawWorkspace } from "./grid";
 import { drawMovingObstacles, drawObstacleMarks, drawObstacles } from "./obstacles";
+import { drawNames } from "./names";
 import { drawRanges } from "./ranges";
 import { drawRisk } from "./risk";
 import { drawGoals, drawTracks } from "./tracks";
@@ -20,5 +21,5 @@ export const STILL: readonly Layer[] = [
 /** Drawn in every frame. */
 export const LIVE: readonly Layer[] = [
   drawMovingObstacles, drawRanges, drawVehicles, drawComparedNow, drawFlight, drawRisk,
-  drawObstacleMarks, drawVehicleMarks, drawRulers, drawHandles, drawDraft,
+  drawNames, drawObstacleMarks, drawVehicleMarks, drawRulers, drawHandles, drawDraft,
 ];

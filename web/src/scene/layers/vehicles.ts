@@ -1,12 +1,9 @@
-/** Vehicles at the time shown: hulls, discs of the stated level, names. */
+/** Vehicles at the time shown: hulls, discs of the stated level. */
 
 import type { Frame, Layer } from "../frame";
 import { ellipseAt, num, placeAt, tracksOf } from "../geometry";
 import type { Thing } from "../../state/selection";
 import { byColor } from "./tracks";
-
-/** Number of names in sight up to which they are written: more would cover the map. */
-const MAX_NAMES = 40;
 
 const TAU = 2 * Math.PI;
 
@@ -37,7 +34,8 @@ export function vehiclePixels(frame: Frame): Float64Array {
   return places;
 }
 
-function radiusOf(frame: Frame, i: number): number {
+/** How large a vehicle is drawn [px]. */
+export function radiusOf(frame: Frame, i: number): number {
   const vehicles = frame.plan?.scenario.vehicles ?? frame.scenario?.vehicles;
   return (vehicles?.[i]?.radius ?? 0) * frame.camera.scale;
 }
@@ -54,7 +52,6 @@ export const drawVehicles: Layer = (ctx, frame) => {
     if (switches.hulls) drawHulls(ctx, frame, group, pixels);
   }
   ctx.globalAlpha = 1;
-  if (switches.names) drawNames(ctx, frame, pixels);
 };
 
 function drawDiscs(
@@ -102,33 +99,6 @@ function drawHulls(
   ctx.fill();
   ctx.globalAlpha = before;
   ctx.stroke();
-}
-
-function drawNames(ctx: CanvasRenderingContext2D, frame: Frame, pixels: Float64Array): void {
-  const { scenario, plan, camera, colors } = frame;
-  const named = plan?.scenario.vehicles ?? scenario?.vehicles ?? [];
-  let count = 0;
-  for (let i = 0; i < named.length; i += 1) {
-    const px = num(pixels, 2 * i);
-    const py = num(pixels, 2 * i + 1);
-    if (px > 0 && px < camera.width && py > 0 && py < camera.height) count += 1;
-    if (count > MAX_NAMES) return;
-  }
-  ctx.font = "11px system-ui, 'Noto Sans', 'Liberation Sans', sans-serif";
-  ctx.textAlign = "left";
-  ctx.textBaseline = "middle";
-  ctx.lineJoin = "round";
-  ctx.lineWidth = 3;
-  ctx.strokeStyle = colors.ground;
-  ctx.fillStyle = colors.text;
-  for (let i = 0; i < named.length; i += 1) {
-    const px = num(pixels, 2 * i);
-    const text = named[i]?.name;
-    if (Number.isNaN(px) || text === undefined) continue;
-    const beside = px + Math.max(radiusOf(frame, i), 4) + 4;
-    ctx.strokeText(text, beside, num(pixels, 2 * i + 1));
-    ctx.fillText(text, beside, num(pixels, 2 * i + 1));
-  }
 }
 
 /** Rings around vehicles that are selected, pointed at, or named by a panel. */
