@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from radmpc.experiments.families import circle
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.verdict import Remembering, Verdict
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 
@@ -22,6 +24,81 @@ def test_a_price_that_never_helps_stays_finite() -> None:
     for number in range(1000):
         control.follow(0.5, 10.0 - 1e-3 * number, paths)
     assert control.price == 2.0 * TUNING.dearest
+
+
+def test_rounds_end_once_neither_moves_nor_risk_left_promise_anything() -> None:
+    control = PriceControl(1.0, 0.05, 1e-3)
+    paths = Paths(HAZARDS).state()
+    control.begin(0.03, 10.0, paths)
+    control.follow(0.03, 9.0, paths, 0.04)
+    assert not control.is_over
+    # All that was gained is what the risk is worth that was spent.
+    control.price = 1.0
+    control.follow(0.0499, 9.0 - 0.0199, paths, 0.0499)
+    assert control.is_over
+
+
+def test_rounds_go_on_while_much_risk_is_left() -> None:
+    control = PriceControl(10.0, 0.05, 1e-3)
+    paths = Paths(HAZARDS).state()
+    control.begin(0.03, 10.0, paths)
+    for _ in range(2):
+        control.follow(0.03, 10.0, paths, 0.03)
+        assert not control.is_over
+
+
+@pytest.mark.parametrize(("rival", "is_over"), [(9.0, True), (9.9, False), (np.inf, False)])
+def test_rounds_end_early_only_far_behind_a_plan_from_elsewhere(
+    rival: float, is_over: bool
+) -> None:
+    control = PriceControl(1.0, 0.05, 1e-3, rival)
+    paths = Paths(HAZARDS).state()
+    control.begin(0.03, 12.0, paths)
+    for cost in (11.0, 10.1, 10.0):
+        assert not control.is_over
+        control.follow(0.03, cost, paths, 0.03)
+    assert control.is_over == is_over
+
+
+def test_rounds_that_swing_for_ever_end() -> None:
+    control = PriceControl(1.0, 0.05, 1e-3)
+    paths = Paths(HAZARDS).state()
+    control.begin(0.03, 10.0, paths)
+    rounds = 0
+    while not control.is_over:
+        certified, cost = ((0.065, 9.9), (0.03, 10.1))[rounds % 2]
+        control.follow(certified, cost, paths, certified)
+        rounds += 1
+    assert rounds == TUNING.most_idle
+
+
+def test_a_certificate_just_above_the_bound_calls_for_a_higher_price_not_for_going_back() -> None:
+    control = PriceControl(1.0, 0.05, 1e-3)
+    paths = Paths(HAZARDS).state()
+    control.begin(0.03, 10.0, paths)
+    for _ in range(2):
+        before = control.price
+        assert control.follow(0.0505, 9.9, paths, 0.0505) is None
+        assert before < control.price < 1.2 * before
+
+
+def test_a_judge_who_remembers_is_asked_once_for_what_is_the_same() -> None:
+    asked = []
+
+    def judge(controls: tuple[np.ndarray, ...]) -> Verdict:
+        asked.append(controls)
+        return Verdict(float(controls[0].sum()), ())
+
+    remembering = Remembering(judge)
+    same = np.ones((3, 2))
+    assert remembering((same,)).certified == 6.0
+    assert remembering((same.copy(),)).certified == 6.0
+    assert len(asked) == 1
+    for number in range(20):
+        assert remembering((np.full((3, 2), float(number)),)).certified == 6.0 * number
+    assert len(asked) == 20
+    remembering((same,))
+    assert len(asked) == 21
 
 
 def test_placing_vehicles_asks_at_every_tick_whether_to_stop() -> None:

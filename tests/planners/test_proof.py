@@ -104,6 +104,20 @@ def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
 
 
 @pytest.mark.slow
+def test_a_set_is_searched_no_further_than_to_the_bound_that_is_enough() -> None:
+    whole, hint = relaxed_up_to(np.inf)
+    price, gap = 2.0, 1e-3
+    found = whole.searched(Limits(), price, (), gap, 4000, hint)
+    enough = found.base + 0.6 * (found.bound - found.base)
+    less = whole.searched(Limits(), price, (), gap, 4000, hint, enough)
+    assert enough <= less.bound <= found.value * (1.0 + 1e-9)
+    assert less.nodes < found.nodes
+    # What it left open is still there.
+    more = less.searched(Limits(), price, (), gap, 4000, hint)
+    assert more.bound == pytest.approx(found.bound, rel=2.0 * gap)
+
+
+@pytest.mark.slow
 def test_what_is_proven_at_one_price_is_carried_to_others_within_their_values() -> None:
     whole, hint = relaxed_up_to(np.inf)
     before = whole.searched(Limits(), 4.0, (), 1e-3, 4000, hint)

@@ -32,9 +32,8 @@ class LinearSystem(Frozen):
     velocity : tuple of int or None
         State indices that hold the velocity; None where the model has none.
     is_double_integrator : bool
-        Whether the path between steps is the parabola of constant acceleration. Found from A and
-        B, whatever the order of the states; saying so of another system is an error. For all other
-        systems the path counts as the straight segment.
+        Whether the path between steps is the parabola of constant acceleration, not the straight
+        segment. Found from A and B, in any order of the states; wrong to say of another system.
     """
 
     A: Matrix
@@ -42,7 +41,6 @@ class LinearSystem(Frozen):
     position: tuple[int, ...]
     velocity: tuple[int, ...] | None
     is_double_integrator: bool = False
-    # Asked for by every part of a scenario, which is checked anew.
     _rates: tuple[tuple[int, ...], float] | None = field(init=False, repr=False)
 
     if TYPE_CHECKING:  # what it takes is wider than what it holds
@@ -80,8 +78,8 @@ class LinearSystem(Frozen):
                 "velocities, and velocities by the controls, each held over the step",
                 ("is_double_integrator",),
             )
-        object.__setattr__(self, "is_double_integrator", rates is not None)
-        object.__setattr__(self, "_rates", rates)
+        for name, value in (("is_double_integrator", rates is not None), ("_rates", rates)):
+            object.__setattr__(self, name, value)
 
     @property
     def rates(self) -> tuple[tuple[int, ...], float] | None:
@@ -95,9 +93,8 @@ class LinearSystem(Frozen):
         Under a control u held over the step, a double integrator is at a share s of it at
         ``chord(s) − 4 s (1 − s) sagitta @ u`` (``a dt²/8`` at s = ½); 0 for all other systems.
         """
-        if not self.is_double_integrator:
-            return np.zeros((self.dimension, self.num_controls))
-        return 0.25 * self.B[list(self.position)]
+        carried = self.B[list(self.position)]
+        return 0.25 * carried if self.is_double_integrator else np.zeros_like(carried)
 
     @property
     def num_states(self) -> int:

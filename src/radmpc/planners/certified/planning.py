@@ -24,11 +24,13 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
+from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, turn_half_spaces, turn_to
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
+from radmpc.planners.verdict import Remembering
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.solvers.branch.branch import Branch
@@ -78,6 +80,7 @@ class Certified(Decomposition):
             With a lower bound on the cost, and the shadow price of Δ, where there is a plan.
         """
         begun = time.perf_counter()
+        run = replace(run, judge=Remembering(run.judge))
         ruled_out = sure_why_not(scenario, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
@@ -129,16 +132,28 @@ def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
 
 def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run) -> SearchState:
     """Turn half-spaces to the plan of the search, and to the first one where it is as good."""
-    if state.has_plan:
-        state = _turned(fleet, state, run)
-    if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost:
-        other = turn_half_spaces(fleet, replace(state, incumbent=first), run.judge).incumbent
-        if other.cost < state.incumbent.cost:
-            searched = state.incumbent
-            sets = searched.sets or other.sets
-            other = replace(other, sets=sets, union_bound=searched.union_bound)
-            state = replace(state, incumbent=other)
+    searched, least = state.incumbent, float(sum(fleet.base))
+    if relative_gap(min(first.cost, searched.cost), least) > TUNING.settled * fleet.gap:
+        is_alike = state.has_plan and _are_alike(fleet, first, searched)
+        if state.has_plan and not (is_alike and first.cost < searched.cost):
+            state = _turned(fleet, state, run)
+        if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost and not (
+            is_alike and searched.cost <= first.cost
+        ):
+            begin = replace(state, incumbent=first)
+            first = turn_half_spaces(fleet, begin, run.judge, state.incumbent.cost).incumbent
+    if first.cost < state.incumbent.cost:
+        sets = searched.sets or first.sets
+        first = replace(first, sets=sets, union_bound=searched.union_bound)
+        state = replace(state, incumbent=first)
     return state
+
+
+def _are_alike(fleet: Fleet, one: FleetIncumbent, other: FleetIncumbent) -> bool:
+    """Whether two plans pass everything on the same sides: turning leads to one plan, then."""
+    if not one.controls or not other.controls or fleet.scenario.has_windows:
+        return False
+    return not on_other_sides(fleet.programs.hazards, one.controls, other.controls)
 
 
 def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:

@@ -15,8 +15,7 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
-from radmpc.errors import SolverError
-from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL, quiet_highs
+from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL, array_of, checked, quiet_highs
 from radmpc.solvers.lp.safe_bound import LpRecord
 
 __all__ = ["HighsLp", "LpOutcome", "Numbers"]
@@ -47,9 +46,6 @@ _DUAL_SIMPLEX = (
 edge. Without scales and perturbation it takes 40 % less in 76 searches of `fleet(64)` and
 `paper(8)`, and a fifth fewer nodes. A solve that fails is repeated by HiGHS as it comes."""
 
-_PRIMAL = 4
-"""HiGHS's name of the primal simplex."""
-
 _BEYOND = 1e-7
 """Share of the cutoff by which HiGHS goes beyond it [-], so that the cutoff is proven despite
 rounding."""
@@ -71,7 +67,6 @@ _FRESH = 10
 
 _Status = highspy.HighsModelStatus
 _INFEASIBLE = (_Status.kInfeasible, _Status.kUnboundedOrInfeasible)
-_ERROR = highspy.HighsStatus.kError
 _INF = float("inf")
 
 
@@ -103,7 +98,7 @@ class HighsLp:
         self._highs = quiet_highs()
         for name, value in _DUAL_SIMPLEX:
             self._highs.setOptionValue(name, value)
-        _check(
+        checked(
             self._highs.addCols(
                 self.num_columns, cost, lower, upper, 0, _NO_NUMBERS, _NO_NUMBERS, _NO_VALUES
             )
@@ -119,7 +114,7 @@ class HighsLp:
         lower, upper : (k,) array
             Bounds, ±inf where there is none.
         """
-        _check(
+        checked(
             self._highs.addRows(
                 matrix.shape[0],
                 lower,
@@ -151,7 +146,7 @@ class HighsLp:
         starts = np.arange(0, (count + 1) * width, width, dtype=np.int32)
         infinite = np.full(count, _INF)
         flat = columns.ravel(), values.ravel()
-        _check(self._highs.addRows(count, lower, infinite, count * width, starts[:-1], *flat))
+        checked(self._highs.addRows(count, lower, infinite, count * width, starts[:-1], *flat))
         self._record.add_rows(starts, *flat, lower, infinite)
         first = self.num_rows
         self.num_rows += count
@@ -169,7 +164,7 @@ class HighsLp:
         lower, upper : float
             Bounds, ±inf where there is none.
         """
-        _check(self._highs.addRow(lower, upper, len(columns), columns, values))
+        checked(self._highs.addRow(lower, upper, len(columns), columns, values))
         self._record.add_rows(np.array([0, len(columns)]), columns, values, lower, upper)
         self.num_rows += 1
         return self.num_rows - 1
@@ -188,7 +183,7 @@ class HighsLp:
         values : (w,) array
             Its coefficients.
         """
-        _check(self._highs.addCol(cost, 0.0, upper, len(rows), rows, values))
+        checked(self._highs.addCol(cost, 0.0, upper, len(rows), rows, values))
         self._record.add_column(cost, upper, rows, values)
         self.num_columns += 1
         return self.num_columns - 1
@@ -205,7 +200,7 @@ class HighsLp:
         """
         if rows:
             numbers = np.array(rows, dtype=np.int32)
-            _check(self._highs.changeRowsBounds(len(rows), numbers, lower, upper))
+            checked(self._highs.changeRowsBounds(len(rows), numbers, lower, upper))
             self._record.bound_rows(numbers, lower, upper)
 
     def change_cost(self, cost: Vector) -> None:
@@ -217,9 +212,9 @@ class HighsLp:
             Of every column.
         """
         numbers = np.arange(self.num_columns, dtype=np.int32)
-        _check(self._highs.changeColsCost(self.num_columns, numbers, cost))
-        # The last vertex stays feasible: 4 pivots of the primal simplex, 6 of the dual one.
-        self._highs.setOptionValue("simplex_strategy", _PRIMAL)
+        checked(self._highs.changeColsCost(self.num_columns, numbers, cost))
+        # The last vertex stays feasible: 4 pivots of the primal simplex (4), 6 of the dual one.
+        self._highs.setOptionValue("simplex_strategy", 4)
         self._record.change_cost(cost)
 
     def solve(self, cutoff: float = float("inf")) -> tuple[LpOutcome, float]:
@@ -287,9 +282,9 @@ class HighsLp:
         solution = highs.getSolution()
         bound = -float("inf")
         if solution.dual_valid:
-            bound = self._record.least(_array(solution.row_dual))
+            bound = self._record.least(array_of(solution.row_dual))
         if status == _Status.kOptimal:
-            self._point = _array(solution.col_value)
+            self._point = array_of(solution.col_value)
             return LpOutcome.OPTIMAL, bound, self._record.cost_at(self._point)
         if bound >= cutoff:
             return LpOutcome.CUTOFF, bound, bound
@@ -302,14 +297,3 @@ class HighsLp:
     def point(self) -> Vector:
         """Return the columns of the last optimal solve."""
         return self._point
-
-
-def _array(values: list[float]) -> Vector:
-    """Return what HiGHS hands out as a list; `np.array` takes twice as long to see its type."""
-    return np.fromiter(values, np.float64, len(values))
-
-
-def _check(status: highspy.HighsStatus) -> None:
-    """Turn a failed call into an error."""
-    if status == _ERROR:
-        raise SolverError("HiGHS refused a row, a column or a bound")

@@ -114,6 +114,8 @@ class PartOrder:
         What a set must promise to be searched, in cost.
     most_nodes : float
         Nodes of all its sets together, after which nothing more is begun [-].
+    enough : float
+        Bound of the whole part with which that of the fleet is good enough; inf where not known.
     """
 
     price: float
@@ -122,6 +124,7 @@ class PartOrder:
     nodes: int
     worth: float
     most_nodes: float
+    enough: float = float("inf")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -85,6 +85,8 @@ class _PartSearch:
         order, last = self.order, known.nodes + share
         models = [self.part.models[block] for block in blocks]
         hint = point_of(models, [self.part.controls[block] for block in blocks])
+        is_whole = len(blocks) == len(self.part.members)
+        enough = order.enough if is_whole else float("inf")
         is_over = False
         while not is_over:
             most = self._next_most(blocks, known)
@@ -94,10 +96,11 @@ class _PartSearch:
             first = TUNING.try_nodes * len(blocks) - known.nodes
             if self.part.is_narrowed and known.widenings == 0 and first > 0:
                 nodes = min(nodes, first)
-            found = known.searched(self.limits, order.price, bounds, order.gap, nodes, hint)
+            limits, price = self.limits, order.price
+            found = known.searched(limits, price, bounds, order.gap, nodes, hint, enough)
             self.nodes += found.nodes - known.nodes
             known = self.sets[blocks] = found
-            is_done = known.nodes >= last or self.limits.reached
+            is_done = known.nodes >= last or known.bound >= enough or self.limits.reached
             is_over = is_done or self._next_most(blocks, known) is None
 
     def _relaxed(self, blocks: Members, most: float) -> RelaxedSet:

@@ -161,9 +161,20 @@ class _Search:
     def _found(self) -> Iterator[tuple[Members, RelaxedSet]]:
         """Yield the parts that were searched as a whole."""
         for members in self.order:
-            whole = self.known.get(members, {}).get(tuple(range(len(members))))
+            whole = self._whole(members)
             if whole is not None:
                 yield members, whole
+
+    def _whole(self, members: Members) -> RelaxedSet | None:
+        """Return what is known of a part as a whole, if anything."""
+        return self.known.get(members, {}).get(tuple(range(len(members))))
+
+    def _bound_of(self, members: Members) -> float:
+        """Return the bound of a part at the present price."""
+        whole = self._whole(members)
+        if whole is None or whole.price != self.price:
+            return sum(self.fleet.base[i] for i in members)
+        return whole.bound
 
     def _paid_for_hazards(self, members: Members) -> float:
         """Return what a set's plan costs beyond the least in empty space."""
@@ -175,8 +186,8 @@ class _Search:
     def _search(self, num_directions: int) -> None:
         """Search all parts at the present price, until what is open matters no more."""
         gap, nodes = TUNING.set_gap, TUNING.nodes
+        worth = TUNING.worth * self._allowed
         for _ in range(TUNING.rounds):
-            worth = TUNING.worth * max(self.incumbent.cost - self.best, 0.0)
             left = self.most_nodes - self.nodes
             order = PartOrder(self.price, num_directions, gap, nodes, worth, left)
             is_new = False
@@ -188,9 +199,26 @@ class _Search:
                     self._note()
                     if self.is_over:
                         return
-            if not is_new:
+            if not is_new or self._is_futile(worth):
                 return
             gap, nodes = gap * TUNING.finer, 2 * nodes
+
+    @property
+    def _allowed(self) -> float:
+        """The difference of cost and bound with which the bound is good enough."""
+        return max(TUNING.gap, self.fleet.gap) * abs(self.incumbent.cost)
+
+    def _missing(self) -> float:
+        """Return by how much the bound at the present price has to rise to be good enough."""
+        return self.incumbent.cost - self._allowed - self._bound_here()
+
+    def _is_futile(self, worth: float) -> bool:
+        """Whether even a search to the end would not do, and little is left of it."""
+        still = [m for m in self.order if self._whole(m) is None]
+        found = [whole for _, whole in self._found() if whole.price == self.price]
+        left = sum(whole.value - whole.bound for whole in found)
+        most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
+        return most < self._missing() and left <= TUNING.futile * self._allowed
 
     def _answers(self, order: PartOrder) -> Generator[tuple[Members, PartAnswer], None, None]:
         """Yield what came of every part that promises anything, in order; who asks keeps it.
@@ -199,16 +227,19 @@ class _Search:
         what took more than that is done again within it.
         """
         chosen = [m for m in self.order if self._paid_for_hazards(m) > order.worth]
+        # Of what is known now, so that workers and this process are asked the same.
+        missing = self._missing()
+        orders = [replace(order, enough=self._bound_of(m) + missing) for m in chosen]
         if self.fleet.executor is None or len(chosen) < 2:
-            for members in chosen:
-                yield members, self._answer_here(members, order)
+            for members, asked in zip(chosen, orders, strict=True):
+                yield members, self._answer_here(members, asked)
             return
-        tasks = [self._task(members, order) for members in chosen]
+        tasks = [self._task(members, asked) for members, asked in zip(chosen, orders, strict=True)]
         limits, executor = self.fleet.limits, self.fleet.executor
         with closing(in_order(search_part, tasks, limits, executor)) as answers:
-            for members, answer in zip(chosen, answers, strict=True):
+            for members, asked, answer in zip(chosen, orders, answers, strict=True):
                 if answer is None or answer.nodes >= self.most_nodes - self.nodes:
-                    answer = self._answer_here(members, order)  # noqa: PLW2901 - what counts
+                    answer = self._answer_here(members, asked)  # noqa: PLW2901 - what counts
                 yield members, answer
 
     def _task(self, members: Members, order: PartOrder) -> PartTask:
@@ -224,11 +255,15 @@ class _Search:
 
     def _note(self) -> None:
         """Keep the bound at the present price if it is the best."""
+        self.best = max(self.best, self._bound_here())
+
+    def _bound_here(self) -> float:
+        """Return the bound at the present price."""
         total = sum(self.fleet.base)
         for _, whole in self._found():
             if whole.price == self.price:
                 total += whole.bound - whole.base
-        self.best = max(self.best, total - self.price * self.fleet.scenario.risk_bound)
+        return total - self.price * self.fleet.scenario.risk_bound
 
     def _has_moved_price(self) -> bool:
         """Choose a better price where the relaxed plans risk far more or less than Δ."""

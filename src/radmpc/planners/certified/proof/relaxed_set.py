@@ -138,6 +138,7 @@ class RelaxedSet:
         gap: float,
         max_nodes: int,
         hint: Vector,
+        enough: float = float("inf"),
     ) -> RelaxedSet:
         """Return the same set, searched on.
 
@@ -155,6 +156,8 @@ class RelaxedSet:
             Nodes to spend now.
         hint : (n,) array
             A point to begin with.
+        enough : float
+            Bound at which to stop.
         """
         unit = self.scenario.risk_bound
         if self.scenario.has_windows and self.scenario.num_vehicles == 1:
@@ -171,16 +174,16 @@ class RelaxedSet:
             rater=self.rater,
         )
         # What is cheaper than the most that is asked for counts; all else need not be told apart.
-        best = known = self.best
-        if self.most < self._value_at(price):
-            best = Incumbent(hint, np.zeros(self.program.num_avoidances, np.int64), self.most, 0.0)
+        best, known, most = self.best, self.best, min(self.most, enough / (1.0 - gap))
+        if most < self._value_at(price):
+            best = Incumbent(hint, np.zeros(self.program.num_avoidances, np.int64), most, 0.0)
         tree.resume(self.frontier, max(self.price, 0.0) * unit, best, self.base)
         tree.consider(hint)
         tree.run(max_nodes)
         if tree.best is not best:
             known = tree.best
         bound = max([self._bound_at(price), tree.bound, *(b.value for b in bounds)])
-        bound = min(bound, self.most, tree.value)
+        bound = min(bound, most, tree.value)
         return replace(
             self,
             price=price,

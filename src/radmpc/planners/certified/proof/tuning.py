@@ -51,6 +51,9 @@ class Tuning:
         By how much it shrinks from one round to the next [-].
     worth : float
         Share of the gap that a set must promise to be searched [-].
+    futile : float
+        Share of the gap that may be left open where no search to the end would reach the gap [-]:
+        the plan at hand is not the best one, then.
     off : float
         Factor by which the risk of the relaxed plans may miss Δ before another price is tried [-].
     prices : int
@@ -80,6 +83,7 @@ class Tuning:
     set_gap: float = 4e-3
     finer: float = 0.4
     worth: float = 0.02
+    futile: float = 0.3
     off: float = 1.5
     prices: int = 2
     most_move: float = 2.0

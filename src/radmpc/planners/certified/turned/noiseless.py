@@ -47,18 +47,15 @@ def turn_from_noiseless(fleet: Fleet, state: SearchState, judge: Judge) -> Searc
     limits = fleet.limits.within(TUNING.noiseless_share * fleet.limits.seconds_left)
     whole = tuple(range(count))
     alone = [_noiseless(fleet, (i,), limits) for i in whole] if count > 1 else []
-    starts = [_noiseless(fleet, whole, limits)]
+    together, apart = _noiseless(fleet, whole, limits), None
     if alone and all(z is not None for z in alone):
         parts = {i: z for i, z in enumerate(alone) if z is not None}
         apart = fleet.programs.assembled(whole, parts)
         controls = _controls(fleet, whole, apart)
         state = plan_by_turning(fleet, state, judge, fleet.singles, controls)
-        if starts[0] is None or not np.array_equal(apart, starts[0]):
-            starts.append(apart)
-    for z in starts:
-        if z is not None:
-            controls = _controls(fleet, whole, z)
-            state = plan_by_turning(fleet, state, judge, (whole,), controls)
+    if together is not None and (apart is None or not np.array_equal(apart, together)):
+        controls = _controls(fleet, whole, together)
+        state = plan_by_turning(fleet, state, judge, (whole,), controls)
     return state
 
 

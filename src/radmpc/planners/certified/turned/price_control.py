@@ -27,6 +27,8 @@ class PriceControl:
         Δ [-].
     gap : float
         Relative difference of costs below which plans count as equal [-].
+    rival : float
+        Cost of the best plan known from elsewhere; inf where there is none.
     num_stalls : int
         Rounds in a row that gained too little.
     """
@@ -34,7 +36,10 @@ class PriceControl:
     price: float
     risk_bound: float
     gap: float
+    rival: float = float("inf")
     num_stalls: int = 0
+    _num_rounds: int = 0
+    _num_idle: int = 0
     _num_over: int = 0
     _num_backs: int = 0
     _cheapest: float = float("inf")
@@ -61,14 +66,25 @@ class PriceControl:
         if certified <= self.risk_bound:
             self._cheapest, self._safe = cost, (paths, self.price)
 
-    def follow(self, certified: float, cost: float, paths: SavedPaths) -> SavedPaths | None:
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more is expected of another round."""
+        is_idle = self._safe is not None and self._num_idle >= TUNING.most_idle
+        return is_idle or self.num_stalls >= TUNING.max_stalls
+
+    def follow(
+        self, certified: float, cost: float, paths: SavedPaths, risk: float = 0.0
+    ) -> SavedPaths | None:
         """Choose the next price after a round; return paths to go back to first, if any.
 
         Parameters
         ----------
         certified, cost, paths
             As in `begin`, of the round's.
+        risk : float
+            What its half-spaces' risks sum to [-].
         """
+        self._count(certified, cost, risk)
         is_little = self._is_little(certified, cost)
         self.num_stalls = self.num_stalls + 1 if is_little else 0
         is_over = certified > self.risk_bound
@@ -77,18 +93,38 @@ class PriceControl:
             self._cheapest = min(self._cheapest, cost)
             self._safe = paths, self.price
         is_lost = certified > TUNING.lost * self.risk_bound or self._num_over >= TUNING.most_over
-        is_lost |= is_little and is_over
+        is_lost |= is_little and certified > TUNING.nearly_spent * self.risk_bound
         if is_lost and self._safe is not None and self._num_backs < TUNING.most_backs:
             return self._back(*self._safe)
         self._last_certified, self._last_cost = certified, cost
         ratio = certified / (TUNING.aim * self.risk_bound)
         ratio = float(np.clip(ratio, 1.0 / TUNING.most_fall, TUNING.most_rise))
         self.price *= ratio**TUNING.damping
+        if is_over and is_little and self._safe is not None:
+            self.price *= TUNING.nudge
         if is_over and self._safe is None:
             # The longer nothing is certified, the less it may cost to wait.
             self.price *= TUNING.impatience ** (self._num_over - 1)
         self.price = min(self.price, self._most)
         return None
+
+    def _count(self, certified: float, cost: float, risk: float) -> None:
+        """Take note of how much a round gained, and of what others could gain."""
+        self._num_rounds += 1
+        little = TUNING.enough * self.gap * abs(cost)
+        self._num_idle += 1
+        if certified > self.risk_bound:
+            return
+        if self._cheapest - cost >= little:
+            self._num_idle = 0
+        # What risk does not explain of the last move, and what is left to be risked.
+        worth = self.price * max(risk / max(certified, 1e-300), 1.0)
+        moved = self._last_cost - cost - worth * (certified - self._last_certified)
+        potential = abs(moved) + worth * (self.risk_bound - certified)
+        is_behind = cost - self.rival > TUNING.hopeless * potential
+        is_behind &= self._num_rounds >= TUNING.tried
+        if is_behind or potential <= TUNING.settled * self.gap * abs(cost):
+            self._num_idle = TUNING.most_idle
 
     def _back(self, paths: SavedPaths, price: float) -> SavedPaths:
         """Go on from certified paths at a higher price, the higher the more often."""

@@ -142,6 +142,19 @@ class Tuning:
         Share of the gap below which a round gains too little to go on [-].
     spent : float
         Share of Δ below which a certificate calls for a lower price before gains are counted [-].
+    nearly_spent : float
+        Multiple of Δ up to which a certificate above it, of a round that gained too little, calls
+        for a higher price instead of going back [-].
+    nudge : float
+        Further factor on the price then [-].
+    settled : float
+        Share of the gap that another round must promise [-].
+    hopeless, tried : float, int
+        Multiple of what another round promises by which plans from elsewhere may be cheaper [-],
+        after so many rounds.
+    most_idle : int
+        Rounds in a row without a better certified plan, after which none follows [-]:
+        `circle(4)` swings between two vertices for ever.
     max_stalls : int
         Rounds in a row that gain too little, after which none follows [-].
     less : float
@@ -223,6 +236,12 @@ class Tuning:
     damping: float = 0.8
     enough: float = 0.2
     spent: float = 0.5
+    nearly_spent: float = 1.2
+    nudge: float = 1.05
+    settled: float = 0.15
+    hopeless: float = 5.0
+    tried: int = 3
+    most_idle: int = 10
     max_stalls: int = 3
     less: float = 0.9
     close: float = 2.0

@@ -32,7 +32,9 @@ _NOTHING = 1e-300
 """Stands for a certificate of 0 where one divides by it [-]."""
 
 
-def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchState:
+def turn_half_spaces(
+    fleet: Fleet, state: SearchState, judge: Judge, rival: float = float("inf")
+) -> SearchState:
     """Improve the incumbent by half-spaces of any direction, until little is gained.
 
     Every hazard keeps the side on which the plan passes it, by a half-space turned to where it
@@ -46,6 +48,8 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
         With a certified plan.
     judge : callable
         The referee.
+    rival : float
+        Cost of another plan that it is to become cheaper than.
 
     Returns
     -------
@@ -59,7 +63,7 @@ def turn_half_spaces(fleet: Fleet, state: SearchState, judge: Judge) -> SearchSt
     task, paths = turning.task, turning.successive.paths
     if task.hazards.count > TUNING.most_together:
         turning.hold_all_but(not_idle(task.hazards, paths, fleet.base, price, task.gap))
-    return replace(state, incumbent=turning.run(TUNING.rounds))
+    return replace(state, incumbent=turning.run(TUNING.rounds, rival))
 
 
 def turn_to(
@@ -103,7 +107,7 @@ def turn_to(
         both = zip(incumbent.controls, controls, strict=True)
         controls = tuple(b if i in moving else a for i, (a, b) in enumerate(both))
     turning.successive.begin(controls)
-    return replace(state, incumbent=turning.run(TUNING.rounds))
+    return replace(state, incumbent=turning.run(TUNING.rounds, incumbent.cost))
 
 
 def plan_by_turning(
@@ -117,12 +121,8 @@ def plan_by_turning(
 
     Parameters
     ----------
-    fleet : Fleet
-        The fleet.
-    state : SearchState
-        What is known of it.
-    judge : callable
-        The referee.
+    fleet, state, judge
+        As in `turn_half_spaces`, with or without a plan.
     sets : tuple of tuple of int
         Who is planned together.
     controls : tuple of (T, m) array
@@ -137,14 +137,14 @@ def plan_by_turning(
     price = TUNING.dear * fleet.first_unit_price(state.budget) / fleet.unit
     turning = Turning(_task(fleet, judge, controls), state.incumbent, sets, price)
     turning.successive.begin(controls)
-    return replace(state, incumbent=turning.run(2 * TUNING.rounds))
+    return replace(state, incumbent=turning.run(2 * TUNING.rounds, state.incumbent.cost))
 
 
 def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
     """Return what turning is asked of a fleet, visits at the steps of given controls."""
-    hazards = fleet.programs.hazards.visiting(controls)
+    hazards, bound = fleet.programs.hazards.visiting(controls), fleet.scenario.risk_bound
     found = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
-    return Task(hazards, judge, fleet.limits, fleet.gap, fleet.scenario.risk_bound, found)
+    return Task(hazards, judge, fleet.limits, fleet.gap, bound, found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -227,13 +227,15 @@ class Turning:
         moving = tuple(members for members in self.sets if vehicles.intersection(members))
         self.groups = groups_of(moving, self.task.hazards.count)
 
-    def run(self, rounds: int) -> FleetIncumbent:
+    def run(self, rounds: int, rival: float = float("inf")) -> FleetIncumbent:
         """Turn half-spaces to the latest paths and plan again, until little is gained.
 
         Parameters
         ----------
         rounds : int
             Turns at most [-].
+        rival : float
+            Cost of a plan from elsewhere that this is to become cheaper than.
 
         Returns
         -------
@@ -241,30 +243,30 @@ class Turning:
             The best certified plan so far.
         """
         task, paths = self.task, self.successive.paths
-        control = PriceControl(self.price, task.risk_bound, task.gap)
+        control = PriceControl(self.price, task.risk_bound, task.gap, rival)
         if len(self.groups) > 1:
             self.successive.forget_all_but(self.groups)
         control.begin(self._take(), paths.cost(), paths.state())
         for number in range(rounds):
-            has_spent = number >= TUNING.least_rounds and self._has_spent
-            if task.limits.reached or control.num_stalls >= TUNING.max_stalls or has_spent:
+            if task.limits.reached or control.is_over or self._has_spent(number):
                 break
             self.price = control.price
             self._turn(max(TUNING.least_spacing, TUNING.spacing * TUNING.finer**number))
             certified, cost = self._take(), paths.cost()
             _LOG.info(
-                "turn %d of half-spaces: 1 %% of the risk bound at a price of %.3g; cost %.6g, "
-                "certificate %.3g of risk bound %g",
-                number + 1, 0.01 * task.risk_bound * self.price, cost, certified, task.risk_bound,
+                "turn %d of half-spaces: price of 1 %% of the risk bound %.3g, cost %.6g, "
+                "certificate %.3g",
+                number + 1, 0.01 * task.risk_bound * self.price, cost, certified,
             )  # fmt: skip
-            back = control.follow(certified, cost, paths.state())
+            back = control.follow(certified, cost, paths.state(), self.risk)
             if back is not None:
                 self.successive.restore(back)
         return self.incumbent
 
-    @property
-    def _has_spent(self) -> bool:
-        """Whether it took all the work that turning may take."""
+    def _has_spent(self, number: int) -> bool:
+        """Whether so many rounds took all the work that turning may take."""
+        if number < TUNING.least_rounds:
+            return False
         most_work = max(TUNING.most_work, TUNING.work_each * self.task.hazards.count)
         return self.successive.work >= most_work or self.num_solves >= TUNING.most_solves
 
@@ -284,10 +286,8 @@ class Turning:
         certified, cost = self.task.judge(controls).certified, paths.cost()
         if certified <= self.task.risk_bound and cost < self.incumbent.cost:
             ratio = min(self.risk / max(certified, _NOTHING), TUNING.most_ratio)
-            price = self.price * ratio or None
-            if self.is_partial:
-                # What most vehicles would still pay for risk is what they paid before.
-                price = self.incumbent.turned_price
+            # What most vehicles would still pay for risk is what they paid before.
+            price = self.incumbent.turned_price if self.is_partial else self.price * ratio or None
             self.incumbent = replace(
                 self.incumbent,
                 controls=controls,
