@@ -14,6 +14,7 @@ import radmpc
 from radmpc.model.visits import steps_of_visits
 from radmpc.planners.certified.proof import least_visits
 from radmpc.planners.certified.proof.least_visits import least_cost
+from radmpc.planners.certified.proof.leg_chain import LegChain
 from radmpc.planners.certified.proof.leg_speeds import leg_efforts
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
@@ -104,6 +105,32 @@ def test_the_least_cost_is_that_of_the_best_steps(seed: int) -> None:
         assert quick[steps] <= cost * (1.0 + 1e-9)
     finite = [steps for steps, cost in costs.items() if np.isfinite(cost)]
     assert np.median([quick[s] / costs[s] for s in finite]) > 0.6
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_legs_two_by_two_bound_less_than_all_together_but_not_much_less(seed: int) -> None:
+    model = model_of(seed, drift=[0.2, -0.1, 0.0, 0.0] if seed % 2 else None)
+    table, chain = leg_efforts(model), LegChain.of(model)
+    assert table is not None
+    assert chain is not None
+    every = {
+        places: chain.least([slice(k, k + 1) for k in places]) for places in np.ndindex(table.shape)
+    }
+    for places, quick in every.items():
+        assert quick <= table[places] + 1e-9
+        assert np.isfinite(quick) == np.isfinite(table[places])
+    finite = [places for places in every if np.isfinite(every[places])]
+    assert np.median([every[p] / max(table[p], 1e-9) for p in finite]) > 0.6
+    some = [slice(1, 4), *(slice(None) for _ in table.shape[1:])]
+    least = min(quick for places, quick in every.items() if 1 <= places[0] < 4)
+    assert chain.least(some) == pytest.approx(least)
+
+
+def test_the_least_cost_is_the_same_with_legs_two_by_two(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = model_of(3)
+    least = least_cost(model, Limits())
+    monkeypatch.setattr(least_visits, "leg_efforts", lambda model: None)
+    assert least_cost(model, Limits()) == pytest.approx(least, rel=1e-6)
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.visits import steps_of_visits
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.proof.leg_chain import LegChain
 from radmpc.planners.certified.proof.leg_speeds import Table, leg_efforts
 from radmpc.planners.certified.turned.visiting import VisitLp
 from radmpc.program.condensed import CondensedModel
@@ -120,6 +121,7 @@ class _Search:
     numbers: Iterator[int] = field(default_factory=count)
 
     table: Table | None = None
+    chain: LegChain | None = None
 
     def __post_init__(self) -> None:
         """Fix what has one step only, and the arrival where time costs nothing."""
@@ -127,6 +129,8 @@ class _Search:
         arrival = model.vehicle.goal.window(model.horizon)
         self.program = VisitLp(model)
         self.table = leg_efforts(model)
+        if self.table is None:
+            self.chain = LegChain.of(model)
         self.windows = [*steps_of_visits(model.vehicle.via, model.horizon), arrival]
         given: list[int | None] = [a if a == b else None for a, b in self.windows]
         if not has_choice_of_arrival(model):
@@ -153,15 +157,15 @@ class _Search:
             yield (*steps[:j], step, *steps[j + 1 :])
 
     def _tabulated(self, steps: Steps) -> float:
-        """Return what the table says of a node: the least of all that its open visits can be."""
-        if self.table is None:
-            return 0.0
+        """Return what velocities say of a node: the least of all that its open visits can be."""
         places = [
-            slice(None) if step is None else step - first
+            slice(None) if step is None else slice(step - first, step - first + 1)
             for step, (first, _) in zip(steps[:-1], self.windows, strict=False)
         ]
         time = self.model.time_cost * (steps[-1] or self.windows[-1][0]) / self.model.horizon
-        return float(self.table[tuple(places)].min()) + time
+        if self.table is not None:
+            return float(self.table[tuple(places)].min()) + time
+        return time if self.chain is None else self.chain.least(places) + time
 
     def _opened(self, steps: Steps) -> Iterator[Steps]:
         """Yield the same steps but one, and of three or more each by itself."""

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from radmpc.model.visits import steps_of_visits
 from radmpc.program.condensed import CondensedModel
 
-__all__ = ["Table", "leg_efforts"]
+__all__ = ["Table", "beyond", "leg_efforts"]
 
 Table = npt.NDArray[np.float64]
 
@@ -86,20 +86,34 @@ def _changes(model: CondensedModel, steps: list[npt.NDArray[np.int64]], axis: in
         count = np.maximum(at[0] - before[0], 1)
         least, most = (at[1] - before[2]) / (count * dt), (at[2] - before[1]) / (count * dt)
         if j == 0:
-            least, most = _beyond(least, most, count, (0.0, 0.0))
+            least, most = beyond(least, most, count, (0.0, 0.0))
         elif j == len(boxes) - 1:
-            least, most = _beyond(least, most, count, ends)
+            least, most = beyond(least, most, count, ends)
         total, low, high = _moved(total, low, high, least, most)
         before = at
     return _moved(total, low, high, np.full_like(zero, ends[0]), np.full_like(zero, ends[1]))[0]
 
 
-def _beyond(
+def beyond(
     least: Table, most: Table, count: npt.NDArray[np.int64], ends: tuple[float, float]
 ) -> tuple[Table, Table]:
     """Return the velocities that a leg must have if it begins or ends with one of an interval.
 
     Velocities change at even rates over a step: half of it is lost.
+
+    Parameters
+    ----------
+    least, most : array
+        Of the leg as a whole [m/s].
+    count : int array
+        Its steps [-].
+    ends : tuple of float
+        The interval [m/s].
+
+    Returns
+    -------
+    tuple of array
+        Least and largest velocity [m/s].
     """
     low, high = ends
     goes_up, goes_down = least > high, most < low
