@@ -14,6 +14,7 @@ from executors import AtOnce, Broken, Never, OneStepLate, steering
 
 import radmpc
 from comparing import differences
+from radmpc.errors import ArgumentError
 from radmpc.experiments.families import paper
 from radmpc.flying.account import Account
 from radmpc.flying.flight import Flight, fly
@@ -85,11 +86,34 @@ def test_whatever_a_worker_does_the_tail_flies_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # Nobody waits for a worker that never answers.
-    monkeypatch.setattr(Mission, "wait", lambda self, seconds=None: None)
+    monkeypatch.setattr(Mission, "wait", lambda self, seconds=None: True)
     kept, tried = flown(plan, None, planner=None), flown(plan, worker(), planner=planner)
     assert all(t.reason.startswith(reason) for t in tried.ticks[1:9])
     assert differences(kept.states, tried.states) == []
     assert [e.bank for e in kept.account] == [e.bank for e in tried.account]
+
+
+def test_a_worker_that_never_answers_is_waited_for_once_and_no_longer_than_asked(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[float | None] = []
+    right = Mission.wait
+
+    def wait(self: Mission, seconds: float | None = None) -> bool:
+        asked.append(seconds)
+        return right(self, seconds)
+
+    monkeypatch.setattr(Mission, "wait", wait)
+    mission = Mission(plan, planner=steering, executor=Never(), warm=False)
+    flight = fly(mission, Model(plan.scenario, 3), patience=0.01)
+    # At the first step nothing has been asked of it yet.
+    assert asked == [0.01, 0.01, *[0.0] * (plan.scenario.horizon - 1)]
+    assert all(tick.reason.endswith("is late") for tick in flight.ticks[1:-1])
+
+
+def test_a_patience_below_nothing_is_refused(plan: Plan) -> None:
+    with pytest.raises(ArgumentError, match=r"^patience must be at least 0, got -1"):
+        fly(Mission(plan, planner=None), Model(plan.scenario, 3), patience=-1.0)
 
 
 def test_a_plan_that_is_late_is_judged_when_it_comes(plan: Plan) -> None:

@@ -59,16 +59,15 @@ class Background:
         except Exception as error:
             self._refusal = error
 
-    def wait(self, seconds: float | None = None) -> None:
-        """Wait until the order has been worked on.
+    def wait(self, seconds: float | None = None) -> bool:
+        """Wait until the order has been worked on; return whether none is left.
 
         Parameters
         ----------
         seconds : float or None
             At most; None is as long as it takes.
         """
-        if self._future is not None:
-            wait([self._future], seconds)
+        return self._future is None or not wait([self._future], seconds).not_done
 
     def arrived(self, step: int, states: Sequence[Vector]) -> Candidate | None:
         """Return what came of the order, given what is measured; None where there was none.

@@ -9,11 +9,15 @@ from typing import Protocol
 import numpy as np
 
 from radmpc.arrays import Vector
+from radmpc.flying.measuring import check_number
 from radmpc.flying.model import Backend
 from radmpc.flying.tick import Contact, Entry, Tick
 from radmpc.model.scenario import Scenario
 
-__all__ = ["Flight", "Flyable", "fly"]
+__all__ = ["PATIENCE", "Flight", "Flyable", "fly"]
+
+PATIENCE = 600.0
+"""How long a worker is waited for at most where nobody says how long [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,8 +80,8 @@ class Flyable(Protocol):
         """What was hit."""
         ...
 
-    def wait(self, seconds: float | None = None) -> None:
-        """Wait for what is planned in the background."""
+    def wait(self, seconds: float | None = None) -> bool:
+        """Wait for what is planned in the background; return whether it is there."""
         ...
 
     def step(
@@ -101,29 +105,47 @@ class Flyable(Protocol):
         ...
 
 
-def fly(mission: Flyable, backend: Backend, *, deadline: float | None = None) -> Flight:
+def fly(
+    mission: Flyable,
+    backend: Backend,
+    *,
+    deadline: float | None = None,
+    patience: float = PATIENCE,
+) -> Flight:
     """Fly a mission to its end, also after a collision.
 
     Parameters
     ----------
     mission : Mission or LongMission
-        At its beginning. What it has planned in the background is waited for at every step.
+        At its beginning. What it has planned in the background is waited for at every step, so
+        that the same seed makes the same flight.
     backend : Backend
         What it is flown with; measured states are taken as exact.
     deadline : float or None
         Seconds that each decision may take; None is no limit.
+    patience : float
+        Seconds that the background is waited for at most; inf is as long as it takes. An order that
+        took longer is not waited for again: the mission flies on without it, and judges its plan
+        whenever it comes.
 
     Returns
     -------
     Flight
         Decisions, account, states and what was hit.
+
+    Raises
+    ------
+    ArgumentError
+        If patience is below 0.
     """
+    check_number(patience, "patience")
     vehicles = mission.scenario.vehicles
     states, contacts = backend.reset()
     visited = [tuple(states)]
-    effort = 0.0
+    effort, is_there = 0.0, True
+    most = None if patience == float("inf") else patience
     while True:
-        mission.wait()
+        is_there = mission.wait(most if is_there else 0.0)
         tick = mission.step(states, deadline=deadline, contacts=contacts)
         if not tick.segments:
             break

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -243,8 +244,8 @@ def miss_of(vehicle: Vehicle, state: Vector, dt: float) -> float:
     place = state[list(vehicle.system.position)]
     goal = vehicle.goal
     outside = np.maximum(np.maximum(goal.lower - place, place - goal.upper), 0.0)
-    total = float(np.linalg.norm(outside))
+    total = math.sqrt(outside @ outside)
     if goal.speed is not None and vehicle.system.velocity is not None:
-        speeds = np.abs(state[list(vehicle.system.velocity)])
-        total += dt * float(np.linalg.norm(np.maximum(speeds - goal.speed, 0.0)))
+        excess = np.maximum(np.abs(state[list(vehicle.system.velocity)]) - goal.speed, 0.0)
+        total += dt * math.sqrt(excess @ excess)
     return total

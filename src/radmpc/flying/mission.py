@@ -97,10 +97,8 @@ class Mission:
         planning = planning_with(planner, seed)
         self._sources = Sources.of(plan.scenario, planning, executor, is_warm=warm)
         self._rule = Rule(self._sources, share, miss_price)
-        self._clock = clock
         check_memory(plan.scenario)
-        self._scenario = plan.scenario
-        self._step = 0
+        self._clock, self._scenario, self._step = clock, plan.scenario, 0
         self._contacts: list[Contact] = []
         self._ticks: list[Tick] = []
         self._entries: list[Entry] = []
@@ -205,17 +203,20 @@ class Mission:
             plan_ahead(self._rule, later, decision.next_step, is_timed=deadline is not None)
         return tick
 
-    def wait(self, seconds: float | None = None) -> None:
-        """Wait until what is planned in the background is there, as who flies a model does.
-
-        Then the same seed makes the same flight, wherever it is planned.
+    def wait(self, seconds: float | None = None) -> bool:
+        """Wait for what is planned in the background: then the same seed makes the same flight.
 
         Parameters
         ----------
         seconds : float or None
             At most; None is as long as it takes.
+
+        Returns
+        -------
+        bool
+            Whether it is there, or nothing is being planned.
         """
-        self._sources.wait(seconds)
+        return self._sources.wait(seconds)
 
     def close(self) -> None:
         """Give up what is planned in the background; the executor is its owner's to shut down."""

@@ -157,10 +157,9 @@ class Sources:
         self.warm = WarmSearch(leg.plan.scenario)
         self.prepare(leg)
 
-    def wait(self, seconds: float | None) -> None:
-        """Wait for the background."""
-        if self.background is not None:
-            self.background.wait(seconds)
+    def wait(self, seconds: float | None) -> bool:
+        """Wait for the background; return whether nothing is left to wait for."""
+        return self.background is None or self.background.wait(seconds)
 
     def close(self) -> None:
         """Give up what is planned in the background."""

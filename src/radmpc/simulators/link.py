@@ -79,6 +79,8 @@ class Link:
     ----------
     name : str
         The vehicle.
+    address : str
+        Where its messages arrive, for messages.
     fix : Fix or None
         Where it last said it was.
     heard : float
@@ -95,6 +97,7 @@ class Link:
     ) -> None:
         self._dialect: Any = loaded("pymavlink.dialects.v20.common", "mavlink")
         self.name = name
+        self.address = f"{host}:{port}"
         self._clock = clock
         self._begun = clock()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -104,7 +107,7 @@ class Link:
         except OSError as error:
             self._socket.close()
             raise LinkError(
-                f"vehicle {name!r}: cannot listen at {host}:{port}: {error.strerror}"
+                f"vehicle {name!r}: cannot listen at {self.address}: {error.strerror}"
             ) from error
         self._protocol = self._dialect.MAVLink(None, *_GROUND_STATION)
         self._protocol.robust_parsing = True

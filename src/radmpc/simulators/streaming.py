@@ -152,13 +152,16 @@ class Stream:
         end = self._clock() + self._patience
         while True:
             with self._lock:
-                lacking = [link.name for i, link in enumerate(self._links) if not has(i)]
+                lacking = [link for i, link in enumerate(self._links) if not has(i)]
             if not lacking:
                 return
             if self._failure is not None:
                 raise self._failure
             if self._clock() > end:
-                raise LinkError(f"vehicle {lacking[0]!r}: {lack}, waited {self._patience:g} s")
+                link = lacking[0]
+                if not np.isfinite(link.heard):
+                    lack = f"nothing is heard at {link.address}"
+                raise LinkError(f"vehicle {link.name!r}: {lack}, waited {self._patience:g} s")
             self._sleep(self._period)
 
     def wait_until(self, moment: float) -> None:

@@ -112,10 +112,14 @@ def run_fly(request: FlyRequest) -> int:
 
 
 class _Progress:
-    """Tells missions and steps on a line."""
+    """Tells missions and steps on a line, also before the first tick, which may take long."""
 
     def __init__(self, line: ProgressLine, record: FlightRecord) -> None:
         self._line, self._record = line, record
+        under_way = [mission for mission in record.missions if not mission.is_over]
+        flown = len(record.missions) - len(under_way)
+        if flown < record.settings.missions:
+            self(flown, under_way[0].rows[-1].step if under_way else 0)
 
     def __call__(self, mission: int, step: int) -> None:
         """Tell a tick."""

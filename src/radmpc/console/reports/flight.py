@@ -14,6 +14,9 @@ from radmpc.io.flight.record import FlightRecord, FlownMission
 
 __all__ = ["flight_json", "flight_report", "flight_rows"]
 
+_NOTHING = 1e-15
+"""Probability whose digits tell nothing [-]; files have them all."""
+
 _MOST_ALARMS = 5
 """Alarms that a report quotes."""
 
@@ -152,8 +155,20 @@ def _account(mission: FlownMission) -> Table:
         table.add_column(name, no_wrap=True, justify="right")
     table.add_column("flown", no_wrap=True)
     for row in mission.rows:
-        price = "" if row.price is None else f"{row.price:.2e}"
-        value = "" if row.value is None else f"{row.value:.2e}"
         what = "a new leg" if row.leg is not None else f"the tail: {row.reason}"
-        table.add_row(str(row.step), value, f"{row.wealth:.2e}", price, f"{row.bank:.2e}", what)
+        shares = (row.value, row.wealth, row.price, row.bank)
+        table.add_row(str(row.step), *(probability_text(share) for share in shares), what)
     return table
+
+
+def probability_text(value: float | None) -> str:
+    """Return a probability of the account, as short as it is telling.
+
+    Parameters
+    ----------
+    value : float or None
+        The probability [-]; None where there is none.
+    """
+    if value is None:
+        return ""
+    return f"< {_NOTHING:.0e}" if 0.0 < value < _NOTHING else f"{value:.2e}"

@@ -124,15 +124,20 @@ class LongMission:
         """Whether there is nothing left to fly."""
         return self._mission.is_over
 
-    def wait(self, seconds: float | None = None) -> None:
+    def wait(self, seconds: float | None = None) -> bool:
         """Wait for the background; see `Mission.wait`.
 
         Parameters
         ----------
         seconds : float or None
             At most; None is as long as it takes.
+
+        Returns
+        -------
+        bool
+            Whether it is there, or nothing is being planned.
         """
-        self._mission.wait(seconds)
+        return self._mission.wait(seconds)
 
     def close(self) -> None:
         """Give up what is planned in the background."""

@@ -267,6 +267,8 @@ def _with_telling_links(
     rows: HalfspaceRows, widths: Vector, loops: Loops, parties: Parties, horizon: int
 ) -> HalfspaceRows:
     """Cut the links whose rows the certificate charges whole, because little is gained by them."""
+    if not (rows.before >= 0).any():
+        return rows
     noise = since(loops, horizon, 0, is_measured=False)
     noise = together(noise, loops, parties.first, parties.others)
     spread = deviations_of(rows, parties, noise)
