@@ -12,12 +12,10 @@ currents, gusts, receivers and freighters, and flies every plan in that world wi
 from __future__ import annotations
 
 import argparse
-import csv
 import itertools
 import multiprocessing
-import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import closing
 from functools import partial
@@ -25,6 +23,7 @@ from pathlib import Path
 
 from calibration_report import doubtful, report, second_look
 from calibration_trial import COLUMNS, Trial, run_trial, trial_of
+from record_table import add_row, rows_of
 
 _MORE = 100
 
@@ -46,7 +45,7 @@ def main() -> None:
     with closing(_run(missing, options.jobs, trial_at)) as running:
         while num_plans < options.plans:
             trial = next(running)
-            _append(options.out, trial)
+            add_row(options.out, COLUMNS, trial.as_row())
             trials.append(trial)
             num_plans += trial.has_plan
             if is_terminal:
@@ -80,14 +79,8 @@ def _options() -> argparse.Namespace:
 
 
 def _known(path: Path, seed: int, samples: int, *, noise: bool = False) -> list[Trial]:
-    """Return the trials of an earlier run; a line cut off by its end is dropped."""
-    if not path.exists():
-        return []
-    content = path.read_bytes()
-    whole = content[: content.rfind(b"\n") + 1]
-    if len(whole) < len(content):
-        os.truncate(path, len(whole))
-    trials = [trial_of(row) for row in csv.DictReader(whole.decode("utf-8").splitlines())]
+    """Return the trials of an earlier run."""
+    trials = [trial_of(row) for row in rows_of(path)]
     if any((trial.seed, trial.samples) != (seed, samples) for trial in trials):
         sys.exit(f"{path}: was made with another seed or number of samples")
     if any(bool(trial.noise) != noise for trial in trials):
@@ -95,18 +88,9 @@ def _known(path: Path, seed: int, samples: int, *, noise: bool = False) -> list[
     return trials
 
 
-def _append(path: Path, trial: Trial) -> None:
-    """Add a line to the table so that it outlives a crash."""
-    with path.open("a", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if file.tell() == 0:
-            writer.writeheader()
-        writer.writerow(trial.as_row())
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _run(indices: Iterator[int], jobs: int, trial_at: Callable[[int], Trial]) -> Iterator[Trial]:
+def _run(
+    indices: Iterator[int], jobs: int, trial_at: Callable[[int], Trial]
+) -> Generator[Trial, None, None]:
     """Yield one trial after the other, here or from processes."""
     if jobs == 1:
         for index in indices:

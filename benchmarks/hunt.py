@@ -11,11 +11,9 @@ planner says, and with ``--save scene.json`` writes it as a scenario file.
 from __future__ import annotations
 
 import argparse
-import csv
 import itertools
 import logging
 import multiprocessing
-import os
 import sys
 from collections import Counter
 from collections.abc import Generator, Sequence
@@ -28,6 +26,7 @@ from hunt_catch import COLUMNS, KINDS, Catch, catch_of
 from hunt_checks import examine, run_scene
 from hunt_scenes import draw_scene
 from radmpc.io.native.scenario_file import save_scenario
+from record_table import add_row, rows_of
 
 _MOST_NAMED = 40
 """Scenes named per kind in the summary."""
@@ -53,7 +52,7 @@ def main() -> None:
     is_terminal = sys.stderr.isatty()
     with closing(_run(missing, options.jobs, options.seed, effort)) as running:
         for catch in running:
-            _append(options.out, catch)
+            add_row(options.out, COLUMNS, catch.as_row())
             catches.append(catch)
             if is_terminal:
                 text = f"\r{len(catches)}/{options.scenes} scenes"
@@ -93,28 +92,11 @@ def _replay(options: argparse.Namespace, effort: Effort) -> None:
 
 
 def _known(path: Path, seed: int, time_limit: float) -> list[Catch]:
-    """Return the scenes of an earlier run; a line cut off by its end is dropped."""
-    if not path.exists():
-        return []
-    content = path.read_bytes()
-    whole = content[: content.rfind(b"\n") + 1]
-    if len(whole) < len(content):
-        os.truncate(path, len(whole))
-    catches = [catch_of(row) for row in csv.DictReader(whole.decode("utf-8").splitlines())]
+    """Return the scenes of an earlier run."""
+    catches = [catch_of(row) for row in rows_of(path)]
     if any((catch.seed, catch.time_limit) != (seed, time_limit) for catch in catches):
         sys.exit(f"{path}: was made with another seed or time limit")
     return catches
-
-
-def _append(path: Path, catch: Catch) -> None:
-    """Add a line to the table so that it outlives a crash."""
-    with path.open("a", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if file.tell() == 0:
-            writer.writeheader()
-        writer.writerow(catch.as_row())
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def _run(

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from radmpc import certify, import_scenario, plan
+from radmpc import Goal, Scenario, Vehicle, certify, double_integrator, import_scenario, plan
 from radmpc.experiments.families import circle, paper
 from radmpc.model.obstacle import Obstacle
+from radmpc.planners.certified.turned import first_plan as making
 from radmpc.planners.certified.turned.detours import detours
 from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.price_control import PriceControl
@@ -172,3 +173,45 @@ def test_prioritized_planning_says_when_nobody_gets_through() -> None:
     blocked = replace(scenario, obstacles=(wall,), workspace=None)
     hazards = Hazards.of(blocked, condensed_models(blocked))
     assert prioritized(hazards, lambda: False) == {}
+
+
+def beside_a_post(clearance: float) -> Scenario:
+    """Eight lanes; in the first there is a rock on the way, and a post behind the goal.
+
+    The post is as many standard deviations from the goal as given: fewer than a first plan keeps
+    from everything, and enough for Δ.
+    """
+    system = double_integrator(1.0, 2)
+    known, noise = np.diag([0.01, 0.01, 0.0, 0.0]), np.diag([0.02, 0.02, 0.0, 0.0])
+    vehicles = []
+    for lane in range(8):
+        start, goal = np.array([0.0, 20.0 * lane, 0.0, 0.0]), np.array([12.0, 20.0 * lane])
+        box = Goal(goal - 0.01, goal + 0.01, np.full(2, 0.5))
+        rest = (system, start, box, 0.1, np.full(2, 3.0), known, noise)
+        vehicles.append(Vehicle(f"v{lane + 1}", *rest))
+    spread = np.sqrt(vehicles[0].covariances(8)[-1][0, 0])
+    face = 12.11 + clearance * spread
+    obstacles = (
+        Obstacle.box("rock", [5.0, -1.0], [7.0, 1.5]),
+        Obstacle.box("post", [face, -1.0], [face + 0.5, 1.0]),
+    )
+    return Scenario(
+        name="post", dt=1.0, horizon=8, vehicles=vehicles, obstacles=obstacles, risk_bound=0.05,
+        avoidance="steps",
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_what_no_attempt_keeps_is_not_tried_again_and_again(monkeypatch):
+    missed, turned = [], making._turned
+
+    def counted(*args):
+        told = turned(*args)
+        missed.append(told[0])
+        return told
+
+    monkeypatch.setattr(making, "_turned", counted)
+    found = first_plan(beside_a_post(1.7), time_limit=20.0)
+    assert found.is_certified
+    assert 1 < len(missed) <= 3
+    assert missed[0] > 0.05  # of the clearance [m]: else there was nothing to give up

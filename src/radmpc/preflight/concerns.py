@@ -159,8 +159,9 @@ def _of_vehicle(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> I
             seen.name,
             f"feedback asks for more control than the cheapest plan leaves with a probability of "
             f"{seen.saturation:.2g} (risk_bound {scenario.risk_bound:g}), and a certificate does "
-            f"not speak of that: {saturation_cures(scenario, vehicle, most)}",
+            "not speak of that",
             seen.saturation,
+            cures=partial(saturation_cures, scenario, vehicle, most),
         )
     ratio = seen.end_deviation / vehicle.radius
     if ratio > _SCATTERED:
@@ -186,9 +187,10 @@ def _control(scenario: Scenario, vehicle: Vehicle, seen: VehicleOutlook) -> Iter
         seen.name,
         f"feedback keeps back {reserve.kept:.3g} of {reserve.limit:.3g}{unit} "
         f"({100.0 * reserve.share:.0f} % of control_limit) on axis {reserve.axis} at step "
-        f"{reserve.step}: {control_cures(scenario, vehicle, _MUCH)}",
+        f"{reserve.step}",
         reserve.share,
         is_fatal=reserve.share > 1.0,
+        cures=partial(control_cures, scenario, vehicle, _MUCH),
     )
 
 

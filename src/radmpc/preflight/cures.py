@@ -53,7 +53,7 @@ def control_cures(scenario: Scenario, vehicle: Vehicle, share: float) -> str:
     Returns
     -------
     str
-        In the imperative, joined by "or"; what is in words only where no trial did.
+        In the imperative, joined by "or"; empty where nothing that was tried does.
     """
 
     def does(candidate: Vehicle) -> bool:
@@ -66,7 +66,7 @@ def control_cures(scenario: Scenario, vehicle: Vehicle, share: float) -> str:
     if does(vehicle_with_noise(vehicle, quieter**2)):
         found.append(f"reduce the noise to {quieter:g} of its standard deviations")
     found += _raised(vehicle, "control_limit", does, [kept / share * 1.001])
-    return _joined(found, "soften the gain, reduce the noise, or raise control_limit")
+    return ", or ".join(found)
 
 
 def time_cures(scenario: Scenario, vehicle: Vehicle) -> str:
@@ -91,8 +91,7 @@ def time_cures(scenario: Scenario, vehicle: Vehicle) -> str:
         bounds = candidate.control_bounds(candidate.covariances(horizon))
         return pace is not None and pace.arrives(np.maximum(bounds, 0.0))
 
-    found = [*_raised(vehicle, "speed_limit", does), *_raised(vehicle, "control_limit", does)]
-    return " or ".join(found)
+    return " or ".join(_faster(vehicle, does))
 
 
 def visit_cures(scenario: Scenario, vehicle: Vehicle) -> str:
@@ -100,22 +99,19 @@ def visit_cures(scenario: Scenario, vehicle: Vehicle) -> str:
 
     Parameters
     ----------
-    scenario : Scenario
-        Whose horizon counts.
-    vehicle : Vehicle
-        Of it, late with its present limits.
+    scenario, vehicle
+        As of `time_cures`.
 
     Returns
     -------
     str
-        In the imperative, joined by "or"; empty where nothing that was tried does.
+        In the imperative; empty where nothing that was tried does.
     """
     from radmpc.preflight.visits import is_in_time  # noqa: PLC0415 - few visit anything
 
     longer = (n for n in longer_horizons(scenario) if is_in_time(vehicle, n))
     found = [f"lengthen the horizon to {horizon}" for horizon in islice(longer, 1)]
-    for limit in ("speed_limit", "control_limit"):
-        found += _raised(vehicle, limit, lambda one: is_in_time(one, scenario.horizon))
+    found += _faster(vehicle, lambda one: is_in_time(one, scenario.horizon))
     return ", or ".join(found)
 
 
@@ -154,7 +150,7 @@ def saturation_cures(scenario: Scenario, vehicle: Vehicle, most: float) -> str:
     found = [] if higher is None else [f"raise control_sigmas to {higher.control_sigmas:g}"]
     found += _raised(vehicle, "control_limit", does)
     found += _softer(vehicle, does)
-    return _joined(found, "raise control_sigmas or control_limit, or soften the gain")
+    return ", or ".join(found)
 
 
 def deviation_cures(scenario: Scenario, vehicle: Vehicle, most: float, share: float) -> str:
@@ -232,6 +228,11 @@ def _weight(vehicle: Vehicle, does: _Test) -> float | None:
     return None
 
 
+def _faster(vehicle: Vehicle, does: _Test) -> list[str]:
+    """Return the smallest limits that do, each alone."""
+    return [*_raised(vehicle, "speed_limit", does), *_raised(vehicle, "control_limit", does)]
+
+
 def _raised(
     vehicle: Vehicle, limit: str, does: _Test, factors: Sequence[float] = LIMIT_FACTORS
 ) -> Iterator[str]:
@@ -249,8 +250,3 @@ def _raised(
             told = sorted({f"{x:g}" for x in raised.tolist()}, key=float)
             yield f"raise {limit} to {told[0] if len(told) == 1 else raised.tolist()}"
             return
-
-
-def _joined(found: Sequence[str], words: str) -> str:
-    """Return what was found to help; in words where nothing that was tried did."""
-    return f"{', or '.join(found)}" if found else f"{words} (none did that was tried)"

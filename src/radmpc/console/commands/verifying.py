@@ -160,11 +160,12 @@ def verify_plan(
         reasons = certificate.problems or (str(error),)
         certified, saturation = certificate.certified, certificate.saturation
         return Verification(False, bound, certified, None, None, None, 0, reasons, saturation)
-    return _verification(bound, certificate, simulation)
+    return _verification(plan, certificate, simulation)
 
 
-def _verification(bound: float, certificate: Certificate, simulation: Simulation) -> Verification:
+def _verification(plan: Plan, certificate: Certificate, simulation: Simulation) -> Verification:
     """Return what both say, and whether one contradicts the other."""
+    bound = plan.scenario.risk_bound
     problems = certificate.problems
     # An upper bound below a rate that is surely larger would be wrong: do not trust either.
     is_contradicted = simulation.rate_low > max(bound, certificate.certified)
@@ -174,7 +175,7 @@ def _verification(bound: float, certificate: Certificate, simulation: Simulation
             f"above the certificate {bound_text(certificate.certified)}"
             f"; controls saturate in {100.0 * simulation.saturation_rate:.3g} % of samples",
         )
-    warning = saturation_warning(bound, certificate.saturation)
+    warning = saturation_warning(plan, certificate.saturation)
     return Verification(
         holds=certificate.holds and not is_contradicted,
         bound=bound,
@@ -223,7 +224,9 @@ def verify_report(
         )
     if verification.saturation_bound is not None:
         rows["saturation"] = saturation_line(
-            verification.bound, verification.saturation_bound, verification.saturation_rate
+            verification.saturation_bound,
+            verification.saturation_rate,
+            next(iter(verification.warnings), None),
         )
     if verification.problems:
         rows["problems"] = Text("\n".join(verification.problems), style="red")

@@ -244,9 +244,8 @@ def advice_text(plan: Plan, preset: str = "", *, bounds_risk: bool = True) -> st
     if group_of.get(worst.vehicle) == group_of.get(worst.other):
         return None
     return (
-        f"{worst.vehicle} and {worst.other} were planned apart but may meet: try another --seed, "
-        "a lower threshold such as --planner 'multi-vehicle(1e-12)', or --planner ira for a "
-        "small fleet"
+        f"{worst.vehicle} and {worst.other} were planned apart but may meet; --planner certified "
+        "plans such vehicles together, and returns no plan above the bound"
     )
 
 

@@ -17,7 +17,7 @@ from radmpc.console.reports.reasons import (
     price_text,
     reasons_text,
 )
-from radmpc.console.reports.saturating import saturation_line
+from radmpc.console.reports.saturating import saturation_line, saturation_warning
 from radmpc.console.reports.visiting import arrivals_text, visits_text
 from radmpc.console.words import count_text, scenario_line
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
@@ -84,7 +84,8 @@ def _plan_rows(plan: Plan, preset: str, *, bounds_risk: bool) -> dict[str, Text 
     }
     has_feedback = any(vehicle.gain is not None for vehicle in plan.scenario.vehicles)
     if plan.risk.saturation is not None and has_feedback:
-        rows["saturation"] = saturation_line(plan.risk.bound, plan.risk.saturation)
+        warning = saturation_warning(plan, plan.risk.saturation)
+        rows["saturation"] = saturation_line(plan.risk.saturation, warning=warning)
     if bounds_risk:
         rows["shadow price"] = price_text(plan)
     for name, text in (("visits", visits_text(plan)), ("arrivals", arrivals_text(plan))):

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from rich.text import Text
 
+from radmpc.model.plan import Plan
+
 __all__ = ["saturation_line", "saturation_warning"]
 
 _SMALL = 0.1
 """Share of the risk bound up to which saturation is small against it."""
 
 
-def saturation_warning(bound: float, saturation: float) -> str | None:
+def saturation_warning(plan: Plan, saturation: float) -> str | None:
     """Return what to think of saturation where it is not small against the risk bound.
 
     Parameters
     ----------
-    bound : float
-        The risk bound.
+    plan : Plan
+        With trajectories: cures are tried on its own controls.
     saturation : float
         Upper bound on the probability that any control saturates.
 
@@ -25,31 +27,36 @@ def saturation_warning(bound: float, saturation: float) -> str | None:
     str or None
         One sentence; None where it is small.
     """
-    if saturation <= _SMALL * bound:
+    most = _SMALL * plan.scenario.risk_bound
+    if saturation <= most:
         return None
+    from radmpc.planners.cures.saturating import saturation_cure  # noqa: PLC0415 - few need it
+
+    cure = saturation_cure(plan, most)
     return (
         f"feedback may ask for more control than there is in up to {100.0 * saturation:.3g} % of "
-        "missions, and the certificate speaks of those in which it does not: raise control_sigmas "
-        "or control_limit, or soften the gain"
+        "missions, and the certificate speaks of those in which it does not"
+        f"{f'; what helps, as tried on this plan: {cure}' if cure else ''}"
     )
 
 
-def saturation_line(bound: float, saturation: float, rate: float | None = None) -> Text | str:
+def saturation_line(
+    saturation: float, rate: float | None = None, warning: str | None = None
+) -> Text | str:
     """Return the bound on saturation, what a simulation saw of it, and a warning.
 
     Parameters
     ----------
-    bound : float
-        Risk bound Δ.
     saturation : float
         Upper bound on the probability that a control saturates.
     rate : float or None
         Share of samples in which one does; None without a simulation.
+    warning : str or None
+        What `saturation_warning` says.
     """
     if saturation == 0.0:
         return "none: no control can reach its limit"
     text = f"at most {saturation:.3g}"
     if rate is not None:
         text += f", simulated {rate:.4g}"
-    warning = saturation_warning(bound, saturation)
     return text if warning is None else Text(f"{text}: {warning}", style="yellow")

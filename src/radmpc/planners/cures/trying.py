@@ -82,15 +82,13 @@ def reach_sentence(scenario: Scenario, late: Iterable[int], does: Does, limits: 
         The fleet.
     late : iterable of int
         Vehicles that cannot reach their goals through empty space.
-    does : callable
-        Whether all vehicles of a changed scenario can.
-    limits : Limits
-        When to stop trying.
+    does, limits
+        As of `room_sentence`: whether all vehicles of a changed scenario reach theirs.
 
     Returns
     -------
     str
-        A sentence; empty where nothing that was tried does.
+        The same for these.
     """
     within = limits.within(_SECONDS)
     part = scenario.subset(tuple(late), scenario.risk_bound)

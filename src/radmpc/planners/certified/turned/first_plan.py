@@ -83,12 +83,15 @@ def first_plan(
 def _tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
     """Return the plan of the first attempt that leads to one, or the cheapest of several sides."""
     hazards = begin.task.hazards
-    best, least, found = None, np.inf, FleetIncumbent()
+    best, least, found, is_known = None, np.inf, FleetIncumbent(), False
     # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
     num_sides = 1 if begin.ways or hazards.count > TUNING.few else SIDES
     beginnings = attempts(begin, rng, limits)
     for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):
         missed, other = _turned(begin, attempt, limits, (penalty, sweeps))
+        if not other.controls and not is_known and _is_as_little(missed, least):
+            # What attempts miss alike, at a start or a goal, no other attempt will keep.
+            other, is_known = attempt.run(TUNING.first_rounds), True
         found = min(found, other, key=lambda one: one.cost)
         if missed < least:
             best, least = attempt, missed
@@ -116,6 +119,11 @@ def _turned(
         if missed > TUNING.most_missed * float(radii.sum()):
             break
     return missed, FleetIncumbent()
+
+
+def _is_as_little(missed: float, least: float) -> bool:
+    """Whether an attempt misses what the best one before it did."""
+    return abs(missed - least) <= TUNING.alike * least < np.inf
 
 
 def _told_once(task: Task) -> Task:

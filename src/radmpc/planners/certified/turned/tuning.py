@@ -84,6 +84,8 @@ class Tuning:
         What paths may miss in all to be turned at a price of risk all the same [mean radii].
     most_missed : float
         What paths may miss in all for another try with less room [sums of radii].
+    alike : float
+        Relative difference of what two attempts miss up to which it counts as the same [-].
     easy_share : float
         The share of the time that is left for a first plan of a few vehicles that nothing stops and
         that do not keep apart at once [-]: searching their sets may be as quick.
@@ -211,6 +213,7 @@ class Tuning:
     most_missed: float = 1.0
     first_seconds: float = 30.0
     first_time_share: float = 0.4
+    alike: float = 0.01
     easy_share: float = 0.1
     fastest: float = 0.95
     first_rounds: int = 8

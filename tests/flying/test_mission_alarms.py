@@ -1,0 +1,74 @@
+"""What a mission raises alarms about, and what is flown where nothing is measured."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from adversary import beside_a_wall
+
+from comparing import differences
+from radmpc.errors import ScenarioError
+from radmpc.flying.leg import leg_of
+from radmpc.flying.mission import Mission
+from radmpc.result import Result
+
+
+def test_what_is_not_measured_is_flown_on(result: Result) -> None:
+    mission = Mission(result)
+    tick = mission.step(None)
+    assert (tick.choice, tick.value, tick.reason) == ("tail", None, "nothing was measured")
+    assert tick.alarms == ("no measurement: the tail flies on as expected",)
+    states = [np.full(4, np.nan) for _ in range(2)]
+    assert mission.step(states).alarms == tick.alarms
+    off = [
+        x + 5.0 * np.sqrt(np.diag(result.record.scenario.vehicles[0].disturbance_covariance))
+        for x in mission._expected
+    ]
+    assert mission.step(off).alarms == ()
+    assert mission.account[-1].bank == mission.account[0].bank
+
+
+def test_states_by_name_are_states_in_order(result: Result) -> None:
+    starts = {v.name: v.start for v in result.record.scenario.vehicles}
+    by_name, in_order = Mission(result, planner=None), Mission(result, planner=None)
+    turned = dict(reversed(starts.items()))
+    assert differences(by_name.step(turned).value, in_order.step([*starts.values()]).value) == []
+    with pytest.raises(ScenarioError, match=r"must have a state of every vehicle, lacks \['v2'\]"):
+        by_name.step({"v1": starts["v1"]})
+
+
+def test_disturbances_beyond_the_model_are_alarms(result: Result) -> None:
+    mission = Mission(result, planner=None)
+    states = [v.start for v in result.record.scenario.vehicles]
+    assert mission.step(states).alarms == ()
+    expected = [x.copy() for x in mission._expected]
+    expected[1][0] += 1.0
+    alarms = mission.step(expected).alarms
+    assert any("vehicle 'v2': a disturbance of" in alarm for alarm in alarms)
+    assert any("have a χ² of" in alarm for alarm in alarms)
+
+
+def test_small_disturbances_in_a_row_are_an_alarm_together(result: Result) -> None:
+    mission = Mission(result, planner=None)
+    states = [v.start for v in result.record.scenario.vehicles]
+    found = []
+    for _ in range(6):
+        found.append(mission.step(states).alarms)
+        states = [
+            x + 2.5 * np.sqrt(np.diag(v.disturbance_covariance))
+            for x, v in zip(mission._expected, result.record.scenario.vehicles, strict=True)
+        ]
+    assert found[0] == ()
+    assert any("the last 5 disturbances" in alarm for alarm in found[-1])
+    assert not any("a disturbance of" in alarm for alarms in found for alarm in alarms)
+
+
+def test_controls_that_saturate_are_an_alarm_and_are_cut_off() -> None:
+    scenario = beside_a_wall()
+    (vehicle,) = scenario.vehicles
+    tight = replace(vehicle, control_limit=0.1, gain=-0.5 * np.eye(2), control_sigmas=0.0)
+    scenario = replace(scenario, vehicles=(tight,))
+    mission = Mission(leg_of(scenario, [np.zeros((10, 2))], 0).plan, planner=None)
+    tick = mission.step([tight.start + np.array([1.0, 0.0])])
+    assert tick.controls[0] == pytest.approx([-0.1, 0.0])
+    assert any("its control saturates by 0.4" in alarm for alarm in tick.alarms)

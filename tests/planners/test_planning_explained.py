@@ -1,0 +1,138 @@
+"""Why there is no plan, and what would help, as planners say it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_problems import mover, scene_of
+
+from radmpc.model.obstacle import Obstacle
+from radmpc.model.plan import Status
+from radmpc.model.scenario import Workspace
+from radmpc.planners.sets import SetPlan, verdict_of_sets
+from radmpc.planning import plan
+from radmpc.solvers.solution import Outcome
+
+
+def _explained(scenario, planner="multi-vehicle"):
+    result = plan(scenario, planner)
+    assert result.status is Status.INFEASIBLE
+    assert result.plan is None
+    assert result.cost is None
+    return result.explanation
+
+
+def test_a_goal_out_of_reach_is_told_with_the_vehicle_and_the_time():
+    text = _explained(scene_of(mover("slow", (0, 0), (100, 0))))
+    assert "'slow' cannot reach its goal within 8 steps (8 s)" in text
+
+
+def test_two_vehicles_with_one_goal_are_named():
+    text = _explained(scene_of(mover("a", (0, 0), (4, 0)), mover("b", (8, 0), (4, 0))))
+    assert "goals of vehicles 'a' and 'b' are too close" in text
+
+
+def test_a_goal_within_an_obstacle_is_named():
+    reef = Obstacle.box("reef", [7, -1], [9, 1])
+    text = _explained(scene_of(mover("a", (0, 0), (8, 0)), obstacles=(reef,)), "ira")
+    assert "goal of vehicle 'a' lies within obstacle 'reef'" in text
+
+
+def test_starts_in_conflict_are_named_with_their_risk():
+    text = _explained(
+        scene_of(mover("a", (0, 0), (8, 0)), mover("b", (0.83, 0), (0, 8))),
+        "ira",
+    )
+    assert "starts of vehicles 'a' and 'b' are too close" in text
+    assert "that alone runs a risk of" in text
+
+
+def test_feedback_that_eats_the_control_limit_is_told_with_step_and_axis():
+    gain = np.array([[-9.0, 0, -9.0, 0], [0, -9.0, 0, -9.0]])
+    text = _explained(scene_of(mover("a", (0, 0), (8, 0), gain=gain)))
+    assert "at step 1 the feedback alone takes more than control axis 0 allows" in text
+
+
+@pytest.mark.parametrize("planner", ["certified", "ira"])
+def test_vehicles_whose_places_share_a_trouble_share_a_sentence(planner):
+    three = [mover(name, (0, 3 * i), (8, 3 * i)) for i, name in enumerate("abc")]
+    all_three = "goals of vehicles 'a', 'b' and 'c'"
+    quay = Obstacle.box("quay", [7.5, -2], [8.5, 8])
+    text = plan(scene_of(*three, obstacles=(quay,)), planner).explanation
+    assert f"The {all_three} lie within obstacle 'quay' grown by the vehicles' radii" in text
+    assert text.count("vehicles 'a'") == text.count("obstacle 'quay'") == 1
+    posts = tuple(Obstacle.box(f"post{i}", [7.5, 3 * i + 0.55], [8.5, 3 * i + 1]) for i in range(3))
+    text = plan(scene_of(*three, obstacles=posts), planner).explanation
+    assert f"The {all_three} are too close to obstacles 'post0', 'post1' and 'post2'" in text
+    assert "even their best points are 0.65 m away or more" in text
+    text = plan(scene_of(*three, workspace=Workspace([-2, -2], [7.95, 8])), planner).explanation
+    assert f"The {all_three} are too close to the workspace border" in text
+    assert "even their best points are 0.05 m away or more and run a risk of" in text
+
+
+def test_places_too_close_to_each_other_are_told_together():
+    row = [mover(name, (0, 0.5 * i), (8, 3 * i)) for i, name in enumerate("abc")]
+    text = _explained(scene_of(*row))
+    assert "The starts of vehicles 'a', 'b' and 'c' are too close to each other" in text
+    assert "are 0.5 m apart, contact is at 0.8 m (a risk of 1 each" in text
+
+
+@pytest.mark.slow
+def test_vehicles_without_a_way_are_told_together():
+    walls = tuple(
+        box
+        for i in range(3)
+        for box in (
+            Obstacle.box(f"north{i}", [3, 20 * i + 0.5], [4, 20 * i + 9]),
+            Obstacle.box(f"south{i}", [3, 20 * i - 11], [4, 20 * i - 0.5]),
+        )
+    )
+    noise = [0.05, 0.05, 0, 0]
+    fleet = [
+        mover(name, (0, 20 * i), (8, 20 * i), disturbance_covariance=noise)
+        for i, name in enumerate("abc")
+    ]
+    scenario = scene_of(*fleet, obstacles=walls, risk_bound=1e-4, avoidance="intervals")
+    text = _explained(scenario)
+    assert "'b'" in text
+    assert "'c'" in text
+
+
+def test_sets_that_a_limit_stopped_are_told_together():
+    fleet = [mover(name, (0, 20 * i), (8, 20 * i)) for i, name in enumerate("abc")]
+    plans = [SetPlan(Outcome.LIMIT, (), ())] * 3
+    status, why = verdict_of_sets(scene_of(*fleet), ((0,), (1,), (2,)), plans)
+    assert status is Status.LIMIT
+    assert why == "Sets of 'a'; 'b'; 'c': no plan within the limit."
+
+
+@pytest.mark.slow
+def test_a_gap_too_narrow_for_the_noise_names_the_vehicle():
+    walls = (
+        Obstacle.box("north", [3, 0.5], [4, 30]),
+        Obstacle.box("south", [3, -30], [4, -0.5]),
+    )
+    scenario = scene_of(
+        mover("a", (0, 0), (8, 0), disturbance_covariance=[0.05, 0.05, 0, 0]),
+        obstacles=walls,
+        risk_bound=1e-4,
+        avoidance="intervals",
+    )
+    assert "Vehicle 'a' alone finds no way" in _explained(scenario)
+
+
+def test_a_limit_and_a_horizon_are_told_that_bring_a_goal_into_reach():
+    problem = scene_of(mover("slow", (0, 0), (20, 0), speed_limit=np.full(2, 2.0)))
+    text = _explained(problem)
+    horizon = re.search(r"lengthen the horizon to (\d+) steps", text)
+    factor = re.search(r"raise speed_limit to ([0-9.]+) times", text)
+    assert horizon is not None, text
+    assert factor is not None, text
+    assert "soften" not in text  # there is no feedback
+    assert plan(replace(problem, horizon=int(horizon[1])), "multi-vehicle").plan is not None
+    (vehicle,) = problem.vehicles
+    faster = replace(vehicle, speed_limit=float(factor[1]) * vehicle.speed_limit)
+    assert plan(replace(problem, vehicles=(faster,)), "multi-vehicle").plan is not None
