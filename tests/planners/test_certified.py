@@ -261,17 +261,6 @@ def test_where_risk_does_not_limit_the_plan_its_price_is_nothing():
     assert plan(paper(2, 1), "radmpc").record.risk.price is None
 
 
-@pytest.mark.parametrize(("num_vehicles", "are_turned"), [(1, False), (4, True)])
-def test_half_spaces_are_turned_where_hazards_cost_something(num_vehicles, are_turned):
-    scenario, stages = circle(4), []
-    scenario = replace(scenario, vehicles=scenario.vehicles[:num_vehicles])
-    result = plan(scenario, progress=lambda stage, *_: stages.append(stage), time_limit=1.0)
-    assert ("improving" in stages) is are_turned
-    assert result.certificate.holds
-    if not are_turned:
-        assert result.cost == pytest.approx(result.certified_lower_bound, rel=1e-6)
-
-
 def gate(half_width):
     noise = np.diag([1e-3, 1e-3, 1e-4, 1e-4])
     goal = Goal(np.array([25.0, 0.0]), np.array([25.0, 0.0]), np.zeros(2))

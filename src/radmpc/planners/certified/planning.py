@@ -95,10 +95,9 @@ class Certified(Decomposition):
         run.found(cost, _finite(min(reported_bound(fleet, state, planner.gap), cost)))
         best = first if first.cost < state.incumbent.cost else state.incumbent
         run.improved(best.controls)
-        if relative_gap(state.incumbent.cost, float(sum(fleet.base))) > _NOTHING_TO_GAIN:
-            run.progress("improving", 0, 1)
-            improving = fleet.with_limits(_but_for_proof(run.limits, time.perf_counter() - begun))
-            state = _improved(improving, state, first, run)
+        run.progress("improving", 0, 1)
+        improving = fleet.with_limits(_but_for_proof(run.limits, time.perf_counter() - begun))
+        state = _improved(improving, state, first, run)
         run.progress("proving", 0, 1)
         proof = self._proof(fleet.with_limits(run.limits), state)
         state = _turned_to_others(fleet.with_limits(run.limits), state, proof, run)
@@ -115,11 +114,6 @@ class Certified(Decomposition):
             least = PROOF_TUNING.least_nodes * few
             most_nodes = max(least, PROOF_TUNING.node_share * searched)
         return bound_on_any(fleet, state.incumbent, price, most_nodes)
-
-
-_NOTHING_TO_GAIN = 1e-6
-"""Relative gap to what vehicles cost alone in empty space below which half-spaces are left as they
-are [-]: a lone vehicle's plan takes half the time."""
 
 
 def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
