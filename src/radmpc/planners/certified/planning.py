@@ -211,14 +211,13 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
     begin = _limits_of_search(limits)
     hazards = Hazards.of(scenario, condensed_models(scenario))
     bound = scenario.risk_bound
-    begun = hazards
+    begun, to_choose = hazards, None
     if scenario.has_windows:
         # The first plan makes its visits at good steps; the search chooses among all.
         from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
-        begun = at_good_visits(hazards)
+        begun, to_choose = at_good_visits(hazards), hazards.models
     task = Task(begun, run.judge, begin, planner.gap, bound, partial(_tell_first, run))
-    to_choose = hazards.models if scenario.has_windows else None
     first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng, to_choose)
     fleet = Fleet.of(
         scenario,
