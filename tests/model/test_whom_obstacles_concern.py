@@ -39,6 +39,17 @@ def test_obstacles_concern_everybody_those_named_or_all_others() -> None:
     assert concerned([REEF], ["a"]) is None
 
 
+def test_a_part_of_a_fleet_may_be_given_the_obstacles_that_it_can_meet() -> None:
+    other = Obstacle.box("rock", [6.0, -1.0], [7.0, 0.0])
+    whole = fleet(all_but(REEF, ["c"]), other)
+    some = whole.with_vehicles(whole.vehicles[1:], whole.obstacles[:1])
+    assert [one.name for one in some.obstacles] == ["reef"]
+    assert [one.name for one in some.vehicles] == ["b", "c"]
+    assert not is_for(some.obstacles[0], "c")
+    everything = whole.with_vehicles(whole.vehicles[1:])
+    assert [one.name for one in everything.obstacles] == ["reef", "rock"]
+
+
 @pytest.mark.parametrize(
     ("obstacle", "key"), [(only_for(REEF, "ac"), "for"), (all_but(REEF, "c"), "except")]
 )

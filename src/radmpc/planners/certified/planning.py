@@ -24,7 +24,6 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
-from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, turn_half_spaces, turn_to
 from radmpc.planners.draft import Draft
@@ -128,12 +127,9 @@ def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run)
     """Turn half-spaces to the plan of the search, and to the first one where it is as good."""
     searched, least = state.incumbent, float(sum(fleet.base))
     if relative_gap(min(first.cost, searched.cost), least) > TUNING.settled * fleet.gap:
-        is_alike = state.has_plan and _are_alike(fleet, first, searched)
-        if state.has_plan and not (is_alike and first.cost < searched.cost):
+        if state.has_plan:
             state = _turned(fleet, state, run)
-        if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost and not (
-            is_alike and searched.cost <= first.cost
-        ):
+        if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost:
             begin = replace(state, incumbent=first)
             first = turn_half_spaces(fleet, begin, run.judge, state.incumbent.cost).incumbent
     if first.cost < state.incumbent.cost:
@@ -141,13 +137,6 @@ def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run)
         first = replace(first, sets=sets, union_bound=searched.union_bound)
         state = replace(state, incumbent=first)
     return state
-
-
-def _are_alike(fleet: Fleet, one: FleetIncumbent, other: FleetIncumbent) -> bool:
-    """Whether two plans pass everything on the same sides: turning leads to one plan, then."""
-    if not one.controls or not other.controls or fleet.scenario.has_windows:
-        return False
-    return not on_other_sides(fleet.programs.hazards, one.controls, other.controls)
 
 
 def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
