@@ -46,9 +46,14 @@ class KeptLp(GroupLp):
         self._steps = hazards.horizon
         # At the steps alone only the later ends of windows have rows.
         self._num_ends = 2 if hazards.intervals else 1
-        self._row_starts: list[int] = []
+        self._rows_kept = 0
         super().__init__(hazards, members)
         self._first_controls, self._first_positions = self._controls, self._positions
+        spans = [
+            np.arange(first, first + 2 * span)
+            for first, span in zip(self._controls, self._spans, strict=True)
+        ]
+        self._columns_kept = np.concatenate(spans)
 
     def _add_member(self, model: CondensedModel) -> tuple[int, int]:
         """Add a vehicle's columns and rows of all steps; return its first control and position."""
@@ -69,8 +74,8 @@ class KeptLp(GroupLp):
             ]
         )
         free = np.full(len(matrix), _INF)
-        self._row_starts.append(self._lp.num_rows)
         self._lp.add_rows(csr_array(matrix), -free, free, first)
+        self._rows_kept = self._lp.num_rows
         return first, first + 2 * span
 
     def move(self, hazards: Hazards) -> None:
@@ -87,12 +92,18 @@ class KeptLp(GroupLp):
         self._controls = self._first_controls + passed * self._widths
         self._positions = self._first_positions + passed * hazards.dimension
         self._lp.drop()
-        for slot, model in enumerate(self._models):
-            bounds = np.zeros((self._steps, self._widths[slot]))
+        limits, lower, upper = [], [], []
+        for model in self._models:
+            bounds = np.zeros((self._steps, model.control_bounds.shape[1]))
             bounds[passed:] = np.maximum(model.control_bounds, 0.0)
-            first = int(self._first_controls[slot])
-            self._lp.change_uppers(first, np.tile(bounds.ravel(), 2))
-            self._lp.change_rows(self._row_starts[slot], *_bounds(model, passed))
+            limits += [bounds.ravel()] * 2
+            low, high = _bounds(model, passed)
+            lower.append(low)
+            upper.append(high)
+        self._lp.change_uppers(self._columns_kept, np.concatenate(limits))
+        # Rows that stay are its members', one after another.
+        numbers = np.arange(self._rows_kept)
+        self._lp.change_rows(numbers, np.concatenate(lower), np.concatenate(upper))
 
     def solve(self, spaces: HalfSpaces, paths: Paths, margins: Margins) -> GroupPlan | None:
         """Solve as `GroupLp` does; take note of whether there was anything.

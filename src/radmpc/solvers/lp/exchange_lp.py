@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Vector
+from radmpc.arrays import Indices, Vector
 from radmpc.solvers.lp.quiet_highs import FEASIBILITY_TOL, optimum, quiet_highs
 
 __all__ = ["ExchangeLp"]
@@ -74,31 +74,30 @@ class ExchangeLp:
         self._highs.addRows(count, lower, upper, matrix.nnz, starts, columns, matrix.data)
         self.num_rows += count
 
-    def change_uppers(self, first: int, upper: Vector) -> None:
-        """Give columns in a row other upper bounds, and lower bounds of 0.
+    def change_uppers(self, numbers: Indices, upper: Vector) -> None:
+        """Give columns other upper bounds, and lower bounds of 0.
 
         Parameters
         ----------
-        first : int
-            The first column.
+        numbers : (n,) int array
+            The columns.
         upper : (n,) array
             Upper bounds.
         """
-        numbers = np.arange(first, first + upper.size, dtype=np.int32)
-        self._highs.changeColsBounds(upper.size, numbers, np.zeros(upper.size), upper)
+        which = numbers.astype(np.int32)
+        self._highs.changeColsBounds(upper.size, which, np.zeros(upper.size), upper)
 
-    def change_rows(self, first: int, lower: Vector, upper: Vector) -> None:
+    def change_rows(self, numbers: Indices, lower: Vector, upper: Vector) -> None:
         """Give rows that stay other bounds.
 
         Parameters
         ----------
-        first : int
-            The first row.
+        numbers : (n,) int array
+            The rows.
         lower, upper : (n,) array
             Bounds, ±inf where there is none.
         """
-        numbers = np.arange(first, first + lower.size, dtype=np.int32)
-        self._highs.changeRowsBounds(lower.size, numbers, lower, upper)
+        self._highs.changeRowsBounds(lower.size, numbers.astype(np.int32), lower, upper)
 
     def exchange_columns(self, cost: Vector, upper: Vector) -> int:
         """Put columns, at least 0, in the place of all that were exchanged before, rows dropped.
