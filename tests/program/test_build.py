@@ -8,45 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_programs import built, mover, scene_of
 
-from radmpc.experiments.families import circle, paper
-from radmpc.model.dynamics import LinearSystem, covariances, double_integrator, rollout
+from radmpc.experiments.families import paper
+from radmpc.model.dynamics import covariances, rollout
 from radmpc.model.obstacle import Obstacle
-from radmpc.model.scenario import Scenario, Workspace
-from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.program.build import build_program, condensed_models, controls_of
-from radmpc.program.restrict import avoidance_blocks, restrict
+from radmpc.program.build import condensed_models, controls_of
 from radmpc.solvers.lp.highs_lp import LpOutcome
 from radmpc.solvers.lp.warm_lp import WarmLp
 from sampling import examples
-
-
-def _vehicle(name="a", start=(0.0, 0.0), goal=(8.0, 0.0), **more):
-    d = len(start)
-    options = {
-        "radius": 0.5,
-        "control_limit": np.full(d, 2.0),
-        "speed_limit": np.full(d, 3.0),
-        "initial_covariance": 0.01,
-        "disturbance_covariance": 0.01,
-    }
-    return Vehicle(
-        name=name,
-        system=double_integrator(1.0, d),
-        start=np.concatenate([start, np.zeros(d)]),
-        goal=Goal(np.array(goal) - 0.1, np.array(goal) + 0.1, np.full(d, 0.05)),
-        **(options | more),
-    )
-
-
-def _scenario(*vehicles, **more):
-    return Scenario(
-        name="s", dt=1.0, horizon=more.pop("horizon", 8), risk_bound=0.05, vehicles=vehicles, **more
-    )
-
-
-def _build(scenario):
-    return build_program(scenario, condensed_models(scenario), risk_bound=scenario.risk_bound)
 
 
 def _random_point(program, rng):
@@ -58,7 +28,7 @@ def _random_point(program, rng):
 def test_outputs_are_the_mean_positions_of_the_rollout(seed):
     scenario = paper(2, 3)
     models = condensed_models(scenario)
-    program = _build(scenario)
+    program = built(scenario)
     z = _random_point(program, np.random.default_rng(seed))
     outputs = program.outputs @ z + program.constant
     expected = []
@@ -71,7 +41,7 @@ def test_outputs_are_the_mean_positions_of_the_rollout(seed):
 @given(seed=st.integers(0, 10**6))
 def test_every_plan_that_holds_the_hard_rows_stays_within_reach(seed):
     scenario = paper(1, 3)
-    program = _build(scenario)
+    program = built(scenario)
     rng = np.random.default_rng(seed)
     cost = rng.normal(size=program.num_columns)
     lp = WarmLp(replace(program, cost=cost), np.zeros(program.rows.count))
@@ -83,10 +53,10 @@ def test_every_plan_that_holds_the_hard_rows_stays_within_reach(seed):
 
 
 def test_a_face_row_is_the_obstacle_moved_out_by_the_radius():
-    scenario = _scenario(
-        _vehicle(), avoidance="steps", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    scenario = scene_of(
+        mover(), avoidance="steps", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
-    program = _build(scenario)
+    program = built(scenario)
     z = np.zeros(program.num_columns)
     slacks = program.slacks(z)
     # Without control the vehicle stays at the origin: 2.5 m left of the grown wall's left face.
@@ -99,10 +69,10 @@ def test_a_face_row_is_the_obstacle_moved_out_by_the_radius():
 
 
 def test_under_intervals_an_alternative_holds_one_face_at_both_ends():
-    scenario = _scenario(
-        _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    scenario = scene_of(
+        mover(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
-    program = _build(scenario)
+    program = built(scenario)
     assert set(np.diff(program.alternative_starts)) == {2}
     for alternative in range(program.num_alternatives):
         first, second = program.rows_of(alternative)
@@ -114,10 +84,10 @@ def test_under_intervals_an_alternative_holds_one_face_at_both_ends():
 
 
 def test_neighboring_intervals_share_the_event_of_a_face_at_their_common_step():
-    scenario = _scenario(
-        _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    scenario = scene_of(
+        mover(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
-    program = _build(scenario)
+    program = built(scenario)
     rows = program.rows
     label_of = np.repeat(np.arange(program.num_alternatives), np.diff(program.alternative_starts))
     window_of = np.array([program.avoidances[a].step for a in _avoidance_of(program)])[label_of]
@@ -139,9 +109,9 @@ def _avoidance_of(program):
 
 def test_feedback_adds_an_event_of_its_own_to_every_interval():
     gain = np.array([[-0.3, 0, -0.9, 0], [0, -0.3, 0, -0.9]])
-    vehicle = _vehicle(gain=gain)
+    vehicle = mover(gain=gain)
     wall = Obstacle.box("wall", [3, -1], [4, 1])
-    program = _build(_scenario(vehicle, avoidance="intervals", obstacles=(wall,)))
+    program = built(scene_of(vehicle, avoidance="intervals", obstacles=(wall,)))
     assert set(np.diff(program.alternative_starts)) == {3}
     sigma = vehicle.covariances(8)
     # Held over the step, a control of 1 m/s² moves the position by dt²/2 = 0.5 m.
@@ -159,10 +129,10 @@ def test_feedback_adds_an_event_of_its_own_to_every_interval():
 
 
 def test_the_sagitta_of_a_turn_toward_an_obstacle_is_in_the_rows():
-    scenario = _scenario(
-        _vehicle(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
+    scenario = scene_of(
+        mover(), avoidance="intervals", obstacles=(Obstacle.box("wall", [3, -1], [4, 1]),)
     )
-    program = _build(scenario)
+    program = built(scenario)
     models = condensed_models(scenario)
     rng = np.random.default_rng(0)
     z = np.zeros(program.num_columns)
@@ -192,10 +162,8 @@ def test_the_sagitta_of_a_turn_toward_an_obstacle_is_in_the_rows():
 @pytest.mark.parametrize("seed", range(4))
 def test_the_rows_of_a_pair_reserve_the_sagitta_of_their_relative_path(seed):
     rng = np.random.default_rng(seed)
-    scenario = _scenario(
-        _vehicle("a"), _vehicle("b", (0.0, 2.5), (8.0, 2.5)), avoidance="intervals"
-    )
-    program = _build(scenario)
+    scenario = scene_of(mover("a"), mover("b", (0.0, 2.5), (8.0, 2.5)), avoidance="intervals")
+    program = built(scenario)
     models = condensed_models(scenario)
     both = [rng.uniform(-1.0, 1.0, (8, 2)) for _ in range(2)]
     z = np.concatenate([_halves(controls) for controls in both])
@@ -229,13 +197,13 @@ def test_the_rows_of_a_pair_reserve_the_sagitta_of_their_relative_path(seed):
 
 def test_vehicles_that_accelerate_alike_keep_formation_within_a_hand_of_contact():
     """Side by side, both turn together: their relative path is straight."""
-    scenario = _scenario(
-        _vehicle("a", (0.0, 0.0), (2.0, 8.0)),
-        _vehicle("b", (1.3, 0.0), (3.3, 8.0)),
+    scenario = scene_of(
+        mover("a", (0.0, 0.0), (2.0, 8.0)),
+        mover("b", (1.3, 0.0), (3.3, 8.0)),
         avoidance="intervals",
         horizon=4,
     )
-    program = _build(scenario)
+    program = built(scenario)
     controls = np.array([[0.5, 2.0], [0.5, 2.0], [-0.5, -2.0], [-0.5, -2.0]])
     z = np.tile(_halves(controls), 2)
     slacks = program.slacks(z)
@@ -247,111 +215,3 @@ def test_vehicles_that_accelerate_alike_keep_formation_within_a_hand_of_contact(
 def _halves(controls):
     """Return the variables of one vehicle's controls."""
     return np.concatenate([np.maximum(controls, 0.0).ravel(), np.maximum(-controls, 0.0).ravel()])
-
-
-def test_a_pair_far_apart_is_settled_and_charged_at_its_bound():
-    scenario = _scenario(_vehicle("a"), _vehicle("b", (0.0, 90.0), (8.0, 90.0)), avoidance="steps")
-    program = _build(scenario)
-    assert program.num_avoidances == 0
-    assert 0.0 <= program.initial_risk <= 1e-12 * scenario.horizon
-
-
-def test_risk_at_the_start_is_charged_before_anything_else():
-    scenario = _scenario(_vehicle("a"), _vehicle("b", (1.2, 0.0), (0.0, 8.0)), avoidance="steps")
-    program = _build(scenario)
-    # 0.2 m of clearance at a deviation of sqrt(0.02).
-    [(risk_item, risk)] = program.initial
-    assert (risk_item.cause, risk_item.step) == ("pair", 0)
-    assert risk == pytest.approx(0.0786496, rel=1e-5)
-    assert program.budget < 0.0
-
-
-def test_the_workspace_is_one_avoidance_per_face_with_a_single_alternative():
-    scenario = _scenario(
-        _vehicle(),
-        avoidance="steps",
-        workspace=Workspace(np.array([-1.0, -1.0]), np.array([9.0, 1.0])),
-    )
-    program = _build(scenario)
-    assert program.num_avoidances > 0
-    assert set(np.diff(program.avoidance_starts)) == {1}
-    assert {e.cause for e in program.risk_items} == {"workspace"}
-
-
-def test_two_goals_on_one_point_leave_an_avoidance_without_alternatives():
-    scenario = _scenario(_vehicle("a"), _vehicle("b", (16.0, 0.0), (8.0, 0.0)), avoidance="steps")
-    program = _build(scenario)
-    hopeless = np.flatnonzero(np.diff(program.avoidance_starts) == 0)
-    assert [program.avoidances[int(i)].step for i in hopeless][-1] == 8
-
-
-def test_a_moving_obstacle_has_the_faces_of_both_ends_of_an_interval():
-    triangle = np.array([[4.0, -1.0], [5.0, -1.0], [4.5, 1.0]])
-    square = np.array([[4.0, -1.0], [5.0, -1.0], [5.0, 1.0], [4.0, 1.0]])
-    drift = np.array([0.0, 0.1])
-    outlines = [triangle + k * drift if k % 2 else square for k in range(9)]
-    scenario = _scenario(
-        _vehicle(), avoidance="intervals", obstacles=(Obstacle.moving("ferry", outlines),)
-    )
-    program = _build(scenario)
-    sizes = np.diff(program.avoidance_starts)
-    assert sizes.max() > 4
-
-
-def test_a_system_without_a_continuous_model_has_no_sagitta():
-    base = double_integrator(1.0, 2)
-    # The control moves velocities alone: nothing tells what happens between steps.
-    euler = LinearSystem(base.A, np.vstack([np.zeros((2, 2)), np.eye(2)]), (0, 1), (2, 3))
-    vehicle = _vehicle()
-    wall = Obstacle.box("wall", [3, -1], [4, 1])
-    straight = _build(_scenario(replace(vehicle, system=euler), obstacles=(wall,)))
-    curved = _build(_scenario(vehicle, obstacles=(wall,)))
-    assert _pulls(straight) == {False}
-    # An end whose share of the reserve is nothing has a row without it.
-    assert _pulls(curved) == {True, False}
-
-
-def _pulls(program):
-    """Return whether rows of faces look at controls, not at positions alone."""
-    width = program.output_lower.size
-    positions = 9 * 2
-    assert width > positions
-    entries = program.rows.normals.tocsr()
-    return {bool(entries[[row]][:, positions:].nnz) for row in range(program.rows.count)}
-
-
-def test_space_has_six_faces_around_a_pair():
-    scenario = _scenario(
-        _vehicle("a", (0.0, 0.0, 0.0), (8.0, 0.0, 0.0)),
-        _vehicle("b", (8.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
-        avoidance="steps",
-    )
-    program = _build(scenario)
-    assert np.diff(program.avoidance_starts).max() == 6
-
-
-def test_feedback_keeps_the_reserve_of_the_control_limit():
-    gain = np.array([[-0.3, 0, -0.9, 0], [0, -0.3, 0, -0.9]])
-    vehicle = _vehicle(gain=gain)
-    sigma = vehicle.covariances(8)
-    bounds = vehicle.control_bounds(sigma)
-    expected = 2.0 - 3.0 * np.sqrt(gain[0] @ sigma[5] @ gain[0])
-    assert bounds[5, 0] == pytest.approx(expected)
-    program = _build(_scenario(vehicle))
-    assert program.upper.max() == pytest.approx(bounds.max())
-
-
-def test_the_restriction_to_some_blocks_keeps_only_what_concerns_them():
-    program = _build(circle(4))
-    touched = avoidance_blocks(program)
-    assert touched.shape == (program.num_avoidances, 4)
-    part = restrict(program, np.array([0, 2]), touched)
-    names = {(e.vehicle, e.other) for e in part.program.avoidances}
-    assert names == {("v1", "v3")}
-    z = np.random.default_rng(0).uniform(size=program.num_columns)
-    assert part.program.slacks(z[part.columns]) == pytest.approx(program.slacks(z)[part.rows])
-
-
-def test_the_restriction_to_all_blocks_is_the_program_itself():
-    program = _build(circle(3))
-    assert restrict(program, np.arange(3)).program is program

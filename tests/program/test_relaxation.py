@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import shapely
+from cones_drawn import Array, chains, clearances_of, directions
 from scipy.stats import ncx2, norm
 
 from radmpc import certify
 from radmpc.experiments.families import circle, paper
-from radmpc.geometry import box, hull
 from radmpc.model.dynamics import double_integrator, lqr_gain, rollout
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
@@ -23,14 +22,10 @@ from radmpc.program.build import condensed_models
 from radmpc.program.builder import ProgramBuilder
 from radmpc.program.relaxed.arcs import face_arcs
 from radmpc.program.relaxed.build import build_relaxation
-from radmpc.program.relaxed.cones import Cones, Outline, cones_around
-from radmpc.program.relaxed.cones_in_space import cones_in_space
+from radmpc.program.relaxed.cones import Outline, cones_around
 from radmpc.program.relaxed.instants import Instants
-from radmpc.program.relaxed.patches import around_point, around_polytope
-from radmpc.program.relaxed.tails import DiscTails, HalfSpaceTails, disc_probability, tails_of
+from radmpc.program.relaxed.tails import DiscTails, disc_probability, tails_of
 from radmpc.solvers.priced.rating import Rater
-
-Array = npt.NDArray[np.float64]
 
 
 def normals_of(vertices: Array) -> Array:
@@ -54,30 +49,6 @@ def probability_within(mean: Array, covariance: Array, shape: shapely.Geometry) 
     bounds = shapely.bounds(shapely.intersection(standard, lines))
     inside = np.nan_to_num(norm.sf(bounds[:, 0]) - norm.sf(bounds[:, 2]))
     return float(0.5 * (high - low) * (weights * norm.pdf(heights)) @ inside)
-
-
-def directions(count: int) -> Array:
-    angles = 2.0 * np.pi * np.arange(count) / count
-    return np.stack([np.cos(angles), np.sin(angles)], axis=1)[None]
-
-
-def clearances_of(cones: Cones, mean: Array) -> Array:
-    """By every cone at the first instant; -inf where there is none."""
-    is_there = np.isfinite(cones.offsets[0])
-    slack = cones.normals[0] @ mean - np.where(is_there, cones.offsets[0], 0.0)
-    return np.where(is_there, slack / np.where(is_there, cones.deviations[0], 1.0), -np.inf)
-
-
-def chains(cones: Cones) -> list[list[int]]:
-    """Every narrow cone at the first instant with the wider ones around it that are there."""
-    is_there = np.isfinite(cones.offsets[0])
-    found = []
-    for cone in np.flatnonzero(is_there & ~np.isin(np.arange(is_there.size), cones.parents)):
-        chain = [int(cone)]
-        while cones.parents[chain[-1]] >= 0:
-            chain.append(int(cones.parents[chain[-1]]))
-        found.append([c for c in chain if is_there[c]])
-    return found
 
 
 @pytest.mark.parametrize("radius", [0.1, 0.4, 1.0, 3.0, 30.0])
@@ -308,60 +279,3 @@ def test_the_bound_on_any_certified_plan_is_no_more_than_the_cost_along_interval
     assert alone.cost is not None
     assert result.certified_lower_bound is not None
     assert 3.0 * alone.cost * 1.001 < result.certified_lower_bound <= result.cost
-
-
-def best_in_space(mean: Array, covariance: Array, corners: Array, radius: float) -> float:
-    """Clearance of the best half-space, by a fine sample of directions and a local search."""
-    rng = np.random.default_rng(0)
-    tried = rng.normal(size=(4000, 3))
-    best = -np.inf
-    for spread in (1.0, 0.2, 0.05, 0.01):
-        tried /= np.linalg.norm(tried, axis=1)[:, None]
-        slack = tried @ mean - (tried @ corners.T).max(axis=1) - radius
-        found = slack / np.sqrt(np.einsum("ka,ab,kb->k", tried, covariance, tried))
-        best = max(best, float(found.max()))
-        tried = tried[found.argmax()] + spread * 0.3 * rng.normal(size=(2000, 3))
-    return best
-
-
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("shape", ["pair", "box", "body"])
-def test_in_space_no_mean_is_clearer_than_its_best_cone_says(shape: str, seed: int) -> None:
-    rng = np.random.default_rng([seed, len(shape)])
-    root = 0.2 * np.eye(3) + 0.05 * rng.normal(size=(3, 3))
-    covariance, radius = root @ root.T, 0.6
-    if shape == "pair":
-        corners, patches = np.zeros((1, 3)), around_point(2)
-    else:
-        made = box([-1.0, -2.0, 0.0], [1.5, 0.5, 1.0])
-        if shape == "body":
-            made = hull(rng.normal(size=(9, 3)))
-        corners, whole = made.vertices, around_polytope(made)
-        assert whole is not None
-        patches = whole
-    cones = cones_in_space(patches, radius, covariance[None], HalfSpaceTails.of(0.1))
-    assert not cones.is_void[0]
-    for _ in range(25):
-        away = rng.normal(size=3)
-        mean = corners.mean(axis=0) + away * rng.uniform(1.0, 4.0) / np.linalg.norm(away)
-        truth = best_in_space(mean, covariance, corners, radius)
-        if truth < 0.0:
-            continue
-        clearances = clearances_of(cones, mean)
-        enough = clearances >= truth - 1e-6
-        assert any(all(enough[chain]) for chain in chains(cones))
-
-
-def test_what_is_flat_in_space_is_left_out() -> None:
-    assert around_polytope(box([0.0, 0.0, 0.0], [1.0, 1.0, 0.0])) is None
-
-
-@pytest.mark.parametrize("turn", np.linspace(0.0, np.pi, 9))
-def test_nothing_is_asked_where_all_the_noise_is_along_one_line(turn: float) -> None:
-    along = np.array([np.cos(turn), np.sin(turn)])
-    line = 0.04 * np.outer(along, along)
-    tails = HalfSpaceTails.of(0.05)
-    point = Outline(np.zeros((1, 1, 2)), np.zeros((1, 0, 2)), 0.5)
-    both = np.stack([line, line + 0.01 * np.eye(2)])
-    cones = cones_around(point, both, tails, np.repeat(directions(16), 2, axis=0))
-    assert cones.is_void.tolist() == [True, False]

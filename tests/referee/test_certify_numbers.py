@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from charged import beyond, row_risks, turning_back
 from referee_scenes import glider, make_plan, straight_plan, walk, walk_plan
 from scipy.special import ndtr
 from scipy.stats import chi2, multivariate_normal
@@ -11,10 +12,6 @@ from scipy.stats import chi2, multivariate_normal
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.referee import certify, simulate
-
-
-def row_risks(certificate):
-    return {(r.cause, r.vehicle, r.other, r.step): r.risk for r in certificate.ledger}
 
 
 def test_a_resting_pair_is_charged_one_half_space_per_step():
@@ -135,25 +132,6 @@ def test_the_direction_follows_an_anisotropic_covariance():
     assert certified < along_the_line / 10
 
 
-def turning_back():
-    """A glider that goes 0.5 m to the right and returns, in and after a step of 2 s."""
-    vehicle = glider("a", [0, 0], [0, 0], dt=2.0, noise=0.0, initial_covariance=np.eye(4) * 0.01)
-    vehicle = replace(vehicle, start=np.array([0.0, 0.0, 1.0, 0.0]))
-    return vehicle, np.array([[-1.0, 0.0], [1.0, 0.0]])
-
-
-def beyond(limit):
-    """How likely ``x(t) + p + v t`` exceeds a limit on the way of `turning_back`, exactly.
-
-    p and v are the deviations at the start, 0.1 m and 0.1 m/s, and the only noise.
-    """
-    time = np.linspace(0.0, 4.0, 4001)
-    mean = np.where(time < 2.0, time - time**2 / 2, (time - 2.0) ** 2 / 2 - (time - 2.0))
-    nodes, weights = np.polynomial.hermite_e.hermegauss(80)
-    furthest = (mean + 0.1 * nodes[:, None] * time).max(axis=1)
-    return float(ndtr((furthest - limit) / 0.1) @ weights / weights.sum())
-
-
 def test_a_double_integrator_keeps_the_sagitta_of_its_curve_in_reserve():
     # Straight up, braking away from a wall on the right: the curve bulges toward it.
     vehicle, controls = turning_back()
@@ -177,53 +155,6 @@ def test_acceleration_toward_an_obstacle_needs_no_reserve():
     plan = make_plan(scenario, [np.array([[1.0, 0.0]])])
     sigma = np.sqrt(plan.trajectories[0].covariances[:, 0, 0])
     assert certify(plan).certified == pytest.approx(ndtr(-1.1 / sigma).sum(), rel=1e-6)
-
-
-def test_workspace_is_charged_per_face_and_step():
-    plan = walk_plan(
-        walk("a", [[0.3, 5.0], [0.5, 5.0]], sigma=0.2),
-        workspace=Workspace([0.0, 0.0], [10.0, 10.0]),
-    )
-    risks = row_risks(certify(plan))
-    assert risks["workspace", "a", None, 0] == pytest.approx(ndtr(-1.5), rel=1e-12)
-    assert risks["workspace", "a", None, 1] == pytest.approx(ndtr(-2.5), rel=1e-12)
-
-
-def test_the_workspace_keeps_the_sagitta_in_reserve_and_charges_what_persists_once():
-    vehicle, controls = turning_back()
-    workspace = Workspace([-50.0, -50.0], [1.0, 50.0])
-    scenario = Scenario("bow", 2.0, 2, 0.05, (vehicle,), workspace=workspace)
-    plan = make_plan(scenario, [controls])
-    sigma = np.sqrt(plan.trajectories[0].covariances[:, 0, 0])
-    first_order = ndtr(-(1.0 - np.array([0.5, 0.5, 0.0])) / sigma).sum()
-    exact = beyond(1.0)
-    assert exact <= certify(plan).certified < 1.5 * exact
-    assert certify(plan).certified < first_order
-
-
-def test_a_moving_obstacle_is_judged_where_it_is_at_each_step():
-    square = np.array([[1, -5], [2, -5], [2, 5], [1, 5]], dtype=float)
-    ferry = Obstacle.moving("ferry", [square, square + np.array([1.0, 0.0])])
-    plan = walk_plan(walk("a", [[0, 0], [0, 0]], sigma=0.3), obstacles=(ferry,))
-    risks = row_risks(certify(plan))
-    assert risks["obstacle", "a", "ferry", 0] == pytest.approx(ndtr(-0.6 / 0.3), rel=1e-3)
-    assert risks["obstacle", "a", "ferry", 1] == pytest.approx(ndtr(-1.6 / 0.3), rel=1e-3)
-
-
-def test_a_moving_obstacle_is_judged_at_both_ends_of_an_interval():
-    square = np.array([[1, -5], [2, -5], [2, 5], [1, 5]], dtype=float)
-    ferry = Obstacle.moving("ferry", [square, square + np.array([1.0, 0.0]), square])
-    plan = walk_plan(
-        walk("a", [[0, 0], [0, 0], [0, 0]], sigma=0.3), obstacles=(ferry,), avoidance="intervals"
-    )
-    expected = 2 * ndtr(-0.6 / 0.3) + ndtr(-1.6 / 0.3)
-    assert certify(plan).certified == pytest.approx(expected, rel=1e-6)
-
-
-def test_swapping_places_between_steps_is_seen_by_intervals_only():
-    walks = walk("a", [[0, 0], [5, 0]], sigma=0.01), walk("b", [[5, 0], [0, 0]], sigma=0.01)
-    assert certify(walk_plan(*walks, avoidance="steps")).certified < 1e-12
-    assert certify(walk_plan(*walks, avoidance="intervals")).certified > 0.5
 
 
 def test_a_ball_in_space_is_bounded_from_above_by_one_half_space():
