@@ -90,4 +90,5 @@ def arguments(function: object) -> list[str]:
 
 
 def attributes(value: type) -> list[str]:
-    return [field.name for field in fields(value)] if is_dataclass(value) else []
+    names = [field.name for field in fields(value)] if is_dataclass(value) else []
+    return [name for name in names if not name.startswith("_")]
