@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import copy
 import pickle
-import re
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -19,14 +16,12 @@ from radmpc import (
     ArgumentError,
     ArgumentTypeError,
     ExportOptions,
-    Goal,
     Obstacle,
     Planner,
     Scenario,
     Vehicle,
     lqr_gain,
 )
-from radmpc.arguments import told
 from radmpc.experiments.comparing import compare
 from radmpc.experiments.families import circle, clutter, fleet, paper
 from radmpc.model.dynamics import rollout
@@ -286,46 +281,3 @@ def test_an_argument_of_another_kind_is_a_type_error_too() -> None:
     assert not isinstance(caught.value, TypeError)
     for again in (copy.copy, lambda e: pickle.loads(pickle.dumps(e))):
         assert type(again(ArgumentTypeError("x"))) is ArgumentTypeError
-
-
-def test_numbers_of_numpy_are_numbers_and_become_those_of_python() -> None:
-    made = scene(horizon=np.int64(10), dt=np.float32(1.0), pair_faces=np.int32(4))
-    assert [type(v) for v in (made.horizon, made.dt, made.pair_faces)] == [int, float, int]
-    assert type(boat(radius=np.float32(0.5)).radius) is float
-    assert radmpc.from_dict(radmpc.to_dict(made)).horizon == 10
-    assert radmpc.simulate(PLAN, np.int64(7), rng=np.int64(1)).samples == 7
-    assert radmpc.plan(made, rng=np.int64(3), time_limit=np.float64(5.0)).record.seed == 3
-
-
-def test_sequences_of_any_kind_make_a_scenario() -> None:
-    made = scene(vehicles=list(SCENE.vehicles), obstacles=iter([ROCK]))
-    assert made.vehicles == SCENE.vehicles
-    assert made.obstacles == (ROCK,)
-
-
-def test_whatever_submits_is_an_executor() -> None:
-    with ThreadPoolExecutor(1) as pool:
-        assert radmpc.plan(SCENE, "distance", executor=pool).is_certified
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        ("x" * 100, r"'x+\.\.\.x+'"),
-        (np.float64(0.5), "0.5"),
-        (np.int64(3), "3"),
-        (Fraction(1, 2), r"Fraction\(1, 2\)"),
-        (np.zeros((3, 3)), "an? ndarray"),
-        ([np.zeros((9, 9))] * 9, r"\[array.*\.\.\."),
-        ({"a": 1}, "a dict"),
-        (Goal, "the class Goal"),
-    ],
-)
-def test_a_value_is_told_in_one_short_line(value: object, text: str) -> None:
-    assert re.fullmatch(text, told(value))
-    assert len(told(value)) <= 60
-
-
-def test_a_name_with_a_nul_is_no_file_to_write_either() -> None:
-    with pytest.raises(radmpc.FileFormatError, match="is no file name"):
-        radmpc.save_plan(PLAN, "a\0b")

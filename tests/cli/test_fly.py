@@ -14,16 +14,12 @@ from typer.testing import CliRunner
 
 from radmpc.cli import app
 from radmpc.console.commands import flying
-from radmpc.console.reports.flight import probability_text
-from radmpc.console.reports.progress import ProgressLine
 from radmpc.errors import RadmpcError
 from radmpc.flying import backends
 from radmpc.flying.backends import BackendKind
 from radmpc.flying.model import Model
 from radmpc.flying.tick import Contact
 from radmpc.io.flight.flight_file import load_flight
-from radmpc.io.flight.record import FlightRecord, FlightSettings
-from radmpc.io.native.plan_file import load_plan
 from radmpc.plotting.flight import film
 
 from .conftest import CROSSING, Run, assert_one_line
@@ -186,21 +182,6 @@ def test_ctrl_c_before_any_mission_is_over_is_a_no(
     assert json.loads(result.stdout)["rate"] is None
     answer = "radmpc: finishing this tick, what was flown is kept; Ctrl-C again stops at once\n"
     assert capfd.readouterr().err == answer
-
-
-def test_progress_tells_mission_and_step(plan: Path) -> None:
-    line = ProgressLine(keeps="what was flown")
-    record = FlightRecord(load_plan(plan), FlightSettings(missions=3))
-    told = flying._Progress(line, record)
-    # The first tick may take long.
-    assert line.text() == "mission 1/3, step 0/6; 0 s; Ctrl-C keeps what was flown"
-    told(1, 2)
-    assert line.text() == "mission 2/3, step 2/6; 0 s; Ctrl-C keeps what was flown"
-
-
-def test_probabilities_that_are_as_good_as_none_are_not_told_digit_by_digit() -> None:
-    told = [probability_text(value) for value in (None, 0.0, 3e-157, 1.2e-15, 0.05)]
-    assert told == ["", "0.00e+00", "< 1e-15", "1.20e-15", "5.00e-02"]
 
 
 class Wreck(Model):
