@@ -121,9 +121,9 @@ class PriceControl:
         worth = self.price * max(risk / max(certified, 1e-300), 1.0)
         moved = self._last_cost - cost - worth * (certified - self._last_certified)
         potential = abs(moved) + worth * (self.risk_bound - certified)
-        is_behind = cost - self.rival > TUNING.hopeless * potential
+        is_behind = cost - self.rival > TUNING.behind * potential
         is_behind &= self._num_rounds >= TUNING.tried
-        if is_behind or potential <= TUNING.settled * self.gap * abs(cost):
+        if is_behind or potential <= TUNING.negligible * self.gap * abs(cost):
             self._num_idle = TUNING.most_idle
 
     def _back(self, paths: SavedPaths, price: float) -> SavedPaths:

@@ -145,9 +145,9 @@ class Tuning:
         for a higher price instead of going back [-].
     nudge : float
         Further factor on the price then [-].
-    settled : float
+    negligible : float
         Share of the gap that another round must promise [-].
-    hopeless, tried : float, int
+    behind, tried : float, int
         Multiple of what another round promises by which plans from elsewhere may be cheaper [-],
         after so many rounds.
     most_idle : int
@@ -235,8 +235,8 @@ class Tuning:
     spent: float = 0.5
     nearly_spent: float = 1.2
     nudge: float = 1.05
-    settled: float = 0.15
-    hopeless: float = 5.0
+    negligible: float = 0.15
+    behind: float = 5.0
     tried: int = 3
     most_idle: int = 10
     max_stalls: int = 3
