@@ -126,7 +126,7 @@ def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
 def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run) -> SearchState:
     """Turn half-spaces to the plan of the search, and to the first one where it is as good."""
     searched, least = state.incumbent, float(sum(fleet.base))
-    if relative_gap(min(first.cost, searched.cost), least) > TUNING.least_promise * fleet.gap:
+    if relative_gap(min(first.cost, searched.cost), least) > TUNING.negligible * fleet.gap:
         if state.has_plan:
             state = _turned(fleet, state, run)
         if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost:

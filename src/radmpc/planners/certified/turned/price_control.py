@@ -123,7 +123,7 @@ class PriceControl:
         potential = abs(moved) + worth * (self.risk_bound - certified)
         is_behind = cost - self.rival > TUNING.behind * potential
         is_behind &= self._num_rounds >= TUNING.tried
-        if is_behind or potential <= TUNING.least_promise * self.gap * abs(cost):
+        if is_behind or potential <= TUNING.negligible * self.gap * abs(cost):
             self._num_idle = TUNING.most_idle
 
     def _back(self, paths: SavedPaths, price: float) -> SavedPaths:

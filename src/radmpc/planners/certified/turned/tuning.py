@@ -149,7 +149,7 @@ class Tuning:
         for a higher price instead of going back [-].
     nudge : float
         Further factor on the price then [-].
-    least_promise : float
+    negligible : float
         Share of the gap that another round must promise [-].
     behind, tried : float, int
         Multiple of what another round promises by which plans from elsewhere may be cheaper [-],
@@ -241,7 +241,7 @@ class Tuning:
     spent: float = 0.5
     nearly_spent: float = 1.2
     nudge: float = 1.05
-    least_promise: float = 0.15
+    negligible: float = 0.15
     behind: float = 5.0
     tried: int = 3
     most_idle: int = 10
