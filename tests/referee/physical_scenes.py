@@ -14,6 +14,14 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 
+KINDS = (
+    "collisions",
+    "pair_collisions",
+    "obstacle_collisions",
+    "workspace_exits",
+    "saturated",
+)
+
 
 def craft(
     name: str,
@@ -203,6 +211,15 @@ def around_a_corner() -> Plan:
     vehicle = craft("a", DI, [1.2, 1.1], gain=pd(1.0, 1.5), speed=[0.0, -0.4])
     push = np.array([[0.2, 0.1], [0.0, -0.1], [-0.2, 0.1], [-0.1, 0.2]])
     return pushed((vehicle,), [push], obstacles=(corner,))
+
+
+def unclipped(plan: Plan) -> Plan:
+    """The same with all the control anybody may ask for."""
+    fleet = tuple(
+        replace(v, control_limit=np.full(v.system.num_controls, PLENTY))
+        for v in plan.scenario.vehicles
+    )
+    return replace(plan, scenario=replace(plan.scenario, vehicles=fleet))
 
 
 SCENES = [

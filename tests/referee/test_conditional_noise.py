@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from noisy_missions import SENSOR, check_charges, flown_noisily, noisy, wind
-from test_physical import DI, craft, pd, still
+from physical_scenes import DI, craft, pd, still
 
 from radmpc.model.plan import Plan
 from radmpc.referee import certify

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from fleets import permuted, stepper
 from physical import fly
+from physical_scenes import DI, KINDS, craft, pd, pushed, still, unclipped, wall
 from scipy.stats import binomtest, fisher_exact
-from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped, wall
 
 from radmpc.model.dynamics import double_integrator, lqr_gain
 from radmpc.model.noise.measurement import Measurement

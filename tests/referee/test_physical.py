@@ -2,34 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
-from fleets import PLENTY, random_plan
+from fleets import random_plan
 from physical import fly
 from physical_scenes import (
+    KINDS,
     SCENES,
     clipped_beside_a_wall,
     clipped_on_the_way,
     clipped_pair,
     clipped_stepper,
     turning_solid,
+    unclipped,
 )
 from scipy.stats import binomtest, fisher_exact
 
-from radmpc.model.plan import Plan
 from radmpc.referee import certify, simulate
 
 MISSIONS = 20_000
 FEWER = 1_500
-KINDS = (
-    "collisions",
-    "pair_collisions",
-    "obstacle_collisions",
-    "workspace_exits",
-    "saturated",
-)
 FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
 
 
@@ -68,15 +59,6 @@ def test_the_certificate_is_not_below_the_second_simulator(scene):
     low = binomtest(flown.collisions, missions).proportion_ci(1 - 2e-4, "exact").low
     assert flown.saturated == 0
     assert certify(plan).certified >= low
-
-
-def unclipped(plan: Plan) -> Plan:
-    """The same with all the control anybody may ask for."""
-    fleet = tuple(
-        replace(v, control_limit=np.full(v.system.num_controls, PLENTY))
-        for v in plan.scenario.vehicles
-    )
-    return replace(plan, scenario=replace(plan.scenario, vehicles=fleet))
 
 
 @pytest.mark.slow

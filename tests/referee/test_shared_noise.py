@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from fleets import stepper
 from physical import fly
+from physical_scenes import DI, craft, pd, still
 from scipy.stats import fisher_exact
-from test_physical import DI, craft, pd, still
 
 from radmpc.errors import ScenarioError
 from radmpc.model.noise.measurement import Measurement

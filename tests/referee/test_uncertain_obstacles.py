@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from fleets import permuted
 from physical import fly
+from physical_scenes import DI, KINDS, craft, pd, pushed, still, unclipped
 from scipy.stats import binomtest, fisher_exact, norm
-from test_physical import DI, KINDS, craft, pd, pushed, still, unclipped
 
 from radmpc.errors import ScenarioError
 from radmpc.flying.mission import Mission

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fleets import stepper
+from physical_scenes import DI, craft, pd, still, wall
 from scipy.integrate import quad
 from scipy.special import ndtr
 from scipy.stats import binomtest, chi2, kstest
 from scipy.stats import t as student
-from test_physical import DI, craft, pd, still, wall
 
 import radmpc
 from radmpc.errors import ScenarioError
