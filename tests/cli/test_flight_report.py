@@ -16,8 +16,8 @@ def test_probabilities_that_are_as_good_as_none_are_not_told_digit_by_digit() ->
 
 
 def test_progress_tells_mission_and_step() -> None:
-    line = ProgressLine(keeps="what was flown")
     record = FlightRecord(plan(circle(2), "ira").require(), FlightSettings(missions=3))
+    line = ProgressLine(keeps="what was flown")
     told = flying._Progress(line, record)
     # The first tick may take long.
     assert line.text() == "mission 1/3, step 0/10; 0 s; Ctrl-C keeps what was flown"

@@ -31,7 +31,7 @@ def test_a_vehicle_and_an_obstacle_are_drawn_on_an_empty_map(screen):
     corners = [corner for ring in obstacle["rings"] for corner in ring]
     assert max(abs(max(x for x, _ in corners) - 18), abs(min(y for _, y in corners) - 9)) < 0.2
     things = page.page.get_by_role("listbox", name="Things of the scenario")
-    assert things.get_by_role("option").count() == 4  # with the goal and the workspace
+    until(lambda: things.get_by_role("option").count() == 4)  # with the goal and the workspace
 
 
 def test_a_plan_is_found_and_shown_with_its_certificate(screen, server):
