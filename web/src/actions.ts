@@ -19,7 +19,10 @@ async function greet(): Promise<void> {
   const id = known?.document ?? hello.value.document;
   if (id === null) return;
   const before = isBack ? null : kept();
+  const shown = document.peek()?.document;
   const state = await call("state", { document: id });
+  // What was opened meanwhile stays.
+  if (document.peek()?.document !== shown) return;
   show(state);
   if (!isBack && before === null) turnTo(state);
   if (before === null || id !== wanted) await showNewest();
