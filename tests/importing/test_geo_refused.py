@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from drawings import AREA, drawing, place, point, polygon, written
+from refusing import refusal
 
 from radmpc.errors import FileFormatError
 from radmpc.importing.formats import import_scenario
@@ -221,14 +222,6 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path: Path) -> None:
         file.truncate(200 * 2**20)
     with pytest.raises(FileFormatError, match=r"huge.geojson: must be at most 8 MiB, got 200$"):
         import_scenario(path)
-
-
-def refusal(path: Path) -> str | None:
-    try:
-        import_scenario(path)
-    except FileFormatError as error:
-        return str(error)
-    return None
 
 
 def test_spoiled_drawings_end_in_one_line(tmp_path: Path) -> None:

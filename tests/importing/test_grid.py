@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusing import refusal
 
 from radmpc.errors import FileFormatError, ScenarioError
 from radmpc.importing.formats import ImportOptions, import_scenario
@@ -252,14 +253,6 @@ def test_a_map_that_cannot_be_read_is_one_line(
 def test_tasks_that_are_none_are_one_line(tmp_path: Path, text: str) -> None:
     with pytest.raises(FileFormatError, match=r"room.scen:1: (is empty|needs at least one task)"):
         import_scenario(written(tmp_path, text, "room.scen"))
-
-
-def refusal(path: Path) -> str | None:
-    try:
-        import_scenario(path)
-    except FileFormatError as error:
-        return str(error)
-    return None
 
 
 def test_spoiled_grids_end_in_one_line(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusing import refusal
 
 from radmpc.errors import FileFormatError
 from radmpc.importing.formats import import_scenario
@@ -181,14 +182,6 @@ def test_files_that_are_none_are_one_line(tmp_path: Path) -> None:
         import_scenario(written(tmp_path, "<kml/>"))
     with pytest.raises(FileFormatError, match=r"bay.kmz: is a packed KMZ: unpack it"):
         import_scenario(written(tmp_path, "PK", "bay.kmz"))
-
-
-def refusal(path: Path) -> str | None:
-    try:
-        import_scenario(path)
-    except FileFormatError as error:
-        return str(error)
-    return None
 
 
 @pytest.mark.slow
