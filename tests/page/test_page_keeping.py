@@ -57,6 +57,32 @@ def test_a_connection_that_was_lost_comes_back_with_what_was_done_since(screen, 
     page.page.get_by_text(LOST).wait_for(state="hidden")
 
 
+def test_what_is_opened_while_a_page_still_loads_stays(screen, server):
+    slow = server.open("slow.yaml", STRAIT)
+    held = []
+
+    def connected(line):
+        def sent(text):
+            is_first = '"call":"state"' in text and not held
+            held.append(text) if is_first else there.send(text)
+
+        there = line.connect_to_server()
+        line.on_message(sent)
+        sockets.append(there)
+
+    sockets = []
+    page = screen(slow, line=connected)
+    # Messages pass only while the browser is asked for something.
+    until(lambda: page.page.wait_for_timeout(20) or held)
+    page.button("Open or new").first.click()
+    page.button("Empty scenario").click()
+    empty = page.tab("Scene").get_by_text("0 vehicles, 0 obstacles")
+    empty.wait_for()
+    sockets[0].send(held[0])
+    page.page.wait_for_timeout(300)
+    empty.wait_for()
+
+
 def test_two_pages_show_the_same_document(screen, server):
     document = server.open("shared.yaml", STRAIT)
     one = screen(document)

@@ -117,7 +117,12 @@ function PriceCurve(props: DeltaProps & { width: number }) {
           onClick={() => props.onShow(point.plan)}
         />
       ))}
-      {drawn.most > drawn.least && <span class="p-most">{cost(drawn.most)}</span>}
+      {drawn.most > drawn.least && (
+        <>
+          <span class="p-most">{`cost ${cost(drawn.most)}`}</span>
+          <span class="p-least">{`cost ${cost(drawn.least)}`}</span>
+        </>
+      )}
     </div>
   );
 }
