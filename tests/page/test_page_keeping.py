@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -57,20 +58,27 @@ def test_a_connection_that_was_lost_comes_back_with_what_was_done_since(screen, 
     page.page.get_by_text(LOST).wait_for(state="hidden")
 
 
-def test_what_is_opened_while_a_page_still_loads_stays(screen, server):
+@pytest.mark.parametrize("answer", ["hello", "state"])
+def test_what_is_opened_while_a_page_still_loads_stays(screen, server, answer):
     slow = server.open("slow.yaml", STRAIT)
-    held = []
+    lines, asked, held = [], [], []
 
     def connected(line):
         def sent(text):
-            is_first = '"call":"state"' in text and not held
-            held.append(text) if is_first else there.send(text)
+            message = json.loads(text)
+            if message["call"] == answer:
+                asked.append(message["id"])
+            there.send(text)
+
+        def answered(text):
+            is_first = json.loads(text).get("id") in asked[:1]
+            held.append(text) if is_first else line.send(text)
 
         there = line.connect_to_server()
         line.on_message(sent)
-        sockets.append(there)
+        there.on_message(answered)
+        lines.append(line)
 
-    sockets = []
     page = screen(slow, line=connected)
     # Messages pass only while the browser is asked for something.
     until(lambda: page.page.wait_for_timeout(20) or held)
@@ -78,7 +86,7 @@ def test_what_is_opened_while_a_page_still_loads_stays(screen, server):
     page.button("Empty scenario").click()
     empty = page.tab("Scene").get_by_text("0 vehicles, 0 obstacles")
     empty.wait_for()
-    sockets[0].send(held[0])
+    lines[0].send(held[0])
     page.page.wait_for_timeout(300)
     empty.wait_for()
 

@@ -13,13 +13,13 @@ import { complain, hello, judging, tab } from "./state/session";
 /** Say hello, and take up the document that was shown before a reload or a loss. */
 async function greet(): Promise<void> {
   const isBack = hello.peek() !== null;
+  const shown = document.peek()?.document;
+  const wanted = shown ?? sessionStorage.getItem("document");
   hello.value = await call("hello", {});
-  const wanted = document.peek()?.document ?? sessionStorage.getItem("document");
   const known = hello.value.documents.find((candidate) => candidate.document === wanted);
   const id = known?.document ?? hello.value.document;
   if (id === null) return;
   const before = isBack ? null : kept();
-  const shown = document.peek()?.document;
   const state = await call("state", { document: id });
   // What was opened meanwhile stays.
   if (document.peek()?.document !== shown) return;
