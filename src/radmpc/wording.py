@@ -1,4 +1,4 @@
-"""How messages name values and kinds."""
+"""How messages name values, kinds and shares."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from numbers import Real
 
 import numpy as np
 
-__all__ = ["one", "told"]
+__all__ = ["one", "percent", "told"]
 
 _LONGEST = 60
 """Letters of a value that a message shows; longer ones are shortened."""
+
+_ROUNDING = 1e-9
+"""Share below which two costs differ by the rounding of their sums alone [-]."""
 
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
@@ -33,3 +36,8 @@ def told(value: object) -> str:
 def one(kind: type) -> str:
     """Return ``a Vehicle`` for `Vehicle`, ``an Obstacle`` for `Obstacle`."""
     return f"{'an' if kind.__name__[0] in 'aeiouAEIOU' else 'a'} {kind.__name__}"
+
+
+def percent(share: float) -> str:
+    """Return what a cost could fall by as a percentage of two digits: ``3.4 %``."""
+    return f"{100.0 * share if share > _ROUNDING else 0.0:.2g} %"

@@ -13,6 +13,7 @@ from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.model.relations.couplings import Coupling, Reason
 from radmpc.model.scenario import Scenario
+from radmpc.wording import percent
 
 __all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]
 
@@ -229,7 +230,7 @@ class Plan:
         gap = self.certified_gap
         if gap is None or self.status not in {Status.OPTIMAL, Status.FEASIBLE}:
             return sentence
-        saved = f"no plan that could be certified costs {100.0 * gap:.2g} % less"
+        saved = f"no plan that could be certified costs {percent(gap)} less"
         if self.status is Status.OPTIMAL:
             return f"plan found; {saved}"
         return f"{sentence}; {saved}"

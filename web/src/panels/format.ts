@@ -35,17 +35,19 @@ function inPercent(probability: number | null, digits: number, rounding: (x: num
   return `${plain(probability * 100, digits, rounding)} %`;
 }
 
-/** One digit and a power of ten: `4·10⁻⁶ %` stands in a column of a few digits. */
-function powerOfTen(percents: number, rounding: (x: number) => number): string {
+/** Few digits and a power of ten: `4·10⁻⁶ %` stands in a column of a few digits. */
+function powerOfTen(percents: number, rounding: (x: number) => number, digits = 1): string {
   let exponent = Math.floor(Math.log10(Math.abs(percents)));
-  let digit = rounding(percents / 10 ** exponent);
-  if (Math.abs(digit) === 10) [digit, exponent] = [digit / 10, exponent + 1];
+  const scale = 10 ** (digits - 1);
+  let factor = rounding(Number(((percents / 10 ** exponent) * scale).toPrecision(12))) / scale;
+  if (Math.abs(factor) === 10) [factor, exponent] = [factor / 10, exponent + 1];
   const raised = Array.from(String(exponent), (sign) => (sign === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(sign)])).join("");
-  return `${digit}·10${raised} %`.replace("-", "−");
+  return `${String(factor)}·10${raised} %`.replace("-", "−");
 }
 
 /** A risk bound, which people chose, without zeros at its end: `0.5 %`. */
 export function bound(probability: number): string {
+  if (probability > 0 && probability < 1e-6) return powerOfTen(probability * 100, Math.round, 4);
   return `${trimmed(probability * 100, 4)} %`;
 }
 
@@ -82,7 +84,8 @@ function signed(text: string, value: number): string {
 
 /** A relative gap: percent with two digits. */
 export function gap(value: number | null): string {
-  return value === null ? NOTHING : percent(value, 2);
+  // Costs that near to one another differ by rounding alone.
+  return value === null ? NOTHING : percent(value > 1e-9 ? value : 0, 2);
 }
 
 /** Seconds: tenths below a minute, then minutes and seconds. */

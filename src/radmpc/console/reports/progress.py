@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.text import Text
 
+from radmpc.wording import percent
+
 __all__ = ["ProgressCallback", "ProgressLine", "progress_line", "progress_text"]
 
 ProgressCallback = Callable[[str, int, int | None], None]
@@ -52,7 +54,7 @@ class ProgressLine:
         """
         from radmpc.solvers.solution import relative_gap  # noqa: PLC0415 - verifying needs none
 
-        gap = "" if bound is None else f", gap {100.0 * relative_gap(cost, bound):.2g} %"
+        gap = "" if bound is None else f", gap {percent(relative_gap(cost, bound))}"
         self._best = f"best cost {cost:.6g}{gap}"
 
     def text(self) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from radmpc.model.limits import TightLimit, tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.scenario import Scenario
+from radmpc.wording import percent
 
 __all__ = [
     "advice_text",
@@ -119,10 +120,10 @@ def cost_text(plan: Plan) -> str:
     if cost is None:
         return "none"
     if gap is not None:
-        on_any = f"{plan.certified_lower_bound:.6g} for any certified plan, gap {_percent(gap)}"
+        on_any = f"{plan.certified_lower_bound:.6g} for any certified plan, gap {percent(gap)}"
         if bound is None:
             return f"{cost:.6g} (lower bound {on_any})"
-        by_faces = f"{bound:.6g} for plans by faces, gap {_percent(_gap(cost, bound))}"
+        by_faces = f"{bound:.6g} for plans by faces, gap {percent(_gap(cost, bound))}"
         return f"{cost:.6g} (lower bounds: {on_any}; {by_faces})"
     if bound is None:
         return f"{cost:.6g} (no lower bound)"
@@ -131,17 +132,12 @@ def cost_text(plan: Plan) -> str:
             f"{cost:.6g} (below {bound:.6g}, the least of plans whose union bound is within the "
             "risk bound: the certificate, which is tighter, lets this one spend more)"
         )
-    return f"{cost:.6g} (lower bound {bound:.6g}, gap {_percent(_gap(cost, bound))})"
+    return f"{cost:.6g} (lower bound {bound:.6g}, gap {percent(_gap(cost, bound))})"
 
 
 def _gap(cost: float, bound: float) -> float:
     """Return what a cost could fall by at most, as a share of it."""
     return 0.0 if cost <= 0.0 else max(cost - bound, 0.0) / cost
-
-
-def _percent(share: float) -> str:
-    """Return a share as a percentage of two digits."""
-    return f"{100.0 * share:.2g} %"
 
 
 def left_over_text(plan: Plan) -> str | None:

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from radmpc.experiments.sweep_table import SweepRow
 from radmpc.solvers.solution import relative_gap
+from radmpc.wording import percent
 
 __all__ = ["sweep_report"]
 
@@ -47,7 +48,7 @@ def _cells(row: SweepRow) -> list[Text | str]:
     style = "green" if row.within else "red"
     gap = _NONE
     if row.lower_bound is not None:
-        gap = f"{100.0 * relative_gap(row.cost, row.lower_bound):.2g} %"
+        gap = percent(relative_gap(row.cost, row.lower_bound))
     certified = _NONE if row.certified is None else f"{min(row.certified, 1.0):.4g}"
     return [row.status, f"{row.cost:.5g}", gap, Text(certified, style=style), seconds]
 

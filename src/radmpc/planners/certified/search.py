@@ -18,6 +18,7 @@ from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.planners.draft import Step
 from radmpc.planners.verdict import Judge
 from radmpc.solvers.solution import Limits, relative_gap
+from radmpc.wording import percent
 
 __all__ = ["PriceSearch"]
 
@@ -177,7 +178,7 @@ def _tell(fleet: Fleet, state: SearchState, candidate: Round) -> None:
     step, incumbent, plan = state.steps[-1], state.incumbent, "no plan yet"
     if incumbent.controls:
         plan = (
-            f"best cost {incumbent.cost:.6g}, gap {100.0 * step.gap:.2g} %, certificate "
+            f"best cost {incumbent.cost:.6g}, gap {percent(step.gap)}, certificate "
             f"{incumbent.certified:.3g} of risk bound {fleet.scenario.risk_bound:g}"
         )
     _LOG.info(
