@@ -49,7 +49,7 @@ def slalom(risk_bound: float = 0.1) -> Scenario:
 
 
 def louder(scenario: Scenario, gain: Matrix | None = None, factor: float = 4.0) -> Scenario:
-    """Return a problem with so many times its deviations, Δ = 0.1, and feedback if it has a gain."""
+    """Return a problem with so many times its deviations, Δ = 0.1, and feedback if asked for."""
     vehicles = tuple(
         replace(
             v,
