@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from closed_loop_adversary import waiting, wall
+from radmpc.arrays import Matrix
 from radmpc.errors import NoPlanError
 from radmpc.experiments.families import circle, fleet, paper
 from radmpc.io.native.plan_file import load_plan, save_plan
-from radmpc.model.dynamics import LinearSystem
+from radmpc.model.dynamics import LinearSystem, lqr_gain
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -47,25 +48,38 @@ def slalom(risk_bound: float = 0.1) -> Scenario:
     return Scenario("slalom", 1.0, 8, risk_bound, (vehicle,), tuple(gates), avoidance="steps")
 
 
-def noisy_paper(vehicles: int, seed: int) -> Scenario:
-    """Return a problem of the paper's kind with four times its deviations and Δ = 0.1."""
-    scenario = paper(vehicles, seed)
-    louder = tuple(
+def louder(scenario: Scenario, gain: Matrix | None = None, factor: float = 4.0) -> Scenario:
+    """Return a problem with so many times its deviations, Δ = 0.1, and feedback if asked for."""
+    vehicles = tuple(
         replace(
             v,
-            initial_covariance=16.0 * v.initial_covariance,
-            disturbance_covariance=16.0 * v.disturbance_covariance,
+            initial_covariance=factor**2 * v.initial_covariance,
+            disturbance_covariance=factor**2 * v.disturbance_covariance,
+            gain=gain,
         )
         for v in scenario.vehicles
     )
-    return replace(scenario, vehicles=louder, risk_bound=0.1)
+    return replace(scenario, vehicles=vehicles, risk_bound=0.1)
+
+
+def fed(scenario: Scenario) -> Scenario:
+    """Return such a problem under a soft linear-quadratic feedback."""
+    gain = lqr_gain(scenario.vehicles[0].system, np.diag([1.0, 1.0, 1.0, 1.0]), 4.0 * np.eye(2))
+    return louder(scenario, gain)
 
 
 SCENES = {
     "slalom": slalom,
     "wall": wall,
-    "paper": lambda: noisy_paper(3, 3),
-    "paper4": lambda: noisy_paper(4, 3),
+    "paper": lambda: louder(paper(3, 3)),
+    "paper4": lambda: louder(paper(4, 3)),
+    "paper4-feedback": lambda: fed(paper(4, 3)),
+    "paper8": lambda: louder(paper(8, 3)),
+    "paper8-feedback": lambda: fed(paper(8, 3)),
+    "circle4": lambda: louder(circle(4)),
+    "circle4-feedback": lambda: fed(circle(4)),
+    "fleet16": lambda: louder(fleet(16, 0), factor=2.0),
+    "fleet16-feedback": lambda: fed(fleet(16, 0)),
     "circle8": lambda: circle(8),
     "circle16": lambda: circle(16),
     "fleet64": lambda: fleet(64, 0),
