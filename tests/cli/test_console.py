@@ -20,7 +20,7 @@ from radmpc.console.running.workers import workers
 from radmpc.errors import SolverError
 
 from .conftest import Run, assert_one_line
-from .test_report import make_plan, shown
+from .reports.reported import make_plan, shown
 
 
 def test_a_note_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:

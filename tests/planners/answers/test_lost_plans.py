@@ -28,7 +28,7 @@ from radmpc.solvers.priced.lp import RiskLp
 from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.solution import Limits
 
-SCENES = Path(__file__).parents[1] / "data" / "scenes"
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
 FOREVER = Limits(float("inf"))
 
 

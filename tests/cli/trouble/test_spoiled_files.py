@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import Result
 
-from .conftest import Run
+from cli.conftest import Run
 from .spoiling import spoiled
 from .whole_files import ROOM, whole_files
 

@@ -20,7 +20,7 @@ from radmpc.planning import plan
 from radmpc.solvers.solution import Limits
 from running import first_plan
 
-SCENES = Path(__file__).parents[1] / "data" / "scenes"
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
 
 
 def scene(name):

@@ -17,7 +17,7 @@ from radmpc.planners.certified.turned.half_spaces import Hazards
 from radmpc.planning import plan
 from radmpc.program.build import condensed_models
 
-SCENES = Path(__file__).parents[1] / "data" / "scenes"
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
 
-SCENES = Path(__file__).parent.parent / "data" / "scenes"
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
 
 
 def scene(name):

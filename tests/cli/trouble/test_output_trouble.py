@@ -17,9 +17,9 @@ import pytest
 
 from radmpc.console.files import demo_text
 
-from .conftest import CROSSING, Run, assert_one_line
+from cli.conftest import CROSSING, Run, assert_one_line
 
-FOREIGN = Path(__file__).parents[2] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
+FOREIGN = Path(__file__).parents[3] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
 
 WRITERS = {
     "plan": ("plan", "a.yaml", "-o", "{}/out.json"),

@@ -22,7 +22,7 @@ from radmpc.program.hazards import Hazards
 from radmpc.solvers.solution import Limits
 from running import first_plan
 
-INSTANCES = Path(__file__).parents[2] / "instances"
+INSTANCES = Path(__file__).parents[3] / "instances"
 
 
 def separation(controls: list[np.ndarray], hazards: Hazards) -> float:

@@ -11,7 +11,7 @@ from radmpc.model.plan import Status
 from radmpc.planning import plan
 from radmpc.referee import simulate
 
-SCENES = Path(__file__).parents[1] / "data" / "scenes"
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
 
 
 def test_a_peak_that_an_integral_could_step_over_is_not_certified():

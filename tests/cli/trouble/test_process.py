@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from .conftest import assert_one_line
+from cli.conftest import assert_one_line
 
 # Plans as usual, but says when it has begun and first waits to be interrupted.
 PATIENT = """

@@ -22,7 +22,7 @@ from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from running import first_plan
 
-INSTANCES = Path(__file__).parents[2] / "instances"
+INSTANCES = Path(__file__).parents[3] / "instances"
 CROWD = INSTANCES / "libMultiRobotPlanning" / "map_32by32_obst204_agents20_ex3.yaml"
 
 

@@ -17,9 +17,9 @@ import pytest
 from radmpc.experiments.study import read_rows
 from radmpc.io.native.plan_file import load_plan
 
-from .conftest import CROSSING
+from cli.conftest import CROSSING
 
-FOREIGN = Path(__file__).parents[2] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
+FOREIGN = Path(__file__).parents[3] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
 # [s] of a processor after the interpreter's own start, wherever the machine is busy with other
 # things; more of them with RADMPC_THOROUGH=1, as in `make nightly`.
 MORE_MOMENTS = (0.05, 0.3, 1.0, 1.5, 2.2) if os.environ.get("RADMPC_THOROUGH") else ()

@@ -14,7 +14,7 @@ from radmpc.planning import plan
 
 __all__ = ["ROOM", "SCENARIO", "SPACE", "whole_files"]
 
-INSTANCES = Path(__file__).parent.parent.parent / "instances"
+INSTANCES = Path(__file__).parents[3] / "instances"
 
 SCENARIO = """\
 format: radmpc/scenario/1

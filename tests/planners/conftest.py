@@ -1,0 +1,1 @@
+"""What tests of planners share is imported from this folder, from those below it too."""
