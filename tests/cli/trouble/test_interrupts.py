@@ -14,10 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from cli.conftest import CROSSING
 from radmpc.experiments.study import read_rows
 from radmpc.io.native.plan_file import load_plan
-
-from cli.conftest import CROSSING
 
 FOREIGN = Path(__file__).parents[3] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
 # [s] of a processor after the interpreter's own start, wherever the machine is busy with other

@@ -15,9 +15,8 @@ from typing import IO
 
 import pytest
 
-from radmpc.console.files import demo_text
-
 from cli.conftest import CROSSING, Run, assert_one_line
+from radmpc.console.files import demo_text
 
 FOREIGN = Path(__file__).parents[3] / "instances" / "db-CBS" / "swap2_double_integrator.yaml"
 

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import Result
 
 from cli.conftest import Run
+
 from .spoiling import spoiled
 from .whole_files import ROOM, whole_files
 
