@@ -124,12 +124,12 @@ def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
 
 
 def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run) -> SearchState:
-    """Turn half-spaces to the plan of the search, and to the first one where it is as good."""
+    """Turn half-spaces to the plan of the search, and again to a first plan that stays cheaper."""
     searched, least = state.incumbent, float(sum(fleet.base))
     if relative_gap(min(first.cost, searched.cost), least) > TUNING.negligible * fleet.gap:
         if state.has_plan:
             state = _turned(fleet, state, run)
-        if first.cost < (1.0 + TUNING.promising) * state.incumbent.cost:
+        if first.cost < state.incumbent.cost:
             begin = replace(state, incumbent=first)
             first = turn_half_spaces(fleet, begin, run.judge, state.incumbent.cost).incumbent
     if first.cost < state.incumbent.cost:

@@ -97,8 +97,6 @@ class Tuning:
         Turns at a price of risk for a first plan, at most [-]; it is turned again after the search.
     first_dear : float
         Multiple of the first guess of the price at which these turns begin [-].
-    promising : float
-        Relative difference of costs up to which a dearer first plan is turned, too [-].
     first_share : float
         Share of Δ per vehicle that every half-space may risk in these sweeps [-].
     many : int
@@ -218,7 +216,6 @@ class Tuning:
     fastest: float = 0.95
     first_rounds: int = 8
     first_dear: float = 3.0
-    promising: float = 0.02
     first_share: float = 0.5
     many: int = 5
     crowd: float = 0.125
