@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from radmpc.program.avoidance import RowBlock
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.program import ChanceRows
+from radmpc.records import dataclass
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns

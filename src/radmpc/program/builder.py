@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -32,6 +31,7 @@ from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.program.relative import own_body, relative_body
 from radmpc.program.rows import avoidance_rows
 from radmpc.program.start import risks_at_start
+from radmpc.records import dataclass, field
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns

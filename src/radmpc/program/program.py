@@ -8,7 +8,6 @@ product; a row's dense form over ``z`` is made only for the few that enter a sol
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import GAUSSIAN, Tail, clearance
 from radmpc.model.plan import Cause
 from radmpc.program.layout import ProgramLayout, owners_of_runs
+from radmpc.records import dataclass
 
 __all__ = ["PRESOLVED_RISK", "PRESOLVED_SHARE", "ChanceRows", "DisjunctiveProgram", "RiskItem"]
 

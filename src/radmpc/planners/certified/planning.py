@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
 
@@ -32,6 +31,7 @@ from radmpc.planners.policies.policy import Family
 from radmpc.planners.verdict import Remembering
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits, Solver, relative_gap
 

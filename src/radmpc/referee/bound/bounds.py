@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.bound.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.bound.halfspace import end_margins, end_risks, refine, shared_risks
 from radmpc.referee.bound.parts import MANY_PARTS, NUM_PARTS, part_charges

@@ -10,7 +10,6 @@ one's linear program as a row: ``cost of S >= v(S)``.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -18,6 +17,7 @@ from scipy.sparse import csr_array
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import Restriction, avoidance_blocks, restrict
+from radmpc.records import dataclass
 from radmpc.solvers.branch.neighborhood import improve, prioritize
 from radmpc.solvers.branch.tree import Tree
 from radmpc.solvers.lp.warm_lp import CostRow

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
@@ -15,6 +14,7 @@ from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
 from radmpc.planners.wording import hazard_name, limit_clause, rounded_down, rounded_up
 from radmpc.program.build import condensed_models
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits
 
 __all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.executing import in_order
 from radmpc.program.build import controls_of
 from radmpc.program.relaxed.tails import Tails, tails_of
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
 
 __all__ = ["Proof", "bound_on_any"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +14,7 @@ from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits
 
 if TYPE_CHECKING:

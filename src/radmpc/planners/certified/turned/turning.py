@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
@@ -22,6 +21,7 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
