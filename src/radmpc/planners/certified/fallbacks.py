@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.cures import has_plan_within
-from radmpc.planners.certified.infeasible.explanation import WhyNot, ended, why_not
+from radmpc.planners.certified.infeasible.explanation import ended, why_not
 from radmpc.planners.certified.more_faces import finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState

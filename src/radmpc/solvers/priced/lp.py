@@ -178,7 +178,7 @@ class RiskLp:
         touched: frozenset[int] = frozenset()
         if self._bound_rows:
             columns, _ = self._tangents.coefficients(row)
-            touched = frozenset(int(b) for b in np.unique(self.program.blocks[columns]))
+            touched = frozenset(self.program.blocks[columns].tolist())
         rows = [number for blocks, number in self._bound_rows if touched <= blocks]
         values = [self._row_scale * self.price] * len(rows)
         rows.append(self._budget_row)
