@@ -24,7 +24,7 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve page pictures coverage nightly oldest check quick still format lint package types \
+.PHONY: help demo serve bundle page pictures coverage nightly oldest check quick still format lint package types \
     quick-test floors docs test clean node
 
 help: ## list the targets
@@ -38,11 +38,12 @@ serve: $(INSTALLED_SERVE) node ## a page to draw, plan and fly in: make serve FI
 	@$(PAGE) build
 	@$(BIN)/radmpc serve $(FILE) $(if $(PORT),--port $(PORT))
 
-# No processor waits: the page and the environment wait for registries, each beside the other; types,
-# which only one processor can check, and the site are beside the tests, which wait now and then, for
-# what they start. Tests look at the page and `types` packs it, so that they come after it.
+# No processor waits: the bundle and the environment wait for registries, each beside the other. Tests
+# look at the bundle and `types` packs it, so that they come after it. Tests come first, as soon as they
+# can: what only one processor can do (types, the page, the site) is beside them, and they wait now
+# and then, for what they start.
 check: ## everything that must hold before a commit
-	@$(MAKE) --jobs=3 AFTER=page format lint floors page types docs test
+	@$(MAKE) --jobs=3 AFTER=bundle test format lint floors types page docs
 	@echo 'make check: everything holds'
 
 # Neither the site nor tests marked slow, which is where the minutes go.
@@ -80,8 +81,11 @@ types: package $(AFTER) ## mypy --strict on src, the examples and the pages' pro
 floors: $(INSTALLED_DEV) ## who may import whom
 	$(BIN)/lint-imports
 
+bundle: node
+	@$(PAGE) prepare
+
 # Each of the three is left out while its sources are as they were.
-page: node ## types, lint, tests and bundle of the page of `radmpc serve`
+page: bundle ## types, lint, tests and bundle of the page of `radmpc serve`
 	@$(PAGE) check
 
 # The system's Node.js, or one that comes as a package.

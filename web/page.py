@@ -5,6 +5,7 @@ in them, so that a fresh checkout with an old bundle is as good as an old one. N
 more than Python: the build of a wheel runs it, too.
 
     python web/page.py build      the bundle
+    python web/page.py prepare    the same; without a registry it is left out, and that is said
     python web/page.py check      types, lint and tests besides
     python web/page.py node       is there a Node.js
     python web/page.py npm …      npm, by the Node.js that the others use
@@ -191,7 +192,7 @@ def main(words: list[str]) -> int:
     if node is None:
         print(f"no Node.js from {_OLDEST} on: pip install {WHEEL}", file=sys.stderr)
         return 3
-    commands = {"build": build, "check": check, "node": lambda _: None}
+    commands = {"build": build, "prepare": build, "check": check, "node": lambda _: None}
     try:
         match words:
             case ["npm", *rest]:
@@ -199,12 +200,12 @@ def main(words: list[str]) -> int:
             case [name] if name in commands:
                 commands[name](node)
             case _:
-                print("one of: build, check, node, npm …", file=sys.stderr)
+                print("one of: build, prepare, check, node, npm …", file=sys.stderr)
                 return 2
     except NoRegistryError as error:
         # As without a browser: what cannot be looked at here is said, and looked at elsewhere.
         print(f"page: {error}: it is neither built nor checked", file=sys.stderr)
-        return 0 if words == ["check"] else 1
+        return 0 if words[0] in {"prepare", "check"} else 1
     except PageError as error:
         print(f"page: {error}", file=sys.stderr)
         return 1

@@ -1,4 +1,7 @@
-"""Docstrings as Markdown: their formulas are written for Sphinx, the pages want dollars."""
+"""Docstrings as Markdown: their formulas are written for Sphinx, the pages want dollars.
+
+And signatures of dataclasses, which readers of sources know by the standard library's name alone.
+"""
 
 from __future__ import annotations
 
@@ -27,3 +30,11 @@ class SphinxFormulas(Extension):
         """Turn one."""
         if not obj.is_alias and isinstance(obj.docstring, Docstring):
             obj.docstring.value = as_markdown(obj.docstring.value)
+
+
+class OwnDataclasses(Extension):
+    """Reads the package's dataclasses as what they are to type checkers."""
+
+    def on_alias_instance(self, *, alias: Any, **_: Any) -> None:
+        """Read where one is imported."""
+        alias.target_path = alias.target_path.replace("radmpc.records.", "dataclasses.")

@@ -24,6 +24,7 @@ __all__ = [
     "as_covariance",
     "as_matrix",
     "as_vector",
+    "distinct",
     "field_names",
     "frozen",
     "unchecked",
@@ -214,6 +215,27 @@ class Frozen:
     def __reduce__(self) -> tuple[object, ...]:
         """Return what makes an equal value, without checking it again."""
         return unchecked, (type(self), *(getattr(self, name) for name in field_names(type(self))))
+
+
+def distinct(values: Indices) -> Indices:
+    """Return the distinct ones of some integers, ascending.
+
+    `numpy.unique` loads numpy's masked arrays to ask whether these are any.
+
+    Parameters
+    ----------
+    values : array of int
+        Of any shape.
+
+    Returns
+    -------
+    (n,) array of int
+        Each once.
+    """
+    ordered = np.sort(values, axis=None)
+    is_first = np.ones(ordered.size, dtype=bool)
+    is_first[1:] = ordered[1:] != ordered[:-1]
+    return np.asarray(ordered[is_first])
 
 
 def field_names(kind: type) -> tuple[str, ...]:

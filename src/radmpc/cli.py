@@ -77,6 +77,7 @@ def plan(
     gap: given.ProvenGap = None,
 ) -> int:
     """Plan a scenario; write it where -o says."""
+    defer("numpy", "ma", "polynomial")  # before scipy asks for them
     from radmpc.console.commands.planning import Request, check_request, run_plan
     from radmpc.console.settings import changes_of
     from radmpc.io.native.scenario_file import load_scenario

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.errors import ScenarioError
 from radmpc.outline import outline
+from radmpc.records import dataclass
 
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull

@@ -5,7 +5,6 @@ Tails go through ``ndtr(-q)``: :math:`\tfrac12-\tfrac12\mathrm{erf}` is exactly 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
@@ -13,6 +12,7 @@ from scipy.special import gammaln, ndtr, ndtri, stdtr, stdtrit
 
 from radmpc.arrays import Vector
 from radmpc.errors import RiskError
+from radmpc.records import dataclass
 
 __all__ = [
     "CONTACT_TOL",

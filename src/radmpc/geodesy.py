@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arguments import is_number, told
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
+from radmpc.records import dataclass
 
 __all__ = ["Origin", "to_geodetic", "to_local"]
 

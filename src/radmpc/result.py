@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Mapping
-from dataclasses import dataclass
 from html import escape
 from io import BytesIO
 
@@ -13,6 +12,7 @@ from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.notebook import html_table
 from radmpc.planners.draft import Event, Step
+from radmpc.records import dataclass
 from radmpc.referee import Certificate
 
 __all__ = ["Result"]

@@ -18,7 +18,7 @@ from radmpc.experiments.families import fleet
 from radmpc.experiments.study import Journal, quick_study, read_rows, run_study
 from radmpc.io.native.plan_file import load_plan
 from radmpc.io.native.scenario_file import save_scenario
-from radmpc.planners.certified.proof import prove
+from radmpc.planners.certified.proof import search
 from radmpc.planners.executing import in_order
 from radmpc.planning import plan
 
@@ -81,7 +81,7 @@ def test_the_proof_says_the_same_wherever_its_parts_are_searched(monkeypatch):
         searched.extend(tasks)
         return in_order(work, tasks, limits, executor)
 
-    monkeypatch.setattr(prove, "in_order", counted)
+    monkeypatch.setattr(search, "in_order", counted)
     with ProcessPoolExecutor(2) as pool:
         found = plan(scenario, "certified", executor=pool)
     assert len(searched) > 1

@@ -223,7 +223,8 @@ def test_without_a_registry_the_check_says_that_nothing_is_looked_at(sources, mo
     node = page.Node(Path(sys.executable), (sys.executable, "-c", "raise SystemExit(7)"))
     monkeypatch.setattr(page, "find_node", lambda: node)
     said = "page: npm does not reach its registry: it is neither built nor checked\n"
-    assert (page.main(["check"]), capsys.readouterr().err) == (0, said)
+    for command in ("check", "prepare"):
+        assert (page.main([command]), capsys.readouterr().err) == (0, said)
     assert (page.main(["build"]), capsys.readouterr().err) == (1, said)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 
 from radmpc.arguments import check_integer, check_time_limit, told
 from radmpc.errors import ArgumentTypeError, ScenarioError, SolverError
@@ -13,6 +12,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
+from radmpc.records import dataclass
 from radmpc.referee import Simulation, simulate
 from radmpc.result import Result
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -12,6 +11,7 @@ import shapely
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ScenarioError
+from radmpc.records import dataclass
 
 __all__ = ["Room"]
 

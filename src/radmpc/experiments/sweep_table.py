@@ -8,13 +8,13 @@ import io
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
 from pathlib import Path
 
 from radmpc.errors import FileFormatError
 from radmpc.experiments.sweeping import SweepPoint, Values
 from radmpc.io.native.encoding import encode_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass, fields
 
 __all__ = ["SweepRow", "SweepTable", "scenario_digest", "sweep_row"]
 

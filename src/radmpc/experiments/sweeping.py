@@ -6,7 +6,6 @@ import json
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from itertools import product
 
 from radmpc.arguments import check_integer, check_path, check_time_limit, is_number, told
@@ -20,6 +19,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners import Planner
 from radmpc.planners.presets import DEFAULT, parse_planner
 from radmpc.planning import plan
+from radmpc.records import dataclass
 from radmpc.result import Result
 
 __all__ = ["MOST_POINTS", "NOISE", "SweepPoint", "sweep", "sweep_scenarios"]

@@ -16,10 +16,10 @@ the mission is then at most Δ, whoever plans and however often: docs/flying.md 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
 
 from radmpc.arguments import is_number, told
 from radmpc.errors import ArgumentTypeError, RiskError
+from radmpc.records import dataclass, fields, replace
 
 __all__ = ["TOLERANCE", "Account"]
 

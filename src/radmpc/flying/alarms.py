@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.special import gammaincinv
@@ -11,6 +10,7 @@ from scipy.special import gammaincinv
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass, field
 
 __all__ = ["Watcher"]
 

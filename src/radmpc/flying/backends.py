@@ -6,7 +6,6 @@ A backend is loaded when it is asked for: simulators come as extras, and most ru
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
 
@@ -16,6 +15,7 @@ from radmpc.arguments import told
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
 from radmpc.flying.model import Backend
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["BACKENDS", "Backend", "BackendKind", "backend_named"]
 

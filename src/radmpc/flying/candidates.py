@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
+from radmpc.records import dataclass
 from radmpc.result import Result
 
 __all__ = [

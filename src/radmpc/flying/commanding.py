@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.flying.leg import Leg
 from radmpc.flying.tick import Segment, segments
+from radmpc.records import dataclass
 
 __all__ = ["Commands", "commanded"]
 

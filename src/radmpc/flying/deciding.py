@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
@@ -14,6 +13,7 @@ from radmpc.flying.measuring import check_number
 from radmpc.flying.sources import LATE, Moment, Sources, Timer
 from radmpc.flying.tick import Segment, Tick
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass
 
 __all__ = [
     "MISS_PRICE",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +12,7 @@ from radmpc.flying.measuring import check_number
 from radmpc.flying.model import Backend
 from radmpc.flying.tick import Contact, Entry, Tick
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["PATIENCE", "Flight", "Flyable", "fly"]
 

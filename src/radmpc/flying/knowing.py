@@ -9,7 +9,6 @@ what follows; of all other vehicles it is the measured state.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.noise.filtering import Learning, learning_of
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass
 
 __all__ = [
     "Observer",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from radmpc.model.noise.filtering import Learning, learning_of
 from radmpc.model.obstacle import TrackShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass, field
 
 __all__ = ["Estimator", "Nature", "root_of"]
 

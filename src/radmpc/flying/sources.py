@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 
 from radmpc.arrays import Vector
 from radmpc.flying.account import Account
@@ -16,6 +15,7 @@ from radmpc.flying.remainder import left_of
 from radmpc.flying.warm.goals import widened
 from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 from radmpc.referee.conditional.conditional import Conditional
 
 __all__ = ["LATE", "Moment", "Sources", "Timer"]

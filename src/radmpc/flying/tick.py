@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from radmpc.arrays import Vector
 from radmpc.flying.account import Account
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["Contact", "Entry", "Segment", "Tick", "entered", "segments"]
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Matrix, Vector, as_matrix, as_vector, frozen
 from radmpc.errors import ScenarioError
 from radmpc.facets import facets, frame
+from radmpc.records import dataclass
 
 __all__ = ["Polytope", "box", "halfspaces", "hull", "sphere_directions"]
 

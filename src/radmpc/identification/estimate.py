@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chdtrc
@@ -16,6 +15,7 @@ from radmpc.identification.regression import Fit, fit
 from radmpc.identification.segments import Evidence, Segment, Transitions, stacked
 from radmpc.identification.tails import Tails, tails
 from radmpc.identification.whiteness import Autocorrelation, autocorrelation, whitened
+from radmpc.records import dataclass, replace
 
 __all__ = ["Estimate", "estimate"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import chdtrc
@@ -18,6 +17,7 @@ from radmpc.identification.segments import Evidence, Transitions, segments, with
 from radmpc.identification.sharing import Shared, shared_part
 from radmpc.identification.track import Track
 from radmpc.identification.unknown import unknowns
+from radmpc.records import dataclass
 
 __all__ = ["Identification", "identify"]
 

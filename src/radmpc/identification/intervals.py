@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 from scipy.special import chdtri, ndtri
 
 from radmpc.arrays import Frozen, Matrix, Vector, frozen
+from radmpc.records import dataclass
 
 __all__ = ["LEVEL", "Interval", "covariance_interval", "normal_interval"]
 

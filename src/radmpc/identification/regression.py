@@ -7,12 +7,11 @@ first step of every segment.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.records import dataclass
 
 __all__ = ["Fit", "fit"]
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.errors import FileFormatError
 from radmpc.identification.track import Track
+from radmpc.records import dataclass
 
 __all__ = ["Samples", "native_period", "sample"]
 

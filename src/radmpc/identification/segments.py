@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.identification.sampling import Samples
+from radmpc.records import dataclass, replace
 
 __all__ = ["Evidence", "Segment", "Transitions", "segments", "stacked", "without_jumps"]
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix
 from radmpc.identification.intervals import Interval, normal_interval
+from radmpc.records import dataclass
 
 __all__ = ["Shared", "nearest_covariance", "own_part", "shared_part"]
 

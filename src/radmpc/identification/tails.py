@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.special import chdtri, gammaln, ndtr
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.records import dataclass
 
 __all__ = ["Tails", "tails"]
 

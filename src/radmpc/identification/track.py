@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Frozen, Matrix, Vector, frozen
+from radmpc.records import dataclass
 
 __all__ = ["Track"]
 

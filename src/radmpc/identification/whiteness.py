@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.records import dataclass
 
 __all__ = ["Autocorrelation", "autocorrelation", "whitened"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.relations.concerns import among
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
+from radmpc.records import dataclass, replace
 
 __all__ = ["ImportedScenario", "overlay"]
 

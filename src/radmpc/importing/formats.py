@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -29,6 +28,7 @@ from radmpc.io.native.encoding import encode_scenario
 from radmpc.io.native.schema import SCENARIO_FORMAT
 from radmpc.io.text.document import Document, read_document
 from radmpc.io.text.files import one_line
+from radmpc.records import dataclass
 
 __all__ = ["ImportedScenario", "import_ground", "import_scenario"]
 

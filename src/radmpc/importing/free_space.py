@@ -6,7 +6,6 @@ For choosing times and noise only: no plan comes from here.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -18,6 +17,7 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import planar
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.model.relations.concerns import concerned
+from radmpc.records import dataclass
 
 __all__ = ["FreePath", "FreeSpace", "free_spaces_of"]
 

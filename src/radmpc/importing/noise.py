@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignVehicle
 from radmpc.importing.rounding import rounded
 from radmpc.model.dynamics import covariances, double_integrator
+from radmpc.records import dataclass
 
 __all__ = ["Noise", "choose_noise", "describe_feedback", "describe_noise", "rounded_up"]
 

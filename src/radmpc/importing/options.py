@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from radmpc.arguments import field_integer, field_number, told
 from radmpc.errors import ScenarioError
 from radmpc.io.ranges import check_range
 from radmpc.model.scenario import Avoidance
+from radmpc.records import dataclass
 
 __all__ = ["LAYER_ROLES", "ImportOptions"]
 

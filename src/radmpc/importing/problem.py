@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +14,7 @@ from radmpc.io.ranges import check_range
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Workspace
+from radmpc.records import dataclass, replace
 
 __all__ = ["ForeignModel", "ForeignProblem", "ForeignVehicle", "ForeignVisit", "Window"]
 

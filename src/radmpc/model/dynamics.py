@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from radmpc.arguments import check_kind, field_integer, field_number, field_part
 from radmpc.arrays import Frozen, Matrix, Tensor, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.integrator import integrator_rates
+from radmpc.records import dataclass, field
 
 __all__ = ["LinearSystem", "covariances", "double_integrator", "growth", "lqr_gain", "rollout"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from radmpc.arguments import field_number
 from radmpc.arrays import Frozen, Vector, as_axes, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.model.numbers import step_window
+from radmpc.records import dataclass
 
 __all__ = ["Goal"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from radmpc.model.plan import Cause, LedgerRow
+from radmpc.records import dataclass
 
 __all__ = ["CAUSES", "Hazard", "bound_text", "hazards", "risk_by_vehicle"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ from radmpc.arrays import Matrix
 from radmpc.geometry import inner_faces
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass
 
 __all__ = ["TightLimit", "control_face_bounds", "tight_limits"]
 

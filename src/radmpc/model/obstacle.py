@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +23,7 @@ from radmpc.model.obstacle_shapes import (
     points_of,
 )
 from radmpc.model.obstacle_track import TrackShape, TrackSpread
+from radmpc.records import dataclass, replace
 
 __all__ = [
     "BoxShape",

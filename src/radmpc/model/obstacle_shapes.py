@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Sized
-from dataclasses import dataclass
 
 import numpy.typing as npt
 
@@ -11,6 +10,7 @@ from radmpc.arrays import Frozen, Matrix, Vector, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.geometry import Polytope, hull
 from radmpc.model.obstacle_track import TrackShape
+from radmpc.records import dataclass
 
 __all__ = [
     "BoxShape",

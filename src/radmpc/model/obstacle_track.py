@@ -11,7 +11,6 @@ new at every step. Between steps the outline moves linearly, as those given step
 from __future__ import annotations
 
 from collections.abc import Sized
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +27,7 @@ from radmpc.arrays import (
     frozen,
 )
 from radmpc.errors import ScenarioError
+from radmpc.records import dataclass
 
 __all__ = ["TrackShape", "TrackSpread"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Literal
 
@@ -13,6 +12,7 @@ from radmpc.arguments import field_text
 from radmpc.arrays import Frozen, Matrix, Tensor, as_array, as_matrix
 from radmpc.model.relations.couplings import Coupling, Reason
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass, field
 from radmpc.wording import percent
 
 __all__ = ["Cause", "Coupling", "LedgerRow", "Plan", "Reason", "Risk", "Status", "Trajectory"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from radmpc.arguments import field_integer, field_number, field_parts, field_text, one, told
@@ -23,6 +22,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.model.workspace import Workspace
 from radmpc.notebook import html_table, listed
+from radmpc.records import dataclass, replace
 
 if TYPE_CHECKING:
     from radmpc.model.relations.keep import Keep

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +29,7 @@ from radmpc.model.numbers import (
     settled_limits,
 )
 from radmpc.model.states import as_state
+from radmpc.records import dataclass
 
 if TYPE_CHECKING:
     from radmpc.model.noise.known import Known

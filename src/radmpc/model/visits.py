@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +14,7 @@ from radmpc.errors import ScenarioError
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.numbers import step_window
 from radmpc.model.workspace import Workspace
+from radmpc.records import dataclass
 
 __all__ = ["Visit", "check_visits", "checked_visits", "steps_of_visits", "steps_visited"]
 

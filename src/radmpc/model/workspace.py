@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Vector, as_vector
 from radmpc.errors import ScenarioError
+from radmpc.records import dataclass
 
 __all__ = ["Workspace"]
 

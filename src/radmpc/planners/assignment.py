@@ -9,7 +9,6 @@ other's way.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from itertools import combinations, permutations
 
 import numpy as np
@@ -24,6 +23,7 @@ from radmpc.planners.planner import Planner, Run
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import condensed_models, cost_of_time
 from radmpc.program.hard import hard_rows
+from radmpc.records import dataclass, replace
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.solution import relative_gap
 

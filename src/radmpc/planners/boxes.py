@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["Box", "Shapes"]
 

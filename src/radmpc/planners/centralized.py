@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from functools import partial
 
 from radmpc.model.plan import Status
@@ -11,6 +10,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.sets import SetTask, run_sets
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Outcome
 
 __all__ = ["Centralized"]

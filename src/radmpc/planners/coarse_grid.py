@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass
 
 __all__ = ["CoarseGrid", "coarse_grid"]
 

@@ -9,7 +9,6 @@ coupled scenes, where branching alone takes long to find any plan; it proves not
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -19,6 +18,7 @@ from radmpc.planners.coarse_grid import CoarseGrid, coarse_grid
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import avoidance_blocks
+from radmpc.records import dataclass
 from radmpc.solvers.selection import least_violated, violations_of_outputs
 from radmpc.solvers.solution import Limits
 

@@ -8,7 +8,6 @@ take alone, at the same time, so that the graph follows them over the whole hori
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -25,6 +24,7 @@ from radmpc.planners.components import components
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.sets import SetPlan, in_order, plan_sets, verdict_of_sets
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Outcome
 
 __all__ = ["Distance", "close_pairs"]

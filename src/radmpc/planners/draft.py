@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from radmpc.arrays import Matrix
 from radmpc.model.plan import Coupling, Status
+from radmpc.records import dataclass
 
 __all__ = ["Draft", "Event", "Step"]
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from radmpc.nearby import near_pairs
 from radmpc.planners.boxes import Box, Shapes
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.relative import relative_covariances
+from radmpc.records import dataclass
 from radmpc.referee.bound.bounds import instant_risks
 from radmpc.referee.contact import solid_distances, solid_of
 from radmpc.referee.encounters import Encounters

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -17,6 +16,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.draft import Draft
 from radmpc.planners.policies.policy import Family, Policy
 from radmpc.planners.verdict import Judge
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits, Solver
 
 __all__ = ["Decomposition", "Improved", "Planner", "Progress", "Run", "nobody"]

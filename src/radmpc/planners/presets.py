@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from radmpc import planners
 from radmpc.arguments import told
 from radmpc.errors import ScenarioError
 from radmpc.planners.planner import Planner
+from radmpc.records import dataclass
 
 __all__ = ["COMPARED", "DEFAULT", "PRESETS", "Preset", "parse_planner"]
 

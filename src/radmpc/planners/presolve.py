@@ -6,7 +6,6 @@ Every reason here is a proof: no plan exists, whatever the half-spaces or altern
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from radmpc.planners.endpoint_risk import EndpointHazard, Floors, floors
 from radmpc.planners.shared_reasons import endpoint_sentences
 from radmpc.planners.wording import endpoints_text, listed
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass
 
 __all__ = [
     "Reason",

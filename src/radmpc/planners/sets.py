@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -20,6 +19,7 @@ from radmpc.planners.planner import Planner, Run
 from radmpc.planners.policies.policy import SolveRequest
 from radmpc.planners.randomness import children
 from radmpc.program.build import build_program, condensed_models, controls_of
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["SetPlan", "SetTask", "in_order", "plan_set", "plan_sets", "run_sets", "verdict_of_sets"]

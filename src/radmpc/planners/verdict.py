@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from radmpc.arrays import Indices, Matrix
 from radmpc.model.plan import LedgerRow
+from radmpc.records import dataclass
 
 __all__ = ["Judge", "Remembering", "Verdict"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -18,6 +17,7 @@ from radmpc.model.relations.concerns import is_for
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.plotting.curves import mean_path, positions
 from radmpc.plotting.interpolation import moving_outline
+from radmpc.records import dataclass, replace
 
 __all__ = ["Clearance", "closest_clearances", "distances_at_steps", "touches_way"]
 

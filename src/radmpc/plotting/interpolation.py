@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor
@@ -12,6 +10,7 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.plotting.curves import mean_path, positions
+from radmpc.records import dataclass
 
 __all__ = ["InterpolatedPath", "interpolated_path", "moving_outline"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
@@ -20,6 +19,7 @@ from radmpc.plotting.canvas.figure import check_figure, new_figure
 from radmpc.plotting.canvas.style import TITLE_SIZE, vehicle_colors
 from radmpc.plotting.canvas.title import num_title_lines
 from radmpc.plotting.plan import plot_plan
+from radmpc.records import dataclass
 
 __all__ = ["Panel", "plot_panels"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +17,7 @@ from radmpc.plotting.canvas.style import (
     TICK_SIZE,
     TITLE_SIZE,
 )
+from radmpc.records import dataclass
 
 __all__ = ["CostPoint", "plot_costs"]
 

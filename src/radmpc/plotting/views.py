@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -23,6 +21,7 @@ from radmpc.plotting.canvas.figure import (
 )
 from radmpc.plotting.canvas.style import COLUMN_WIDTH, LABEL_SIZE
 from radmpc.plotting.curves import ABOVE, SIDE, Plane
+from radmpc.records import dataclass
 
 __all__ = ["Views", "new_views", "settle_views"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from math import ceil
 from typing import Literal
@@ -23,6 +22,7 @@ from radmpc.preflight.endpoint_concerns import told_of_endpoints
 from radmpc.preflight.narrow_concerns import narrow_cures, told_of_narrow
 from radmpc.preflight.noise import NoiseKind, noise_warnings
 from radmpc.preflight.outlook import Outlook, VehicleOutlook
+from radmpc.records import dataclass
 
 __all__ = ["Concern", "Kind", "concerns_of"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
 from radmpc.model.workspace import Workspace
+from radmpc.records import dataclass
 
 __all__ = ["Nearness", "Side", "Surroundings", "Within", "side_of"]
 

@@ -8,7 +8,6 @@ What W is at the goal in the end, no path exceeds but for the grid's sake.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import log, sqrt
 
 import numpy as np
@@ -18,6 +17,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.preflight.distances import Side, Surroundings
 from radmpc.preflight.grid import Field, Grid, grid_of, widened
 from radmpc.preflight.places import Narrowest, Passage
+from radmpc.records import dataclass
 
 __all__ = ["Traveler", "narrowest_place"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,7 @@ from radmpc.preflight.narrowest import Traveler, narrowest_place
 from radmpc.preflight.pace import Pace
 from radmpc.preflight.places import Narrowest, Passage
 from radmpc.preflight.reserve import Reserve, expected_saturation, reserve_of
+from radmpc.records import dataclass, replace
 
 if TYPE_CHECKING:
     from radmpc.planners.endpoint_risk import EndpointHazard, Floors

@@ -8,12 +8,11 @@ through the lower ends: positions at the horizon are reached from one to the oth
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass
 
 __all__ = ["ARRIVED", "Envelope", "Pace"]
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import erfc, sqrt
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass
 
 __all__ = ["Reserve", "expected_saturation", "reserve_of", "tails"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +11,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_of_visits
 from radmpc.preflight.pace import ARRIVED, Pace
+from radmpc.records import dataclass
 
 __all__ = ["earliest_visits", "is_in_time", "told_of_visits"]
 

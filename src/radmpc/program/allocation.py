@@ -6,13 +6,13 @@ one step) get it, and each distinct event that is chosen pays it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 
 __all__ = [
     "Reallocation",

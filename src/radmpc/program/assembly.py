@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array
+from scipy.sparse import block_diag, csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.avoidance import RowBlock
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.program import ChanceRows
+from radmpc.records import dataclass
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns
 
 __all__ = [
     "DecisionColumns",
+    "all_outputs",
     "decision_columns",
     "joined_parents",
     "mean_positions",
@@ -96,6 +97,30 @@ def _cost_and_upper_bounds(models: Sequence[CondensedModel]) -> tuple[Vector, Ve
     weights = [s.vehicle.cost_weight for s in models]
     cost = np.concatenate([np.full(b.size, w) for b, w in zip(bounds, weights, strict=True)])
     return cost, np.concatenate(bounds)
+
+
+def all_outputs(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr_array, Vector]:
+    """Return what rows may ask for, over the columns: all mean positions, then the columns.
+
+    Parameters
+    ----------
+    models : sequence of CondensedModel
+        The vehicles.
+    num_columns : int
+        Columns of the program.
+
+    Returns
+    -------
+    rows : (p + n, n) sparse array
+        Coefficients.
+    constant : (p + n,) array
+        What is added: the drift of positions [m].
+    """
+    positions, drift = mean_positions(models, num_columns)
+    # scipy's identity comes by way of diagonals, for which numpy loads its masked arrays.
+    each = np.arange(num_columns + 1)
+    columns = csr_array((np.ones(num_columns), each[:-1], each), shape=(num_columns, num_columns))
+    return csr_array(vstack([positions, columns])), np.concatenate([drift, np.zeros(num_columns)])
 
 
 def mean_positions(models: Sequence[CondensedModel], num_columns: int) -> tuple[csr_array, Vector]:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array, vstack
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.gaussian import Tail
@@ -16,9 +14,9 @@ from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.program.assembly import (
+    all_outputs,
     decision_columns,
     joined_parents,
-    mean_positions,
     run_starts,
     stacked_chance_rows,
 )
@@ -32,6 +30,7 @@ from radmpc.program.program import DisjunctiveProgram, RiskItem
 from radmpc.program.relative import own_body, relative_body
 from radmpc.program.rows import avoidance_rows
 from radmpc.program.start import risks_at_start
+from radmpc.records import dataclass, field
 
 if TYPE_CHECKING:
     from radmpc.program.visits.columns import TimeColumns
@@ -265,8 +264,7 @@ class ProgramBuilder:
         columns = decision_columns(self.models)
         lower, upper = columns.lower, columns.upper
         num_visits = 0 if columns.times is None else self._add_visits(columns.times)
-        positions, constant = mean_positions(self.models, upper.size)
-        outputs = csr_array(vstack([positions, eye_array(upper.size)]))
+        outputs, constant = all_outputs(self.models, upper.size)
         rows = stacked_chance_rows(self.blocks, self.block_risk_items, outputs.shape[0])
         avoidance_starts = run_starts([b.avoidance_sizes for b in self.blocks])
         return DisjunctiveProgram(
@@ -278,8 +276,8 @@ class ProgramBuilder:
             hard_lower=columns.hard_lower,
             hard_upper=columns.hard_upper,
             outputs=outputs,
-            num_positions=positions.shape[0],
-            constant=np.concatenate([constant, np.zeros(upper.size)]),
+            num_positions=outputs.shape[0] - upper.size,
+            constant=constant,
             output_lower=np.concatenate([*(s.reach_lower.ravel() for s in self.models), lower]),
             output_upper=np.concatenate([*(s.reach_upper.ravel() for s in self.models), upper]),
             rows=rows,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
@@ -11,6 +9,7 @@ from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.positions import PositionResponse
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.reach import reach_by_boxes, reach_by_speeds
+from radmpc.records import dataclass
 
 __all__ = [
     "CondensedModel",

@@ -7,7 +7,6 @@ With avoidance at the steps window j is step j+1 of the program. With intervals 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +15,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.obstacle_track import TrackSpread
+from radmpc.records import dataclass, replace
 
 __all__ = ["KeepOut", "obstacle_keepouts", "swept_keepout"]
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices
 from radmpc.model.scenario import Scenario
 from radmpc.program.avoidance import Part
+from radmpc.records import dataclass
 
 __all__ = ["ProgramLayout", "laid_out", "owners_of_runs"]
 

@@ -8,17 +8,17 @@ product; a row's dense form over ``z`` is made only for the few that enter a sol
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
-from radmpc.arrays import Indices, Vector
+from radmpc.arrays import Indices, Vector, distinct
 from radmpc.gaussian import GAUSSIAN, Tail, clearance
 from radmpc.model.plan import Cause
 from radmpc.program.layout import ProgramLayout, owners_of_runs
+from radmpc.records import dataclass
 
 __all__ = ["PRESOLVED_RISK", "PRESOLVED_SHARE", "ChanceRows", "DisjunctiveProgram", "RiskItem"]
 
@@ -269,7 +269,7 @@ class DisjunctiveProgram:
 
     def selected_rows(self, selection: Indices) -> Indices:
         """Return the distinct rows of one alternative per avoidance."""
-        return np.unique(self._members(selection))
+        return distinct(self._members(selection))
 
     def _members(self, selection: Indices) -> Indices:
         """Return the rows of some alternatives, one after the other."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.layout import owners_of_runs
 from radmpc.program.program import PRESOLVED_SHARE, ChanceRows, DisjunctiveProgram
+from radmpc.records import dataclass, replace
 
 __all__ = ["Restriction", "along", "avoidance_blocks", "restrict", "restrict_around"]
 

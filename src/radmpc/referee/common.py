@@ -10,11 +10,11 @@ enter them,
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.records import dataclass
 from radmpc.referee.loop import Loop
 
 __all__ = ["FleetCommon", "fleet_common", "relative"]

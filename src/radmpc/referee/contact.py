@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.facets import facets
 from radmpc.geometry import Polytope
+from radmpc.records import dataclass
 
 __all__ = ["Solid", "clipped", "origin_distances", "solid_distances", "solid_of"]
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.model.plan import Cause
+from radmpc.records import dataclass, replace
 from radmpc.referee.sites import Sites
 
 __all__ = ["Encounters", "around", "blocks", "instant_sites", "interval_sites"]

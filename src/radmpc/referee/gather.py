@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 from radmpc.referee.common import relative
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.motion import FleetMotion

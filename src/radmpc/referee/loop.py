@@ -21,7 +21,6 @@ is new in it is made of standard normals that are the same for all, and kept apa
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -29,6 +28,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Tensor, frozen
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass, field, replace
 
 __all__ = ["Common", "Loop", "loop_of"]
 

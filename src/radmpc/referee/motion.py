@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass
 from radmpc.referee.common import FleetCommon, fleet_common
 from radmpc.referee.loop import Loop, loop_of
 from radmpc.referee.tracks import Tracks, tracks_of

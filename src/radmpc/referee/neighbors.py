@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.tails import cutoff_of
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.records import dataclass
 from radmpc.referee.motion import FleetMotion, Group
 from radmpc.referee.tracks import Tracks
 

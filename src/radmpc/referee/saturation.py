@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.norms import norm_excess
 from radmpc.referee.tails import exceeding

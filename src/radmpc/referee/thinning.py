@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +16,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Workspace
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import steps_visited
+from radmpc.records import dataclass, replace
 from radmpc.referee.bound.certificate import Certificate, certify
 from radmpc.referee.claims import shape_problems
 from radmpc.referee.motion import FleetMotion, propagate

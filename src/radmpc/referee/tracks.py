@@ -6,13 +6,12 @@ loop is, but nobody steers it: what is drawn for it once, it is for all vehicles
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.obstacle import TrackShape
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["Tracks", "tracks_of"]
 

@@ -6,10 +6,10 @@ import asyncio
 import signal
 import socket
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.errors import RadmpcError
+from radmpc.records import dataclass
 
 __all__ = ["Serving", "ServingError", "check_extra", "listening", "serve"]
 

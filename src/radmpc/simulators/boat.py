@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.errors import ScenarioError
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 from radmpc.simulators.gusts import Gusts
 from radmpc.simulators.options import number_within, vector_within
 from radmpc.simulators.otter import OTTER, Triple, accelerations, thrust_of

@@ -5,13 +5,13 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.errors import RadmpcError
+from radmpc.records import dataclass
 from radmpc.simulators.optional import loaded
 
 __all__ = ["Fix", "Link", "LinkError"]

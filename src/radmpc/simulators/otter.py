@@ -15,9 +15,9 @@ from x toward y.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from radmpc.records import dataclass
 
 __all__ = ["OTTER", "Triple", "Vessel", "accelerations", "thrust_of"]
 

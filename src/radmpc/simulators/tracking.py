@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from radmpc.errors import ScenarioError
 from radmpc.flying.tick import Segment
 from radmpc.model.given import check_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = [
     "Reference",

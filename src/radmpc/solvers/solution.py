@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from enum import Enum
 from typing import ClassVar
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass, replace
 
 __all__ = ["Guide", "Limits", "Outcome", "Solution", "Solver", "cutoff_below", "relative_gap"]
 

@@ -11,11 +11,12 @@ from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import Task, Turning
+from radmpc.planners.certified.turned.turning import Turning
 from radmpc.planners.verdict import Verdict
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards

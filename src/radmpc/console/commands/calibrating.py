@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -24,6 +23,7 @@ from radmpc.io.native.scenario_file import save_scenario
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planning import plan as make_plan
+from radmpc.records import dataclass
 from radmpc.referee import certify
 from radmpc.simulators.calibration.calibrate import Calibration, calibrate
 from radmpc.simulators.calibration.missions import Making, Rate, flown, rate_of

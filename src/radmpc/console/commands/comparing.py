@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.text import Text
@@ -21,6 +20,7 @@ from radmpc.errors import ScenarioError
 from radmpc.experiments.comparing import Comparison, compare
 from radmpc.model.scenario import Scenario
 from radmpc.planners.presets import parse_planner
+from radmpc.records import dataclass
 
 __all__ = ["CompareRequest", "check_compare", "run_compare"]
 

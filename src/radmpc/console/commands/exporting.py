@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
@@ -22,6 +21,7 @@ from radmpc.io.export.origin import parse_origin
 from radmpc.io.text.files import one_line
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass
 from radmpc.referee import Certificate, Thinned, certify, thin
 from radmpc.referee.claims import shape_problems
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.console.files import OutputError, check_output, check_separate, writing
@@ -22,6 +21,7 @@ from radmpc.io.flight.flight_file import is_flight, load_flight
 from radmpc.io.flight.record import FlightRecord, FlightSettings
 from radmpc.model.plan import Plan
 from radmpc.planners.presets import parse_planner
+from radmpc.records import dataclass
 from radmpc.referee.claims import shape_problems
 
 __all__ = ["FlyRequest", "run_fly"]

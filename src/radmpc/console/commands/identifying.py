@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from radmpc.importing.logs.applying import noise_text, with_noise
 from radmpc.importing.logs.reading import read_logs
 from radmpc.io.native.scenario_file import load_scenario, save_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["IdentifyRequest", "parse_columns", "run_identify"]
 

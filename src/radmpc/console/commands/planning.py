@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.console.choosing import planner_with
@@ -28,6 +27,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
 from radmpc.planning import plan, seconds_granted
+from radmpc.records import dataclass
 from radmpc.result import Result
 
 __all__ = ["Request", "check_request", "run_plan"]

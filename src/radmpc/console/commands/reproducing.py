@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -28,6 +27,7 @@ from radmpc.experiments.study.journal import Journal, read_rows
 from radmpc.experiments.study.running import Progress as Told
 from radmpc.experiments.study.running import run_study
 from radmpc.experiments.study.trial import Task
+from radmpc.records import dataclass
 
 __all__ = ["StudyRequest", "run_reproduction"]
 

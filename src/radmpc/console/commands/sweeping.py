@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.arguments import is_number
@@ -22,6 +21,7 @@ from radmpc.experiments.sweep_table import SweepRow, SweepTable, scenario_digest
 from radmpc.experiments.sweeping import Values, sweep, sweep_scenarios
 from radmpc.model.scenario import Scenario
 from radmpc.planners.planner import Planner
+from radmpc.records import dataclass
 
 __all__ = ["SweepRequest", "run_sweep"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from rich.table import Table
@@ -20,6 +19,7 @@ from radmpc.io.flight.flight_file import is_flight
 from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Plan, Status
 from radmpc.model.scenario import Avoidance, Scenario
+from radmpc.records import asdict, dataclass, replace
 from radmpc.referee import Certificate, Simulation, certify, simulate
 
 __all__ = ["Verification", "run_verify", "verify_plan", "verify_report"]

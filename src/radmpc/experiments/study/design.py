@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 
 from radmpc.experiments.study.trial import Task
 from radmpc.planners import Centralized, Couplings, Ira, Planner, Receding
 from radmpc.planners.presets import PRESETS
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.milp.big_m import BigM
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass
 
 from radmpc.experiments.study.design import Study
 from radmpc.experiments.study.journal import Journal, read_rows
 from radmpc.experiments.study.trial import Row, Task, run_task
+from radmpc.records import dataclass
 from radmpc.solvers.solution import never
 
 __all__ = ["Progress", "run_study"]

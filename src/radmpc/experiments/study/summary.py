@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.experiments.study.trial import Row
+from radmpc.records import dataclass
 
 __all__ = ["Quantiles", "Speedup", "Summary", "speedup", "summarize"]
 

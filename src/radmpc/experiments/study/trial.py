@@ -6,13 +6,13 @@ import os
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from radmpc.errors import SolverError
 from radmpc.experiments.families import paper
 from radmpc.model.plan import Plan, Status
 from radmpc.planners import Couplings, Planner
 from radmpc.planning import plan
+from radmpc.records import dataclass
 from radmpc.referee import simulate
 from radmpc.result import Result
 

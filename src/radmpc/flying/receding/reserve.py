@@ -12,9 +12,8 @@ all windows together is at most Δ.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from radmpc.errors import RiskError
+from radmpc.records import dataclass
 
 __all__ = ["Reserve"]
 

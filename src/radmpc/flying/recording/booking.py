@@ -7,7 +7,6 @@ of the legs that were adopted. Who changes a file must change all that follows f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from radmpc.flying.remainder import left_of
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, entered, segments
 from radmpc.io.flight.record import TickRow
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass, field
 
 __all__ = ["Booking", "recomputed"]
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.flying.deciding import opened
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 from radmpc.referee.claims import cost_of
 from radmpc.referee.simulation.simulation import Simulation
 

@@ -7,7 +7,6 @@ feedback and prediction matrices are the first of those over all steps.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.program.build import condensed_models, prediction_matrices
 from radmpc.program.condensed import CondensedModel, PredictionMatrices
 from radmpc.program.hazards import Hazards, Shapes
+from radmpc.records import dataclass, replace
 
 __all__ = ["Ahead"]
 

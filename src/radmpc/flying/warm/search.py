@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.components import components
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Try", "WarmSearch"]

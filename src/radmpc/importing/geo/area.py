@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -14,6 +13,7 @@ from radmpc.importing.geo.feature import Feature
 from radmpc.importing.rounding import rounded
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
+from radmpc.records import dataclass
 
 __all__ = ["Area", "area_of"]
 

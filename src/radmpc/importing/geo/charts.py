@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
 from radmpc.errors import ScenarioError
@@ -19,6 +18,7 @@ from radmpc.importing.geo.relations import renamed_relations
 from radmpc.importing.problem import ForeignProblem
 from radmpc.io.export.names import distinct
 from radmpc.io.text.document import Document
+from radmpc.records import dataclass, replace
 
 __all__ = ["is_chart", "read_charts", "read_ground"]
 

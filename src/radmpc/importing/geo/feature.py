@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import shapely
@@ -14,6 +13,7 @@ from radmpc.errors import ScenarioError
 from radmpc.importing.geo.properties import SETTINGS
 from radmpc.io.ranges import check_range
 from radmpc.io.text.files import shown
+from radmpc.records import dataclass
 
 __all__ = ["Feature", "Path", "drawn_line", "drawn_ring", "read_position"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from radmpc.importing.geo.relations import concerning
 from radmpc.io.text.files import shown
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Workspace
+from radmpc.records import dataclass
 
 __all__ = ["Ground", "ground_of", "origin_of", "sorted_by_role", "standing"]
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from radmpc.errors import FileFormatError
 from radmpc.io.text.files import one_line, shown
 from radmpc.io.text.lines import MAX_DEPTH
+from radmpc.records import dataclass, field
 
 __all__ = ["Placemark", "Shape", "read_placemarks"]
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from radmpc.errors import ScenarioError
 from radmpc.importing.options import LAYER_ROLES
 from radmpc.io.text.files import shown
+from radmpc.records import dataclass, field
 
 __all__ = ["Layers"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from radmpc.geodesy import Origin, to_local
 from radmpc.importing.geo.feature import Feature
 from radmpc.importing.geo.properties import unknown_properties
 from radmpc.importing.rounding import rounded
+from radmpc.records import dataclass
 
 __all__ = [
     "CONTROL_LIMIT",

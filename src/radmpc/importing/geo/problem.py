@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from radmpc.importing.geo.relations import (
 from radmpc.importing.geo.visits import describe_visits, visits_of, window_of
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.io.text.files import shown
+from radmpc.records import dataclass
 
 __all__ = ["geo_problem"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from radmpc.errors import ScenarioError
 from radmpc.identification.estimate import Estimate
 from radmpc.identification.identify import Identification
 from radmpc.identification.sharing import nearest_covariance, own_part
+from radmpc.records import dataclass
 
 __all__ = ["KEYS", "Block", "noise_block", "reordered", "vehicle_fields"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -13,6 +12,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.errors import FileFormatError
 from radmpc.identification.track import Track
 from radmpc.io.text.files import one_line
+from radmpc.records import dataclass
 
 __all__ = ["Recording", "clock_of", "extra", "flat", "held", "interpolated", "refusal"]
 

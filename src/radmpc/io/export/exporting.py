@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import NoneType
 
@@ -25,6 +24,7 @@ from radmpc.io.export.tracks import Track, thinned_tracks, tracks_of
 from radmpc.io.export.waypoints import write_waypoints
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass
 
 __all__ = [
     "FORMATS",

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from radmpc.errors import ScenarioError
 from radmpc.io.export.origin import Placement
 from radmpc.io.export.tracks import Track
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass
 
 __all__ = ["Job"]
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.io.export.origin import Placement
 from radmpc.io.export.tracks import Track
+from radmpc.records import dataclass
 
 __all__ = [
     "CHANGE_SPEED",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from radmpc.errors import ScenarioError
 from radmpc.geodesy import Origin, to_geodetic
 from radmpc.io.text.files import shown
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["Placement", "parse_origin", "scenario_origin"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass, replace
 
 __all__ = ["Track", "check_duration", "thinned_tracks", "tracks_of", "velocities_over_ground"]
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from radmpc.arrays import Matrix, Vector
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.dynamics import rollout
+from radmpc.records import dataclass
 
 __all__ = ["Followed", "followed"]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from itertools import groupby
 
 from radmpc.arguments import check_integer, is_number, told
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import ArgumentError
 from radmpc.model.plan import Cause, Plan
+from radmpc.records import dataclass, field
 
 __all__ = ["FlightRecord", "FlightSettings", "FlownMission", "NewLeg", "TickRow", "Touch"]
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, cast
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, Discriminator, Field, GetCoreSchemaHandler, Tag
+from pydantic_core import CoreSchema, PydanticCustomError
 
 __all__ = [
     "MARK",
@@ -59,21 +59,44 @@ def _at_most_list(value: object) -> str:
     return MARK + ("list" if isinstance(value, list) else "number")
 
 
-Text = Annotated[str, AfterValidator(_check_text)]
-Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-_LARGEST, le=_LARGEST)]
-Vector = list[Number]
-Matrix = Annotated[list[list[Number]], AfterValidator(_check_rows)]
-FiniteMatrix = Annotated[list[list[Finite]], AfterValidator(_check_rows)]
+class _Once:
+    """Has pydantic build the schema of a type once, not for every field of it."""
+
+    __slots__ = ("_schema",)
+
+    def __init__(self) -> None:
+        self._schema: CoreSchema | None = None
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        if self._schema is None:
+            self._schema = handler(source)
+        # A tag that makes it one of several shapes is written into it.
+        return cast(
+            "CoreSchema", {**self._schema, "metadata": dict(self._schema.get("metadata", {}))}
+        )
+
+
+Text = Annotated[str, AfterValidator(_check_text), _Once()]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False), _Once()]
+Number = Annotated[
+    float, Field(strict=True, allow_inf_nan=False, ge=-_LARGEST, le=_LARGEST), _Once()
+]
+Vector = Annotated[list[Number], _Once()]
+Matrix = Annotated[list[list[Number]], AfterValidator(_check_rows), _Once()]
+FiniteMatrix = Annotated[list[list[Finite]], AfterValidator(_check_rows), _Once()]
 
 # Chosen by what is given, not by trying all: one error instead of one per shape.
 ScalarOrVector = Annotated[
     Annotated[Number, Tag(MARK + "number")] | Annotated[Vector, Tag(MARK + "list")],
     Discriminator(_at_most_list),
+    _Once(),
 ]
 Square = Annotated[
     Annotated[Number, Tag(MARK + "number")]
     | Annotated[Vector, Tag(MARK + "list")]
     | Annotated[Matrix, Tag(MARK + "matrix")],
     Discriminator(_shape),
+    _Once(),
 ]

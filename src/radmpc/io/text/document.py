@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 from radmpc.errors import FileFormatError, ScenarioError
@@ -13,6 +12,7 @@ from radmpc.io.text.files import one_line, read_text
 from radmpc.io.text.json_text import read_json
 from radmpc.io.text.lines import Place, json_places
 from radmpc.io.text.yaml_text import read_yaml
+from radmpc.records import dataclass
 
 __all__ = ["SCENARIO_LINE", "Document", "read_document"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 from radmpc.errors import FileFormatError
 from radmpc.io.text.files import one_line, shown
+from radmpc.records import dataclass, field
 
 __all__ = ["MAX_DEPTH", "Place", "json_places"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -25,6 +24,7 @@ from radmpc.errors import FileFormatError
 from radmpc.io.ranges import MOST_OBSTACLES, MOST_VEHICLES
 from radmpc.io.text.files import one_line, shown
 from radmpc.io.text.lines import MAX_DEPTH, Place
+from radmpc.records import dataclass, field
 
 __all__ = ["read_yaml"]
 

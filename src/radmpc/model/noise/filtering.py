@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.spread import Noise, chain_of, learning
+from radmpc.records import dataclass
 
 __all__ = ["Learning", "learning_of"]
 

@@ -6,13 +6,13 @@ is expected to go on. The steps that are left of a mission begin with that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Frozen, Matrix, Vector, as_covariance, as_vector
+from radmpc.records import dataclass
 
 __all__ = ["Known"]
 

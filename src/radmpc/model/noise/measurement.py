@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 from radmpc.arguments import field_integer, field_parts
 from radmpc.arrays import Frozen, Matrix, as_covariance, as_matrix
 from radmpc.errors import ScenarioError
+from radmpc.records import dataclass
 
 __all__ = ["Measurement"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from radmpc.arrays import Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.response import response_of
 from radmpc.model.noise.spread import Noise
+from radmpc.records import dataclass
 
 __all__ = ["PositionResponse", "position_response", "side_by_side", "without_common"]
 

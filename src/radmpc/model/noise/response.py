@@ -12,7 +12,6 @@ vehicles have the covariance
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.noise.spread import Chain, Noise, chain_of, learning, stacked
+from radmpc.records import dataclass
 
 __all__ = ["Response", "response_of"]
 

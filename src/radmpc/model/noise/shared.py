@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from radmpc.arguments import field_number, field_parts, field_text, told
 from radmpc.arrays import Frozen, Matrix, as_covariance, as_matrix
 from radmpc.errors import ScenarioError
 from radmpc.model.numbers import check_correlation
+from radmpc.records import dataclass
 
 __all__ = ["SharedDisturbance", "as_shared", "check_sources"]
 

@@ -17,7 +17,6 @@ whatever the controls; what a measurement takes off the error's covariance, the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +25,7 @@ from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.noise.shared import SharedDisturbance
+from radmpc.records import dataclass
 
 if TYPE_CHECKING:
     from radmpc.model.noise.known import Known

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from radmpc.arguments import field_number, field_parts, field_text, told
 from radmpc.errors import ScenarioError
+from radmpc.records import dataclass
 
 __all__ = ["Keep", "check_keep", "checked_keep", "keep_pairs"]
 

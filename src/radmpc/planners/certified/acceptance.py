@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 from radmpc.arrays import Vector
 from radmpc.planners.certified.fleet import Fleet
@@ -13,6 +12,7 @@ from radmpc.planners.certified.rounds import Round
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge, Verdict
+from radmpc.records import dataclass, replace
 
 __all__ = ["Acceptance", "accept_round"]
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.cures import has_plan_within
-from radmpc.planners.certified.infeasible.explanation import WhyNot, ended, why_not
+from radmpc.planners.certified.infeasible.explanation import ended, why_not
 from radmpc.planners.certified.more_faces import finer_scenarios
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.search_state import SearchState
@@ -15,6 +14,7 @@ from radmpc.planners.certified.turned.noiseless import turn_from_noiseless
 from radmpc.planners.certified.turned.tuning import TUNING as TURNING
 from radmpc.planners.certified.turned.turning import plan_by_turning
 from radmpc.planners.certified.within_budget import replan_with_alternatives
+from radmpc.records import dataclass, replace
 
 __all__ = ["LastResort", "last_resort"]
 

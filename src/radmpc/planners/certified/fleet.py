@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.merging import Members
@@ -29,6 +28,7 @@ from radmpc.planners.planner import Improved, nobody
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass, replace
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 from radmpc.solvers.solution import Limits
 

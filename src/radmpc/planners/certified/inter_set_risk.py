@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector, distinct
 from radmpc.gaussian import Tail
 from radmpc.geometry import sphere_directions
 from radmpc.model.scenario import Scenario
@@ -186,5 +186,5 @@ def _neighbors(
         near *= np.sqrt(scenario.dimension)  # a pair's best face may see less than its distance
         found.append(near_pairs(means[:, k], float(near)))
     pairs, count = np.concatenate(found), len(means)
-    one, two = np.divmod(np.unique(pairs[:, 0] * count + pairs[:, 1]), count)
+    one, two = np.divmod(distinct(pairs[:, 0] * count + pairs[:, 1]), count)
     return one, two

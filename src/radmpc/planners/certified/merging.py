@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from radmpc.model.plan import Coupling
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.planners.verdict import Verdict
+from radmpc.records import dataclass, field, replace
 
 __all__ = ["Members", "Merging", "owners_of"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from radmpc.geometry import Polytope
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.tuning import TUNING
+from radmpc.records import dataclass, replace
 
 __all__ = ["Finer", "finer_scenarios"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
 
@@ -15,23 +14,25 @@ from radmpc.model.plan import Status
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.infeasible.explanation import WhyNot, sure_why_not
+from radmpc.planners.certified.infeasible.answer import WhyNot
+from radmpc.planners.certified.infeasible.sure import sure_why_not
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.bounds import reported_bound, shadow_price
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.first_plan import first_plan
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import Task, turn_half_spaces, turn_to
 from radmpc.planners.draft import Draft
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies.policy import Family
 from radmpc.planners.verdict import Remembering
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits, Solver, relative_gap
 
@@ -127,6 +128,8 @@ def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run)
     """Turn half-spaces to the plan of the search, and again to a first plan that stays cheaper."""
     searched, least = state.incumbent, float(sum(fleet.base))
     if relative_gap(min(first.cost, searched.cost), least) > TUNING.negligible * fleet.gap:
+        from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415 - as below
+
         if state.has_plan:
             state = _turned(fleet, state, run)
         if first.cost < state.incumbent.cost:
@@ -141,6 +144,9 @@ def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run)
 
 def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
     """Turn half-spaces to the plan of the search, and to others where risk was not its limit."""
+    # Who is alone costs no more than in empty space, and turns nothing.
+    from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415
+
     state = turn_half_spaces(fleet, state, run.judge)
     if state.incumbent.certified < TUNING.unspent * fleet.scenario.risk_bound:
         # Not risk but the faces made the plan what it is. (Tried for all
@@ -155,6 +161,8 @@ def _turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, run: Run) 
     """Turn half-spaces to plans of the relaxation and without noise, where these may be better."""
     gap = relative_gap(state.incumbent.cost, proof.bound)
     if gap > PROOF_TUNING.gap and proof.controls and not fleet.limits.reached:
+        from radmpc.planners.certified.turned.turning import turn_to  # noqa: PLC0415 - as above
+
         price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit
         state = turn_to(fleet, state, run.judge, proof.controls, price)
         gap = relative_gap(state.incumbent.cost, proof.bound)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from radmpc.planners.policies.policy import SolveRequest
 from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.priced.nodes import Frontier, Incumbent

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
@@ -11,6 +10,7 @@ from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.set_searches import solve_sets
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
+from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.nodes import Incumbent
 
 __all__ = ["Round", "run_round"]

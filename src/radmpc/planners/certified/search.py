@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import time
-from dataclasses import dataclass, replace
 
 from radmpc.planners.certified.acceptance import accept_round
 from radmpc.planners.certified.closing import close_gap
@@ -17,6 +16,7 @@ from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.certified.within_budget import WithinBudget
 from radmpc.planners.draft import Step
 from radmpc.planners.verdict import Judge
+from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits, relative_gap
 from radmpc.wording import percent
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
@@ -14,6 +13,7 @@ from radmpc.planners.certified.state.bounds import reported_bound
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.executing import run_elsewhere
+from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
 

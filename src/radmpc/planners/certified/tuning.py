@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from types import MappingProxyType
+
+from radmpc.records import dataclass, field
 
 __all__ = ["TUNING", "Tuning"]
 
@@ -186,8 +187,7 @@ class AcceptanceTuning:
     take_backs : int
         Times that sets moved into each other's way get their plans of the round back, at most [-].
     dearer : tuple of float
-        Multiples of the round's price at which its alternatives are replanned if rescaling fails
-        [-].
+        Multiples of the round's price to replan its alternatives at if rescaling fails [-].
     little : float
         Share of the unit below which a set's risk is left as it is [-].
     inter_set_share : float

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.acceptance import accept_round
@@ -17,6 +16,7 @@ from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.planners.certified.tuning import TUNING
 from radmpc.planners.verdict import Judge
 from radmpc.program.build import point_of
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.priced.budget import BudgetTree
 from radmpc.solvers.priced.nodes import Frontier, Incumbent
 from radmpc.solvers.priced.rating import Rater

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from math import floor, log10
@@ -18,6 +17,7 @@ from radmpc.planners.cures.variants import MOST_RISK, rounded_down, rounded_up, 
 from radmpc.planners.endpoint_risk import EndpointHazard, Floors, floors
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass, replace
 
 __all__ = ["SMALL_SHARE", "endpoint_cures"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import time
-from dataclasses import dataclass, field
 from typing import ClassVar
 
 from radmpc.arguments import is_number, told
@@ -17,6 +16,7 @@ from radmpc.planners.paper.coupling import connected_sets, couplings_of, share_c
 from radmpc.planners.planner import Decomposition, Planner, Run
 from radmpc.planners.policies import Pool
 from radmpc.planners.sets import SetPlan, in_order, plan_sets, verdict_of_sets
+from radmpc.records import dataclass, field
 from radmpc.solvers.solution import Outcome
 
 __all__ = ["Couplings"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -31,6 +30,7 @@ from radmpc.program.build import build_program, controls_of
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.start import start_pair_risk
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Outcome
 
 __all__ = ["Receding", "approximate"]

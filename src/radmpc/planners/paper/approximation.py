@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from radmpc.arrays import Matrix
 from radmpc.planners.draft import Event, Step
+from radmpc.records import dataclass
 
 __all__ = ["Approximation"]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
@@ -13,6 +11,7 @@ from radmpc.planners.paper.coupling import face_risk
 from radmpc.planners.paper.temporal import TemporalObstacle
 from radmpc.program.build import prediction_matrices
 from radmpc.program.condensed import CondensedModel, PredictionMatrices, bent_covariances, condense
+from radmpc.records import dataclass
 
 __all__ = ["FleetModel"]
 

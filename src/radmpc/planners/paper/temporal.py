@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.geometry import hull
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.keepout import KeepOut
+from radmpc.records import dataclass, replace
 
 __all__ = ["TemporalObstacle", "make_temporal_obstacle", "standing_obstacle"]
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from radmpc.arguments import is_number, told
 from radmpc.errors import ScenarioError
 from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
+from radmpc.records import dataclass
 
 __all__ = ["NoRisk", "Sigmas"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
 from typing import ClassVar
 
 from radmpc.arguments import check_word, is_integer, is_number, told
@@ -20,6 +19,7 @@ from radmpc.program.allocation import (
     reallocate,
     uniform_allocation,
 )
+from radmpc.records import dataclass
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.lp.one_selection import solve_selection
 from radmpc.solvers.solution import Outcome, Solution

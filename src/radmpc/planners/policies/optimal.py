@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
+from radmpc.records import dataclass
 
 __all__ = ["Optimal"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.planners.draft import Step
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Guide, Limits, Outcome, Solution, Solver
 
 __all__ = ["Family", "Policy", "Propose", "RiskUse", "SolveRequest", "Solved"]

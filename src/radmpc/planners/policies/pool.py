@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from radmpc.arguments import check_word
 from radmpc.planners.policies.policy import Family, Policy, Solved, SolveRequest
 from radmpc.planners.policies.uniform import solve_uniformly, spread_text
 from radmpc.program.allocation import Spread
+from radmpc.records import dataclass
 
 __all__ = ["Pool"]
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from radmpc.arguments import check_word
 from radmpc.planners.policies.policy import Family, Policy, RiskUse, Solved, SolveRequest
 from radmpc.program.allocation import Spread, allocated, margins_of, uniform_allocation
+from radmpc.records import dataclass
 
 __all__ = ["Uniform", "solve_uniformly", "spread_text"]
 

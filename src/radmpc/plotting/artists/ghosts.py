@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
@@ -21,6 +19,7 @@ from radmpc.plotting.canvas.space_labels import Board, SpaceBoard
 from radmpc.plotting.canvas.style import NUMBER_SIZE, OBSTACLE_FILL, WALL_WIDTH
 from radmpc.plotting.clearances import distances_at_steps, touches_way
 from radmpc.plotting.curves import Plane, positions
+from radmpc.records import dataclass
 
 __all__ = ["Ghost", "draw_ghosts", "nearest_ghosts"]
 

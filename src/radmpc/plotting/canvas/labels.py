@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +11,7 @@ from matplotlib.patheffects import withStroke
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.plotting.canvas.style import LABEL_SIZE
+from radmpc.records import dataclass, field
 
 __all__ = ["LETTER", "LabelBoard", "best_place"]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
@@ -15,6 +13,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.plotting.canvas.figure import room_of
 from radmpc.plotting.canvas.labels import LETTER, LabelBoard, best_place
 from radmpc.plotting.canvas.style import LABEL_SIZE
+from radmpc.records import dataclass, field
 
 __all__ = ["Board", "SpaceBoard", "board_of", "show_all"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable
-from dataclasses import dataclass
 from html import escape
 from io import BytesIO
 
@@ -27,6 +26,7 @@ from radmpc.plotting.canvas.title import draw_title, num_title_lines
 from radmpc.plotting.film.actors import draw_actors
 from radmpc.plotting.film.gif import write_gif
 from radmpc.plotting.scenario import draw_surroundings
+from radmpc.records import dataclass
 
 __all__ = [
     "FRAMES_PER_STEP",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -25,6 +23,7 @@ from radmpc.plotting.canvas.style import (
 from radmpc.plotting.canvas.title import draw_headline
 from radmpc.plotting.curves import ABOVE
 from radmpc.plotting.flight.paths import chosen, flown, flown_extent
+from radmpc.records import dataclass
 
 __all__ = ["MOST_PATHS", "Stage", "is_measured", "new_stage", "shown_mission"]
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Indices
+from radmpc.records import dataclass
 
 __all__ = ["Arcs", "even_arcs", "face_arcs"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -23,6 +22,7 @@ from radmpc.program.relaxed.instants import Instants
 from radmpc.program.relaxed.patches import Patches, around_point, around_polytope
 from radmpc.program.relaxed.rows import DROPPED, cone_rows
 from radmpc.program.relaxed.tails import Tails
+from radmpc.records import dataclass, field
 
 __all__ = ["build_relaxation"]
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.relaxed.arcs import even_arcs, face_arcs
 from radmpc.program.relaxed.normals import chosen_normals, roots_of
 from radmpc.program.relaxed.tails import Tails
+from radmpc.records import dataclass
 
 __all__ = ["Cones", "Outline", "cones_around"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from radmpc.model.obstacle_track import TrackSpread
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.avoidance import Part
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass, replace
 
 __all__ = ["Instants"]
 

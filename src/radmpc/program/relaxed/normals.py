@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Tensor
+from radmpc.records import dataclass
 
 __all__ = ["Normals", "chosen_normals", "roots_of"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, pairwise
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.geometry import Polytope
+from radmpc.records import dataclass
 
 __all__ = ["Patches", "around_point", "around_polytope"]
 

@@ -106,9 +106,8 @@ def _offered(is_within: Flags, parents: Indices) -> tuple[Flags, Indices]:
     parents : (I, c) int array
         The number of the alternative that each of them refines; -1 where there is none.
     """
-    wide = np.unique(parents[parents >= 0])
     is_narrow = np.ones(parents.size, dtype=bool)
-    is_narrow[wide] = False
+    is_narrow[parents[parents >= 0]] = False
     is_offered = is_within & is_narrow
     stands_for = np.zeros(is_within.shape, dtype=np.int64)
     stands_for[is_offered] = 1

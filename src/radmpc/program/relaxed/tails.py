@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -11,6 +10,7 @@ from scipy.special import ndtr, ndtri
 
 from radmpc.arrays import Indices, Vector, frozen
 from radmpc.gaussian import GAUSSIAN, Tail
+from radmpc.records import dataclass
 
 __all__ = ["DiscTails", "HalfSpaceTails", "Tails", "disc_probability", "tails_of"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy.sparse import block_diag, csr_array
 from radmpc.arrays import Indices, Vector
 from radmpc.model.visits import steps_of_visits
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass
 
 __all__ = [
     "ARRIVAL",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from radmpc.program.visits.columns import (
     is_disjunctive,
     windows_of,
 )
+from radmpc.records import dataclass
 
 __all__ = ["fixed_visit_rows", "visit_blocks"]
 

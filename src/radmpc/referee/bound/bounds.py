@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.bound.chain import chain_charges, cheapest_chain, run_scores
 from radmpc.referee.bound.halfspace import end_margins, end_risks, refine, shared_risks
-from radmpc.referee.bound.parts import MANY_PARTS, NUM_PARTS, part_charges
 from radmpc.referee.bound.persistence import best_shares, least_risks
-from radmpc.referee.bound.planar import grown_polygon_risks
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
 from radmpc.referee.encounters import Encounters, blocks, instant_sites, interval_sites
 from radmpc.referee.motion import FleetMotion
@@ -131,6 +129,9 @@ def instant_risks(encounters: Encounters) -> Vector:
     worth = np.flatnonzero(risks > NEGLIGIBLE)
     # Integrals are of Gaussians.
     if d == 2 and worth.size and sites.samples is None:
+        # Who meets nobody is not integrated.
+        from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415
+
         risks[worth] = grown_polygon_risks(
             sites.means[worth, 0],
             sites.covariances[worth, 0],
@@ -156,6 +157,9 @@ def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     worth = np.flatnonzero((sums > WORTH) & (sums > TELLING * sums.sum()))
     if not worth.size:
         return charged
+    # Steps have no parts, and what is far away is not looked at in parts.
+    from radmpc.referee.bound.parts import MANY_PARTS, NUM_PARTS, part_charges  # noqa: PLC0415
+
     tried = np.concatenate([encounters.directions[worth], own[worth]], axis=1)
     chosen = (worth[:, None] * num_intervals + np.arange(num_intervals)).ravel()
     in_runs, turned = chained(sites.take(chosen), tried)

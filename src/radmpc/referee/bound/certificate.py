@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.model.given import plan_under
@@ -11,6 +9,7 @@ from radmpc.model.ledger import bound_text
 from radmpc.model.plan import Cause, LedgerRow, Plan
 from radmpc.model.scenario import Avoidance, Scenario
 from radmpc.notebook import html_table
+from radmpc.records import dataclass
 from radmpc.referee.bound.bounds import step_risks
 from radmpc.referee.bound.ledger import Account, total_risk
 from radmpc.referee.bound.workspace import workspace_risks

@@ -24,12 +24,12 @@ Pieces are halved until these bounds are small. Every stage is an upper bound of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.records import dataclass
 from radmpc.referee.bound.outlines import Local, Outlines, Truths
 
 __all__ = ["enclosed"]

@@ -8,11 +8,10 @@ At shares s and t of the same step positions have, by noise that both meet,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor
+from radmpc.records import dataclass
 from radmpc.referee.common import FleetCommon
 
 __all__ = ["Crossings", "crossings"]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.model.plan import Cause, LedgerRow
+from radmpc.records import dataclass, field
 
 __all__ = ["Account", "total_risk"]
 

@@ -17,11 +17,10 @@ for the deviation in between.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.records import dataclass, replace
 from radmpc.referee.bound.crossings import Crossings
 from radmpc.referee.common import relative
 from radmpc.referee.motion import FleetMotion, Group

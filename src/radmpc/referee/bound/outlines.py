@@ -5,13 +5,12 @@ What is summed, and why the errors are bounds, says `radmpc.referee.bound.contou
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 from scipy.special import log_ndtr, ndtr
 
 from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.records import dataclass
 
 __all__ = ["Local", "Outlines", "Truths"]
 

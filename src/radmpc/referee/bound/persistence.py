@@ -11,11 +11,10 @@ far end of one part stands at the near end of the next.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.bound.bivariate import exceeds_alone
 from radmpc.referee.reserve import held, in_deviations
 from radmpc.referee.sites import Chords, Sites, chords

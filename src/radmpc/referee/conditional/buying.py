@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-
 import numpy as np
 from scipy.special import ndtr
 
@@ -11,6 +9,7 @@ from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Cause, Plan
+from radmpc.records import dataclass, field, replace
 from radmpc.referee.bound.halfspace import end_margins
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
 from radmpc.referee.bound.persistence import TELLING, best_shares

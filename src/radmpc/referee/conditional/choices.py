@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.bound.bounds import LARGE, TELLING, WORTH, chained, is_curved
 from radmpc.referee.bound.chain import chain_charges
 from radmpc.referee.bound.parts import (

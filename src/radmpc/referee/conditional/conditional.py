@@ -22,13 +22,13 @@ themselves.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor, Vector, as_array, as_vector
 from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.records import dataclass
 from radmpc.referee.conditional.buying import unseen_of, witnesses_of
 from radmpc.referee.conditional.far import is_surprised
 from radmpc.referee.conditional.loops import since, together

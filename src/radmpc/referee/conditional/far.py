@@ -10,13 +10,12 @@ rows are written down after all, and valued.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Tensor
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 from radmpc.referee.conditional.loops import Loops, Since
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.gather import Gathered, near_pieces

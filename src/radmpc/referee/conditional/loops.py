@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor
 from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.records import dataclass, replace
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["Loops", "Since", "loops_of", "since", "together"]

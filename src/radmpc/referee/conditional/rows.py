@@ -7,13 +7,12 @@ probability of a fixed set is a martingale; that of the best half-space found an
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.plan import Cause, Plan
+from radmpc.records import dataclass
 from radmpc.referee.conditional.far import Far
 from radmpc.referee.conditional.loops import Loops
 from radmpc.referee.motion import FleetMotion

@@ -5,11 +5,10 @@ Given all that is measured, their place at any two steps has the covariance that
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.conditional.rows import Parties
 from radmpc.referee.conditional.tables import Moments
 from radmpc.referee.tracks import Tracks

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.bound.halfspace import end_margins
 from radmpc.referee.conditional.choices import Choice
 from radmpc.referee.conditional.rows import Flags, IntegralRows

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.special import ndtr
 
 from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.records import dataclass
 from radmpc.referee.bound.bivariate import exceeds_alone
 from radmpc.referee.bound.planar import grown_polygon_risks
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions

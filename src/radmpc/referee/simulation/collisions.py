@@ -8,7 +8,6 @@ clear or surely not, or its own sagitta is below a micrometer. At a step both en
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.model.scenario import Workspace
+from radmpc.records import dataclass
 from radmpc.referee.contact import origin_distances, solid_distances
 from radmpc.referee.reserve import CONTACT_TOL
 from radmpc.referee.simulation.sweep import SweepPart

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass, field
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import Cutoff

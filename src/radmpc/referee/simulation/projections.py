@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.saturation import Cutoff

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import betaincinv
@@ -15,6 +14,7 @@ from radmpc.model.given import plan_under
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Avoidance
 from radmpc.notebook import html_table
+from radmpc.records import dataclass
 from radmpc.referee.simulation.preparation import prepare
 
 __all__ = ["Simulation", "simulate"]

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.geometry import Polytope
+from radmpc.records import dataclass
 from radmpc.referee.contact import Solid, solid_of
 from radmpc.referee.simulation.turning import TurningSolid, turning
 

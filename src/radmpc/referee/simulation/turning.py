@@ -8,13 +8,12 @@ evaluation gives a line below it and so rules out one side of s; halving what is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.facets import facets
+from radmpc.records import dataclass
 from radmpc.referee.contact import clipped
 
 __all__ = ["TurningSolid", "comes_within", "turning"]

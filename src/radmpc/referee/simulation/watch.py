@@ -7,7 +7,6 @@ looked at with exact geometry. A sparse product finds them for all rows at once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass, replace
 from radmpc.referee.bound.bounds import window_halfspaces
 from radmpc.referee.bound.halfspace import end_margins, end_risks
 from radmpc.referee.bound.persistence import best_shares

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass, field
 from radmpc.serving.protocol import PlanSummary, PlanView, Remark, TrailsView
 from radmpc.serving.views.plan import plan_summary, plan_view
 

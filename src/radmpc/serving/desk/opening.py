@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from radmpc.errors import FileFormatError, ScenarioError
@@ -13,6 +12,7 @@ from radmpc.io.native.plan_file import decode_plan
 from radmpc.io.ranges import PLAN_FORMAT, SCENARIO_FORMAT
 from radmpc.io.text.document import read_document
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass, field
 from radmpc.serving.documents.text import Origin
 from radmpc.serving.failures import CallError, refused
 from radmpc.serving.folder import CHARTS, FLIGHTS

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from radmpc.records import dataclass
 from radmpc.serving.failures import CallError
 from radmpc.serving.protocol import DocumentState
 

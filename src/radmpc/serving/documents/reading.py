@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from radmpc.errors import ScenarioError
 from radmpc.io.native.decoding import decode_scenario
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass, field
 from radmpc.serving.documents.partial import partial_view
 from radmpc.serving.protocol import Content, Path, Remark, ScenarioView
 from radmpc.serving.views.handles import is_number, value_at

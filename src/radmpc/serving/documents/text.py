@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from io import StringIO
 from typing import Any
 
@@ -10,6 +9,7 @@ from radmpc.errors import FileFormatError
 from radmpc.io.text.json_text import write_json
 from radmpc.io.text.yaml_text import read_yaml
 from radmpc.io.text.yaml_writing import write_yaml
+from radmpc.records import dataclass
 from radmpc.serving.protocol import Content
 
 __all__ = ["Origin", "text_of"]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["Rounding", "extent_of", "significant"]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 from starlette.applications import Starlette
@@ -14,6 +13,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
+from radmpc.records import dataclass
 from radmpc.serving.desk.desk import Desk
 from radmpc.serving.protocol import REFUSED, SOCKET
 from radmpc.serving.web.guard import HEADERS, Guard

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from radmpc.arguments import told
 from radmpc.errors import ScenarioError
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass, replace
 from radmpc.serving.protocol import Remark
 
 if TYPE_CHECKING:

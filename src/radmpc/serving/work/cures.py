@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from radmpc.errors import ScenarioError
 from radmpc.io.native.decoding import decode_scenario
@@ -12,6 +11,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.cures.variants import MOST_RISK, WEIGHTS, longer_horizons
 from radmpc.planning import plan
 from radmpc.preflight import concerns_of, outlook_of
+from radmpc.records import dataclass
 from radmpc.serving.documents.content import changed
 from radmpc.serving.protocol import Content, Cure, Remark
 from radmpc.serving.work.concerns import (

@@ -7,13 +7,13 @@ nothing with the bounds of the certificate.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.special import betaincinv
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass, field
 from radmpc.referee.simulation.flight import Chunk, Flight
 from radmpc.referee.simulation.preparation import prepare
 from radmpc.referee.simulation.watch import OBSTACLE, PAIR, Watch

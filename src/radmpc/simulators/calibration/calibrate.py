@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from radmpc.identification import Identification, Track, identify
 from radmpc.importing.logs.applying import provenance
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass, replace
 from radmpc.simulators.calibration.covering import Cover, Strays, covering
 from radmpc.simulators.calibration.loops import Loop, loops_of
 from radmpc.simulators.calibration.missions import (

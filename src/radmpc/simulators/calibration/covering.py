@@ -15,7 +15,6 @@ maneuver, and missions take noise that is new at every step. So the covariance i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import chdtri
@@ -25,6 +24,7 @@ from radmpc.identification.estimate import Estimate
 from radmpc.identification.sharing import nearest_covariance
 from radmpc.model.dynamics import covariances
 from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass
 
 __all__ = ["Cover", "Strays", "covering", "deviation_ratio", "white_covariance"]
 

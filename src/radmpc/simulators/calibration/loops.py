@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from radmpc.arrays import Matrix
 from radmpc.identification import Track, identify
 from radmpc.identification.intervals import Interval
 from radmpc.model.plan import Plan
+from radmpc.records import dataclass
 
 __all__ = ["Loop", "loops_of"]
 

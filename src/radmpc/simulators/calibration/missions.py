@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import betaincinv
@@ -17,6 +16,7 @@ from radmpc.flying.mission import Mission
 from radmpc.flying.model import Backend
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
 
 __all__ = ["Making", "Rate", "controls_of_vehicle", "flown", "rate_of", "states_of_vehicle"]
 

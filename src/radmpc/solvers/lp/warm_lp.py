@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 
 __all__ = ["CostRow", "WarmLp"]

@@ -9,7 +9,6 @@ r"""The paper's encoding: one binary per alternative, rows switched off by a lar
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import block_array, coo_array, csr_array, eye_array
@@ -18,6 +17,7 @@ from radmpc.arguments import told
 from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.lp.one_selection import solve_selection
 from radmpc.solvers.milp.gurobi import GurobiBackend
 from radmpc.solvers.milp.highs import HighsBackend

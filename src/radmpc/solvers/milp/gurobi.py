@@ -5,12 +5,12 @@ Without a license it solves models of at most 2,000 columns and rows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from radmpc.errors import SolverError
+from radmpc.records import dataclass
 from radmpc.solvers.milp.model import MilpAnswer, MilpModel
 from radmpc.solvers.solution import Limits, Outcome
 

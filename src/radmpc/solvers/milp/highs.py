@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import highspy
 import numpy as np
 
 from radmpc.errors import SolverError
+from radmpc.records import dataclass
 from radmpc.solvers.lp.quiet_highs import quiet_highs
 from radmpc.solvers.milp.model import MilpAnswer, MilpModel
 from radmpc.solvers.solution import Limits, Outcome

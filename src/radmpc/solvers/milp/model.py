@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 from scipy.sparse import csr_array
 
 from radmpc.arrays import Vector
+from radmpc.records import dataclass
 from radmpc.solvers.solution import Limits, Outcome
 
 __all__ = ["Backend", "MilpAnswer", "MilpModel"]

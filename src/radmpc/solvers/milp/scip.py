@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from radmpc.errors import SolverError
+from radmpc.records import dataclass
 from radmpc.solvers.milp.model import MilpAnswer, MilpModel
 from radmpc.solvers.solution import Limits, Outcome
 

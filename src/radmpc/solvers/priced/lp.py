@@ -13,13 +13,13 @@ q >= 0 without a row of its own.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome, Numbers
 from radmpc.solvers.priced.row_tangents import RowTangents, Touching
 from radmpc.solvers.priced.tuning import TUNING
@@ -178,7 +178,7 @@ class RiskLp:
         touched: frozenset[int] = frozenset()
         if self._bound_rows:
             columns, _ = self._tangents.coefficients(row)
-            touched = frozenset(int(b) for b in np.unique(self.program.blocks[columns]))
+            touched = frozenset(self.program.blocks[columns].tolist())
         rows = [number for blocks, number in self._bound_rows if touched <= blocks]
         values = [self._row_scale * self.price] * len(rows)
         rows.append(self._budget_row)

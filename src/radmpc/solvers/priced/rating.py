@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Indices, Vector
 from radmpc.gaussian import CONVEX_RISK, clearance
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.priced.row_tangents import RowTangents
 from radmpc.solvers.priced.tuning import TUNING
 from radmpc.solvers.selection import alternative_table, possible_alternatives

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.gaussian import CONVEX_RISK, GAUSSIAN, Tail
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.lp.highs_lp import Numbers
 from radmpc.solvers.priced.tuning import TUNING
 

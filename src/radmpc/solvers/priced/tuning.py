@@ -5,7 +5,7 @@ Tolerances of arithmetic and of the linear solver stand where they are used.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from radmpc.records import dataclass
 
 __all__ = ["TUNING", "Tuning"]
 

@@ -8,7 +8,6 @@ So one product checks many courses, and the conditions of level k or less check 
 from __future__ import annotations
 
 from collections.abc import Sequence, Sized
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 from radmpc.solvers.rrt.connect import ROUNDS, connect
 
 __all__ = ["Course", "course_of"]

@@ -7,7 +7,6 @@ satisfies the program; nothing is proven of its cost, and finding none proves no
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -18,6 +17,7 @@ from radmpc.arrays import Indices, Vector
 from radmpc.errors import ScenarioError
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.restrict import avoidance_blocks
+from radmpc.records import dataclass
 from radmpc.solvers.rrt.course import course_of
 from radmpc.solvers.rrt.tree import RandomTree
 from radmpc.solvers.selection import least_violated, possible_alternatives, violations_of

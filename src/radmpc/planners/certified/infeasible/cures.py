@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 from radmpc.errors import ScenarioError
 from radmpc.model.obstacle import MovingShape
 from radmpc.model.scenario import Scenario
@@ -17,6 +15,7 @@ from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import hazards_of, reserve_reason, sure_reasons
 from radmpc.planners.wording import listed
 from radmpc.program.build import condensed_models
+from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Cures", "cure_sentence", "endpoint_sentence", "find_cures", "has_plan_within"]

@@ -3,69 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from radmpc.arrays import Matrix
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.cures import cure_sentence, endpoint_sentence
 from radmpc.planners.certified.infeasible.least_risk import LeastRisk, least_risk
 from radmpc.planners.certified.infeasible.stuck import stuck_reason
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.explain import unable_alone
-from radmpc.planners.presolve import Reason, grouped, reserve_reason, sure_reasons
+from radmpc.planners.presolve import Reason, grouped, reserve_reason
 from radmpc.planners.wording import hazard_name, limit_clause, rounded_down, rounded_up
 from radmpc.program.build import condensed_models
 from radmpc.solvers.solution import Limits
 
-__all__ = ["WhyNot", "ended", "sure_why_not", "why_not"]
+__all__ = ["ended", "told_for_certain", "why_not"]
 
 _NAMED = 3
 """Hazards of the safest plan that are named [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class WhyNot:
-    """What stands in the way of a plan.
-
-    Attributes
-    ----------
-    explanation : str
-        In sentences, naming vehicles, obstacles and times.
-    is_proven : bool
-        Whether no plan is within the bound; otherwise none was found.
-    controls : tuple of (T, m) array
-        The safest plan found meanwhile, for the referee to judge; empty without one.
-    sets : tuple of tuple of int
-        Who was planned together in it.
-    blocked : tuple of int
-        For whom the faces of the scenario leave no plan; empty where faces are not what matters.
-    """
-
-    explanation: str
-    is_proven: bool
-    controls: tuple[Matrix, ...] = ()
-    sets: tuple[tuple[int, ...], ...] = ()
-    blocked: tuple[int, ...] = ()
-
-
-def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
-    """Find out, without a search, that a fleet has no plan.
+def told_for_certain(scenario: Scenario, reasons: Sequence[Reason], limits: Limits) -> WhyNot:
+    """Say what rules out a plan without a search, and what the other vehicles could do.
 
     Parameters
     ----------
     scenario : Scenario
         The fleet.
+    reasons : sequence of Reason
+        What is certain, at least one.
     limits : Limits
-        When to stop looking at what would help, and at what the other vehicles could do.
+        When to stop looking at what would help, and at the others.
 
     Returns
     -------
-    WhyNot or None
-        A proof; None where a search has to tell.
+    WhyNot
+        A proof.
     """
-    reasons = sure_reasons(scenario, condensed_models(scenario))
-    if not reasons:
-        return None
     stuck = {i for reason in reasons for i in reason.members}
     rest = tuple(i for i in range(scenario.num_vehicles) if i not in stuck)
     texts = _told(scenario, reasons, limits)

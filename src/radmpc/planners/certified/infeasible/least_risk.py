@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.rounds import Round, run_round
 from radmpc.planners.certified.state.search_state import SearchState
 from radmpc.program.program import RiskItem
+from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits
 
 __all__ = ["LeastRisk", "least_risk"]

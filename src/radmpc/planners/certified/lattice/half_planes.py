@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.records import dataclass
 
 __all__ = ["AvoidanceHalfPlanes", "gap_middles", "half_planes_of", "limits_at"]
 

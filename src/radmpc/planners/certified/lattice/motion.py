@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from radmpc.arrays import Vector
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass
 
 __all__ = ["Motion"]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
@@ -14,6 +12,7 @@ from radmpc.planners.certified.lattice.half_planes import (
 )
 from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass, replace
 
 __all__ = ["Lattice", "coarse_lattice", "finer_lattice", "snapped_lattice"]
 

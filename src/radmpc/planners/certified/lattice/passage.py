@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.lattice.search import PathSearch
 from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.restrict import along
+from radmpc.records import dataclass
 from radmpc.solvers.priced.around import search_around
 from radmpc.solvers.priced.nodes import Incumbent
 from radmpc.solvers.priced.rating import Rater

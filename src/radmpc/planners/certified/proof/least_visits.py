@@ -10,7 +10,6 @@ that is left is a bound.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
 
@@ -24,6 +23,7 @@ from radmpc.planners.certified.proof.leg_speeds import Table, leg_efforts
 from radmpc.planners.certified.turned.visiting import VisitLp
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.visits.columns import has_choice_of_arrival, is_disjunctive
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import Limits
 
 __all__ = ["least_cost", "with_least_visits"]

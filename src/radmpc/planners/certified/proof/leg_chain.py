@@ -8,7 +8,6 @@ sum over all choices of steps that are left open is found by dynamic programming
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy.typing as npt
 from radmpc.model.visits import steps_of_visits
 from radmpc.planners.certified.proof.leg_speeds import Table, beyond
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass
 
 __all__ = ["LegChain"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from radmpc.program.build import cost_of_time
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.tails import Tails
+from radmpc.records import dataclass
 
 __all__ = ["Part", "PartAnswer", "PartOrder", "PartTask", "paid_for_hazards"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 
 from radmpc.planners.certified.merging import Members
@@ -12,6 +11,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
+from radmpc.records import dataclass
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
 

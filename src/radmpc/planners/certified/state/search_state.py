@@ -7,7 +7,6 @@ Every phase takes the state and returns the next one. What is not in it is the f
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 from radmpc.arrays import Vector
 from radmpc.errors import NoPlanError
@@ -16,6 +15,7 @@ from radmpc.planners.certified.merging import Members, Merging
 from radmpc.planners.certified.problem import SetState
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.draft import Step
+from radmpc.records import dataclass, field
 from radmpc.solvers.priced.nodes import Incumbent
 
 __all__ = ["SearchState"]

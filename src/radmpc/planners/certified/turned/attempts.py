@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.paths import Paths, evenly, timed, timed_by_visits
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import Task, Turning
+from radmpc.planners.certified.turned.turning import Turning
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits
 
 if TYPE_CHECKING:
     from radmpc.planners.certified.turned.narrow.pacing import Pacing
 
-__all__ = ["SIDES", "Begin", "attempts"]
+__all__ = ["Begin", "attempts", "tried"]
 
-SIDES = 2
+_SIDES = 2
 """Beginnings that are turned where nothing stands in the way [-]."""
 
 _TINY = 1e-9
@@ -66,6 +67,67 @@ class Begin:
         for i, path in places.items():
             turning.successive.refer(i, path)
         return turning
+
+
+def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
+    """Return the plan of the first attempt that leads to one, or the cheapest of several sides.
+
+    Parameters
+    ----------
+    begin : Begin
+        What attempts begin with.
+    rng : Generator
+        Draws times, sides and joint ways.
+    limits : Limits
+        When to stop.
+
+    Returns
+    -------
+    FleetIncumbent
+        A certified plan; none where no attempt leads to one.
+    """
+    hazards = begin.task.hazards
+    best, least, found, is_known = None, np.inf, FleetIncumbent(), False
+    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
+    num_sides = 1 if begin.ways or hazards.count > TUNING.few else _SIDES
+    beginnings = attempts(begin, rng, limits)
+    for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):
+        missed, other = _turned(begin, attempt, limits, (penalty, sweeps))
+        if not other.controls and not is_known and _is_as_little(missed, least):
+            # What attempts miss alike, at a start or a goal, no other attempt will keep.
+            other, is_known = attempt.run(TUNING.first_rounds), True
+        found = min(found, other, key=lambda one: one.cost)
+        if missed < least:
+            best, least = attempt, missed
+        # Asked before the next attempt, which takes time to prepare.
+        if limits.reached or (found.controls and number >= num_sides):
+            break
+    if found.controls or best is None:
+        return found
+    return best.run(TUNING.first_rounds)
+
+
+def _turned(
+    begin: Begin, attempt: Turning, limits: Limits, pace: tuple[float, int]
+) -> tuple[float, FleetIncumbent]:
+    """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
+    radii, successive = begin.task.hazards.radii, attempt.successive
+    penalty, sweeps = pace
+    for kept in (begin.clearance, TUNING.narrower * begin.clearance):
+        is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
+        missed = float(successive.missed.sum())
+        if is_apart or missed <= TUNING.nearly * float(radii.mean()):
+            found = attempt.run(TUNING.first_rounds)
+            if found.controls:
+                return missed, found
+        if missed > TUNING.most_missed * float(radii.sum()):
+            break
+    return missed, FleetIncumbent()
+
+
+def _is_as_little(missed: float, least: float) -> bool:
+    """Whether an attempt misses what the best one before it did."""
+    return abs(missed - least) <= TUNING.alike * least < np.inf
 
 
 def attempts(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 
 __all__ = ["Encounter", "Supports", "ends_of", "noise_of"]
 

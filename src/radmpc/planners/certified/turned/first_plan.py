@@ -6,20 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, distinct
 from radmpc.gaussian import CONVEX_RISK
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.planners.certified.turned.attempts import SIDES, Begin, attempts
+from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
-from radmpc.planners.certified.turned.turning import Task, Turning
 from radmpc.planners.components import components
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
-from radmpc.solvers.solution import Limits
 
 __all__ = ["first_plan"]
 
@@ -67,6 +65,8 @@ def first_plan(
         return FleetIncumbent()
     if is_easy and _gives_way(task, alone.paths, clearance):
         return FleetIncumbent()
+    from radmpc.planners.certified.turned.attempts import Begin, tried  # noqa: PLC0415 - few need any
+
     # Risk counts for more than effort at first: a falling price stays near what is certified.
     price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound
     ways: dict[int, Matrix] = {}
@@ -77,53 +77,7 @@ def first_plan(
     time_share = TUNING.easy_share if is_easy else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
     begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose)
-    return _tried(begin, rng, task.limits.within(seconds))
-
-
-def _tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
-    """Return the plan of the first attempt that leads to one, or the cheapest of several sides."""
-    hazards = begin.task.hazards
-    best, least, found, is_known = None, np.inf, FleetIncumbent(), False
-    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
-    num_sides = 1 if begin.ways or hazards.count > TUNING.few else SIDES
-    beginnings = attempts(begin, rng, limits)
-    for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):
-        missed, other = _turned(begin, attempt, limits, (penalty, sweeps))
-        if not other.controls and not is_known and _is_as_little(missed, least):
-            # What attempts miss alike, at a start or a goal, no other attempt will keep.
-            other, is_known = attempt.run(TUNING.first_rounds), True
-        found = min(found, other, key=lambda one: one.cost)
-        if missed < least:
-            best, least = attempt, missed
-        # Asked before the next attempt, which takes time to prepare.
-        if limits.reached or (found.controls and number >= num_sides):
-            break
-    if found.controls or best is None:
-        return found
-    return best.run(TUNING.first_rounds)
-
-
-def _turned(
-    begin: Begin, attempt: Turning, limits: Limits, pace: tuple[float, int]
-) -> tuple[float, FleetIncumbent]:
-    """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
-    radii, successive = begin.task.hazards.radii, attempt.successive
-    penalty, sweeps = pace
-    for kept in (begin.clearance, TUNING.narrower * begin.clearance):
-        is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
-        missed = float(successive.missed.sum())
-        if is_apart or missed <= TUNING.nearly * float(radii.mean()):
-            found = attempt.run(TUNING.first_rounds)
-            if found.controls:
-                return missed, found
-        if missed > TUNING.most_missed * float(radii.sum()):
-            break
-    return missed, FleetIncumbent()
-
-
-def _is_as_little(missed: float, least: float) -> bool:
-    """Whether an attempt misses what the best one before it did."""
-    return abs(missed - least) <= TUNING.alike * least < np.inf
+    return tried(begin, rng, task.limits.within(seconds))
 
 
 def _told_once(task: Task) -> Task:
@@ -150,7 +104,7 @@ def _stopped(hazards: Hazards, paths: Paths) -> np.ndarray:
     everyone = tuple(range(hazards.count))
     spaces = half_spaces(hazards, paths, everyone, Near(0.0, 0.0, is_refined=False))
     is_hit = (spaces.heights < spaces.offsets).any(axis=1) & (spaces.second < 0)
-    return np.unique(spaces.first[is_hit])
+    return distinct(spaces.first[is_hit])
 
 
 def _meeting(hazards: Hazards, paths: Paths, clearance: float) -> tuple[tuple[int, ...], ...]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 
 __all__ = ["FREE", "Grid"]
 

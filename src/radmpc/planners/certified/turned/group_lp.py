@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -15,6 +14,7 @@ from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 
 __all__ = ["GroupLp", "GroupPlan"]

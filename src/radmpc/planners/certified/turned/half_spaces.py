@@ -8,7 +8,6 @@ at hand, half-spaces allow it at least as much as faces do, and paths nearby mos
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +21,7 @@ from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 
 __all__ = ["HalfSpaces", "half_spaces"]
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.gaussian import GAUSSIAN, Tail, tail_probability
+from radmpc.records import dataclass
 
 __all__ = ["Margins", "far_of", "fixed_margins", "priced_margins"]
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.planners.certified.turned.paths import SavedPaths
 from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.records import dataclass
 
 __all__ = ["PriceControl"]
 

@@ -6,14 +6,14 @@ The price is the shadow price of the risk, per unit of probability, unless calle
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.large.groups import groups_of
 from radmpc.planners.certified.turned.large.idle import not_idle
 from radmpc.planners.certified.turned.large.sides import on_other_sides
@@ -21,10 +21,9 @@ from radmpc.planners.certified.turned.price_control import PriceControl
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Judge
-from radmpc.program.hazards import Hazards
-from radmpc.solvers.solution import Limits
+from radmpc.records import dataclass, field, replace
 
-__all__ = ["Task", "Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
+__all__ = ["Turning", "plan_by_turning", "turn_half_spaces", "turn_to"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -145,34 +144,6 @@ def _task(fleet: Fleet, judge: Judge, controls: Sequence[Matrix]) -> Task:
     hazards, bound = fleet.programs.hazards.visiting(controls), fleet.scenario.risk_bound
     found = lambda one: fleet.improved(one.controls)  # noqa: E731 - said at once
     return Task(hazards, judge, fleet.limits, fleet.gap, bound, found)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Task:
-    """What is asked.
-
-    Attributes
-    ----------
-    hazards : Hazards
-        The fleet.
-    judge : callable
-        The referee.
-    limits : Limits
-        When to stop early.
-    gap : float
-        Relative difference of costs below which plans count as equal [-].
-    risk_bound : float
-        Δ [-].
-    found : callable
-        Given every better plan.
-    """
-
-    hazards: Hazards
-    judge: Judge
-    limits: Limits
-    gap: float
-    risk_bound: float
-    found: Callable[[FleetIncumbent], None] = lambda incumbent: None
 
 
 @dataclass(slots=True, eq=False)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.grid import Grid
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 
 __all__ = ["Clear"]
 

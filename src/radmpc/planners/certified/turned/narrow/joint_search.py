@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
+
+from radmpc.records import dataclass, field
 
 __all__ = ["joint_search"]
 

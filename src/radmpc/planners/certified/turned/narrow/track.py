@@ -9,7 +9,6 @@ a current they change as those through the water do, which have the limits.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from radmpc.planners.certified.turned.directions import closest_approach
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
 
 __all__ = ["Closeness", "Track", "track"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from radmpc.planners.certified.turned.narrow.track import Closeness, Track, trac
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.program.visits.columns import windows_of
+from radmpc.records import dataclass, replace
 
 __all__ = ["Tour", "tour"]
 

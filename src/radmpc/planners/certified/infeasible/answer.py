@@ -1,0 +1,33 @@
+"""What stands in the way of a plan, as a value."""
+
+from __future__ import annotations
+
+from radmpc.arrays import Matrix
+from radmpc.records import dataclass
+
+__all__ = ["WhyNot"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WhyNot:
+    """What stands in the way of a plan.
+
+    Attributes
+    ----------
+    explanation : str
+        In sentences, naming vehicles, obstacles and times.
+    is_proven : bool
+        Whether no plan is within the bound; otherwise none was found.
+    controls : tuple of (T, m) array
+        The safest plan found meanwhile, for the referee to judge; empty without one.
+    sets : tuple of tuple of int
+        Who was planned together in it.
+    blocked : tuple of int
+        For whom the faces of the scenario leave no plan; empty where faces are not what matters.
+    """
+
+    explanation: str
+    is_proven: bool
+    controls: tuple[Matrix, ...] = ()
+    sets: tuple[tuple[int, ...], ...] = ()
+    blocked: tuple[int, ...] = ()

@@ -1,0 +1,35 @@
+"""Whether it is certain, without a search, that a fleet has no plan."""
+
+from __future__ import annotations
+
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.infeasible.answer import WhyNot
+from radmpc.planners.presolve import sure_reasons
+from radmpc.program.build import condensed_models
+from radmpc.solvers.solution import Limits
+
+__all__ = ["sure_why_not"]
+
+
+def sure_why_not(scenario: Scenario, limits: Limits) -> WhyNot | None:
+    """Find out, without a search, that a fleet has no plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    limits : Limits
+        When to stop looking at what would help, and at what the other vehicles could do.
+
+    Returns
+    -------
+    WhyNot or None
+        A proof; None where a search has to tell.
+    """
+    reasons = sure_reasons(scenario, condensed_models(scenario))
+    if not reasons:
+        return None
+    # Most fleets have a plan.
+    from radmpc.planners.certified.infeasible.explanation import told_for_certain  # noqa: PLC0415
+
+    return told_for_certain(scenario, reasons, limits)

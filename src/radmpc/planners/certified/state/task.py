@@ -1,0 +1,41 @@
+"""What plans by linear programs are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.verdict import Judge
+from radmpc.program.hazards import Hazards
+from radmpc.records import dataclass
+from radmpc.solvers.solution import Limits
+
+__all__ = ["Task"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """What is asked.
+
+    Attributes
+    ----------
+    hazards : Hazards
+        The fleet.
+    judge : callable
+        The referee.
+    limits : Limits
+        When to stop early.
+    gap : float
+        Relative difference of costs below which plans count as equal [-].
+    risk_bound : float
+        Δ [-].
+    found : callable
+        Given every better plan.
+    """
+
+    hazards: Hazards
+    judge: Judge
+    limits: Limits
+    gap: float
+    risk_bound: float
+    found: Callable[[FleetIncumbent], None] = lambda incumbent: None

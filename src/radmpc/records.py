@@ -1,0 +1,174 @@
+"""Dataclasses as the standard library's, without the wait for code that most runs never use.
+
+The standard library writes up to six functions of a class as text and compiles them, which takes
+half a millisecond; a command loads more than two hundred and makes values of half of them. Here
+the standard library finds the fields and makes the slots, ``__init__`` is compiled when somebody
+asks for it, and the others are functions that know the names of their fields.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, field, fields, replace
+from operator import attrgetter
+from reprlib import recursive_repr
+from typing import TYPE_CHECKING, Any
+
+__all__ = ["asdict", "dataclass", "field", "fields", "replace"]
+
+_Methods = Mapping[str, object]
+
+
+def _dataclass(
+    *, slots: bool, frozen: bool = False, eq: bool = True, repr: bool = True
+) -> Callable[[type], type]:
+    """Return what makes a dataclass with slots of a class.
+
+    It behaves as the standard library's. What nothing here uses is missing: order, keywords alone,
+    values for ``__post_init__`` alone.
+
+    Parameters
+    ----------
+    slots : bool
+        True; written out for those who know it from the standard library.
+    frozen, eq, repr : bool
+        As there.
+    """
+    if not slots:
+        raise TypeError("dataclasses without slots are the standard library's")
+
+    def decorate(kind: type) -> type:
+        made: type = dataclasses.dataclass(init=False, repr=False, eq=False, slots=True)(kind)
+        methods: dict[str, object] = {"__init__": _LateInit(made)}
+        if repr:
+            methods["__repr__"] = _shown
+        if frozen:
+            methods |= _frozen(made)
+        if eq:
+            methods |= _compared(made, is_hashed=frozen)
+        for name, method in methods.items():
+            # Python itself writes that a class with an __eq__ has no hash.
+            if name not in vars(made) or (name == "__hash__" and made.__hash__ is None):
+                setattr(made, name, method)
+        return made
+
+    return decorate
+
+
+class _LateInit:
+    """A class's ``__init__`` until somebody asks for it."""
+
+    __slots__ = ("_owner",)
+
+    def __init__(self, owner: type) -> None:
+        self._owner = owner
+
+    def __get__(self, value: object, kind: type) -> object:
+        made = _compiled_init(self._owner)
+        self._owner.__init__ = made  # type: ignore[misc] # in its own place
+        return made.__get__(value, kind)
+
+
+class _Factory:
+    """Stands in signatures for what is made anew for each value."""
+
+    def __repr__(self) -> str:
+        return "<factory>"
+
+
+def _compiled_init(kind: Any) -> Any:
+    """Return an ``__init__`` with the fields' parameters and defaults."""
+    parameters, lines = ["self"], []
+    scope: dict[str, Any] = {"_factory": _Factory()}
+    for one in fields(kind):
+        name = value = parameter = one.name
+        scope[f"_put_{name}"] = getattr(kind, name).__set__  # of its slot
+        scope[f"_default_{name}"], scope[f"_make_{name}"] = one.default, one.default_factory
+        if one.default_factory is not dataclasses.MISSING:
+            parameter = f"{name}=_factory"
+            value = f"_make_{name}() if {name} is _factory else {name}"
+        elif one.default is not dataclasses.MISSING:
+            parameter = f"{name}=_default_{name}"
+        if one.init:
+            parameters.append(parameter)
+        elif parameter == name:
+            continue
+        else:
+            value = f"_make_{name}()" if parameter.endswith("=_factory") else f"_default_{name}"
+        lines.append(f"_put_{name}(self, {value})")
+    if hasattr(kind, "__post_init__"):
+        lines.append("self.__post_init__()")
+    body = "\n ".join(lines or ["pass"])
+    exec(f"def __init__({', '.join(parameters)}):\n {body}", scope)
+    made = scope["__init__"]
+    made.__qualname__, made.__module__ = f"{kind.__qualname__}.__init__", kind.__module__
+    made.__annotations__ = {one.name: one.type for one in fields(kind) if one.init}
+    made.__annotations__["return"] = None
+    return made
+
+
+@recursive_repr()
+def _shown(value: Any) -> str:
+    """Return the fields by name."""
+    shown = (f"{one.name}={getattr(value, one.name)!r}" for one in fields(value) if one.repr)
+    return f"{type(value).__qualname__}({', '.join(shown)})"
+
+
+def _frozen(kind: Any) -> _Methods:
+    """Return what keeps values from being changed, and lets them be copied nevertheless."""
+    names = frozenset(one.name for one in fields(kind))
+
+    def refuse_to_set(self: object, name: str, value: object) -> None:
+        if type(self) is kind or name in names:
+            raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
+        super(kind, self).__setattr__(name, value)
+
+    def refuse_to_delete(self: object, name: str) -> None:
+        if type(self) is kind or name in names:
+            raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
+        super(kind, self).__delattr__(name)
+
+    return {
+        "__setattr__": refuse_to_set,
+        "__delattr__": refuse_to_delete,
+        "__getstate__": _state,
+        "__setstate__": _put_state,
+    }
+
+
+def _state(value: Any) -> list[object]:
+    """Return what a pickle keeps."""
+    return [getattr(value, one.name) for one in fields(value)]
+
+
+def _put_state(value: Any, state: list[object]) -> None:
+    """Write what a pickle has kept."""
+    for one, kept in zip(fields(value), state, strict=True):
+        object.__setattr__(value, one.name, kept)
+
+
+def _compared(kind: Any, *, is_hashed: bool) -> _Methods:
+    """Return what compares values field by field, and hashes those that do not change."""
+    names = [one.name for one in fields(kind) if one.compare]
+
+    def few(value: object) -> tuple[object, ...]:
+        return tuple(getattr(value, name) for name in names)
+
+    entries: Callable[[object], object] = attrgetter(*names) if len(names) > 1 else few
+
+    def is_equal(self: object, other: object) -> object:
+        if other.__class__ is not self.__class__:
+            return NotImplemented
+        return entries(self) == entries(other)
+
+    def hashed(self: object) -> int:
+        return hash(entries(self))
+
+    return {"__eq__": is_equal, "__hash__": hashed if is_hashed else None}
+
+
+if TYPE_CHECKING:
+    from dataclasses import dataclass
+else:
+    dataclass = _dataclass
