@@ -17,6 +17,7 @@ from radmpc.model.vehicle import Vehicle
 from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
+from radmpc.referee.conditional.scales import Scale
 
 __all__ = ["Leg", "Outlook", "leg_of", "miss_of"]
 
@@ -48,10 +49,13 @@ class Leg:
         The mission's step at which it begins.
     witnesses : Witnesses
         What it was certified by; holds the plan.
+    scale : Scale
+        What its scenario takes for known of the factor of covariances, beside those stated first.
     """
 
     began: int
     witnesses: Witnesses
+    scale: Scale
 
     @property
     def plan(self) -> Plan:
@@ -73,7 +77,7 @@ class Leg:
         """What it costs where it begins: its certificate [-]."""
         return conditional(self.witnesses, 0, None).total
 
-    def value(self, step: int, states: Sequence[Vector]) -> Conditional:
+    def value(self, step: int, states: Sequence[Vector], scale: Scale | None = None) -> Conditional:
         """Return what is left of it.
 
         Parameters
@@ -82,8 +86,12 @@ class Leg:
             Of the mission.
         states : sequence of (n,) or (2 n,) array
             What is known there: see `radmpc.flying.knowing`.
+        scale : Scale or None
+            What is known of the factor of covariances, beside those stated first; None where they
+            are known.
         """
-        return conditional(self.witnesses, step - self.began, states)
+        now = None if scale is None else scale.since(self.scale)
+        return conditional(self.witnesses, step - self.began, states, now)
 
     def controls(self, step: int, states: Sequence[Vector]) -> tuple[Vector, ...]:
         """Return ``ū + K (x − x̄)`` of all vehicles, whatever the limits.
@@ -184,7 +192,9 @@ class Leg:
             yield pushed, nominal[-1] + deviation
 
 
-def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
+def leg_of(
+    scenario: Scenario, controls: Sequence[Matrix], began: int, scale: Scale | None = None
+) -> Leg:
     """Return the leg that flies some controls.
 
     Parameters
@@ -195,6 +205,9 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
         Nominal controls of all vehicles.
     began : int
         The mission's step at which it begins.
+    scale : Scale or None
+        What the scenario takes for known of the factor of covariances, beside those stated first;
+        None where the scenario has those.
 
     Returns
     -------
@@ -226,7 +239,8 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
         sets=(tuple(v.name for v in scenario.vehicles),),
         trajectories=tuple(trajectories),
     )
-    return Leg(began, witnesses_of(replace(plan, cost=cost_of(plan))))
+    known = Scale(scenario.covariance_samples) if scale is None else scale
+    return Leg(began, witnesses_of(replace(plan, cost=cost_of(plan))), known)
 
 
 def miss_of(vehicle: Vehicle, state: Vector, dt: float) -> float:
