@@ -95,7 +95,7 @@ class Timer:
 
     def is_over(self) -> bool:
         """Whether the decision is due."""
-        return self.left < 0.0
+        return self.end < float("inf") and self.left < 0.0
 
 
 @dataclass(slots=True, eq=False)

@@ -154,7 +154,7 @@ def _cut(
     span = last * model.control_bounds.shape[1]
     coasting = prediction.coasting(begun.start, begun.pushes(last), last)
     velocity, axes = model.velocity, vehicle.system.velocity
-    return replace(
+    return changed(
         model,
         vehicle=vehicle if goal is vehicle.goal else changed(vehicle, goal=goal),
         horizon=last,
