@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -54,9 +55,8 @@ def fleet(*noises: dict[str, object], samples: int | None = SAMPLES, **scene: ob
         )
         for i, noise in enumerate(noises)
     )
-    scenario = Scenario(
-        "far", 1.0, STEPS, 0.2, vehicles, **{"covariance_samples": samples, **scene}
-    )
+    numbers = {"covariance_samples": samples, "risk_bound": 0.2, **scene}
+    scenario = Scenario("far", 1.0, STEPS, vehicles=vehicles, **numbers)
     return leg_of(scenario, [np.zeros((STEPS, 2))] * len(vehicles), 0).plan
 
 
@@ -170,6 +170,40 @@ def test_the_steps_that_are_left_have_the_covariances_that_are_known_by_then() -
     np.testing.assert_allclose(here.shape.covariance, 2.5 * there.shape.covariance)
     # Planners see a scenario like any other: what it checks, it has.
     assert replace(left).covariance_samples == 17
+
+
+@pytest.mark.parametrize("passed", [0, 1])
+def test_a_leg_is_worth_the_same_whatever_was_known_when_it_was_made(passed: int) -> None:
+    """As one is that was planned ahead, and judged by what has been measured since."""
+    wall = Obstacle.box("wall", [-9.0, 0.9], [19.0, 3.0])
+    plan = fleet({}, obstacles=(wall,))
+    states = [path.means[passed] for path in plan.trajectories]
+    then, now = Scale(17, 2.5), Scale(29, 1.7)
+    made = [
+        leg_of(
+            left_of(plan.scenario, passed, states, 0.1, scale),
+            [path.controls[passed:] for path in plan.trajectories],
+            passed,
+            scale,
+        )
+        for scale in (then, now)
+    ]
+    seen = [path.means[passed + 1] + [0.1, 0.2, 0.0, 0.1] for path in plan.trajectories]
+    worth = [leg.value(passed + 1, seen, now).total for leg in made]
+    assert worth[0] == pytest.approx(worth[1], rel=1e-6)
+    assert abs(worth[0] - made[0].value(passed + 1, seen, then).total) > 0.01 * worth[0] > 1e-5
+
+
+def test_what_is_planned_ahead_is_judged_by_what_is_known_when_it_comes() -> None:
+    wall = Obstacle.box("wall", [-9.0, 1.1], [19.0, 3.0])
+    plan = replace(fleet({}, obstacles=(wall,), risk_bound=0.45))
+    with ThreadPoolExecutor(1) as worker:
+        mission = Mission(plan, planner="ira", executor=worker)
+        flight = radmpc.fly(mission, Model(plan.scenario, 4))
+    assert not [tick.reason for tick in flight.ticks if "failed" in tick.reason]
+    adopted = [tick for tick in flight.ticks if tick.choice == "candidate"]
+    assert adopted
+    assert mission.leg.scale.samples in {SAMPLES + 4 + 3 * k for k in range(STEPS + 1)}
 
 
 @pytest.mark.parametrize("avoidance", ["steps", "intervals"])
