@@ -72,6 +72,19 @@ def test_progress_is_shown_on_a_terminal_only() -> None:
     assert pipe.getvalue() == ""
 
 
+def test_progress_in_a_pipe_is_a_line_now_and_then_for_who_asks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun, lines = time.monotonic(), []
+    passed = iter([0.0, 0.0, 9.0, 11.0, 11.0, 12.0, 22.0, 22.0])
+    monkeypatch.setattr(time, "monotonic", lambda: begun + next(passed))
+    with progress_line(Console(file=io.StringIO()), keeps="all", tell=lines.append) as line:
+        for number in range(4):
+            line("flying", number, 9)
+    # Nobody presses Ctrl-C in a pipe.
+    assert lines == ["flying 1/9; 11 s", "flying 3/9; 22 s"]
+
+
 def test_progress_tells_the_best_plan_the_limit_and_how_to_stop(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

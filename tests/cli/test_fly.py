@@ -285,4 +285,5 @@ def test_who_plans_visits_anew_is_told_how_to_fly_them(run: Run, plan: Path) -> 
     plan.write_text(json.dumps(told), encoding="utf-8")
     refused = run("fly", plan)
     assert "fly it as it is by --replan none" in assert_one_line(refused.stderr)
-    assert run("fly", plan, "--replan", "none").exit_code == 0
+    flown = run("fly", plan, "--replan", "none")
+    assert flown.exit_code == 0, flown.output

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from adversary import AWAY, SIGMA
-from scipy.special import ndtri
 from scipy.stats import beta
 
 import radmpc
@@ -21,6 +20,7 @@ from radmpc.flying.model import Model
 from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
+from radmpc.gaussian import Tail
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.filtering import Learning
 from radmpc.model.noise.measurement import Measurement
@@ -30,6 +30,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.referee import certify
+from radmpc.referee.conditional.scales import Scale
 
 BOUND, STEPS = 0.05, 3
 SENSOR = Measurement(np.eye(2), 16.0 * SIGMA**2)
@@ -71,7 +72,23 @@ def beside_a_berg() -> Scenario:
     return beside(Obstacle.tracked("berg", outline, [0.0, 0.0, 0.0, 0.0], spread))
 
 
-SCENES = [estimated, gusty, gusty_and_estimated, beside_a_berg]
+def unsure() -> Scenario:
+    return replace(beside(), covariance_samples=6)
+
+
+def estimated_and_unsure_beside_a_berg() -> Scenario:
+    [berg] = beside_a_berg().obstacles
+    return replace(beside(berg, measurement=SENSOR), covariance_samples=4)
+
+
+SCENES = [
+    estimated,
+    gusty,
+    gusty_and_estimated,
+    beside_a_berg,
+    unsure,
+    estimated_and_unsure_beside_a_berg,
+]
 
 
 def staking(scenario: Scenario, seconds: float | None = None) -> Plan:
@@ -85,7 +102,8 @@ def staking(scenario: Scenario, seconds: float | None = None) -> Plan:
     if spread is not None:
         variance = variance + spread.positions[1, 1, 1]
     x, y = vehicle.start
-    clearance = vehicle.radius - np.sqrt(variance) * ndtri(scenario.risk_bound * (1.0 - 1e-6))
+    deviations = Tail(scenario.covariance_samples).clearance_for(scenario.risk_bound * (1.0 - 1e-6))
+    clearance = vehicle.radius + np.sqrt(variance) * deviations
     path = np.full((horizon, 2), [x, AWAY])
     path[0] = [x, clearance]
     path[-1, 0] += 3.0 * (horizon - 1)
@@ -192,14 +210,15 @@ def test_a_leg_from_what_is_known_is_worth_its_certificate(scene):
     for step in range(STEPS - 1):
         tick = mission.step(states)
         known = mission._known
-        left = left_of(plan.scenario, step, known, 0.4)
-        leg = leg_of(left, [path.controls[step:] for path in plan.trajectories], step)
-        now = leg.value(step, known)
+        scale = mission._sensing.evidence.scale
+        left = left_of(plan.scenario, step, known, 0.4, scale)
+        leg = leg_of(left, [path.controls[step:] for path in plan.trajectories], step, scale)
+        now = leg.value(step, known, scale)
         # At step 0 of what is left nothing is charged that has been flown.
         assert leg.price == pytest.approx(certify(leg.plan).certified, rel=1e-6)
         assert now.total == pytest.approx(leg.price - leg_start(leg), rel=1e-6, abs=1e-12)
         # So is what is left of the whole, where feedback does not tell them apart.
-        assert now.total == pytest.approx(mission.leg.value(step, known).total, abs=0.25)
+        assert now.total == pytest.approx(mission.leg.value(step, known, scale).total, abs=0.25)
         states, _ = model.advance(tick.segments)
 
 
@@ -208,7 +227,10 @@ def leg_start(leg) -> float:
     return (
         leg.price
         - radmpc.referee.conditional.conditional.conditional(
-            leg.witnesses, 0, [expected_start(v) for v in leg.plan.scenario.vehicles]
+            leg.witnesses,
+            0,
+            [expected_start(v) for v in leg.plan.scenario.vehicles],
+            Scale(leg.plan.scenario.covariance_samples),
         ).total
     )
 
@@ -263,11 +285,9 @@ def test_states_tell_of_gusts_what_a_filter_of_both_tells():
 
 
 def test_what_is_measured_does_not_tell_all_of_some_noise_and_a_mission_says_so():
-    unknown = replace(beside(), covariance_samples=30)
     wind = SharedDisturbance("wind", np.eye(2), 0.01)
     lasting = replace(wind, correlation=0.5)
     cases = [
-        (unknown, ("covariance_samples",), "changes what is known of the factor"),
         (beside(shared=(lasting,)), ("vehicles", 0, "shared"), "new at every step"),
         (beside(shared=(wind,), measurement=SENSOR), ("vehicles", 0, "shared"), "known exactly"),
         (

@@ -11,6 +11,7 @@ import radmpc
 from comparing import differences
 from radmpc.errors import ArgumentError, ArgumentTypeError, NoPlanError, RiskError, ScenarioError
 from radmpc.flying.account import Account
+from radmpc.flying.candidates import planning_with
 from radmpc.flying.flight import Flight, fly
 from radmpc.flying.leg import Leg, Outlook, leg_of
 from radmpc.flying.mission import Mission
@@ -141,6 +142,17 @@ def test_whatever_a_planner_does_costs_nothing(
 
 
 @pytest.mark.slow
+def test_under_way_nobody_waits_for_a_bound_that_nobody_reads(result: Result) -> None:
+    scenario = result.record.scenario
+    asked = planning_with("certified", 0)
+    assert asked is not None
+    found = asked(scenario, None).record
+    assert found.cost == pytest.approx(result.record.cost, rel=1e-3)
+    assert "certified(0)" in found.planner
+    for name in ("certified(3)", "ira"):
+        assert "certified(0)" not in str(planning_with(name, 0).planner)
+
+
 def test_a_candidate_that_comes_too_late_costs_nothing(result: Result) -> None:
     seconds = [0.0]
 

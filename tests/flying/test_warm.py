@@ -21,6 +21,7 @@ from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.dynamics import lqr_gain
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.turned import successive
 from radmpc.planners.certified.turned.group_lp import GroupLp
 from radmpc.planners.certified.turned.half_spaces import half_spaces
 from radmpc.planners.certified.turned.margins import fixed_margins
@@ -101,6 +102,25 @@ def test_a_warm_candidate_is_certified_within_what_it_was_granted(plan: Plan) ->
     safest = search.search(Try(left, controls, is_safest=True, is_stopped=never))
     assert safest is not None
     assert price_of(left, safest[0]) < 1e-3 * leg
+
+
+def test_paths_that_hardly_moved_need_no_second_look(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left = left_of(plan.scenario, 1, pushed(plan, 1, 3), 0.02)
+    asked = Try(left, tuple(path.controls[1:] for path in plan.trajectories), False, never)
+    found, looks = [], []
+    right = successive.half_spaces
+    monkeypatch.setattr(successive, "half_spaces", lambda *a: looks.append(len(found)) or right(*a))
+    for surely in (successive._SURELY, 0.0):
+        monkeypatch.setattr(successive, "_SURELY", surely)
+        search = WarmSearch(plan.scenario)
+        answer = [search.search(asked) for _ in range(2)][-1]
+        assert answer is not None
+        found.append(answer[0])
+    assert looks.count(0) < looks.count(1)
+    for ours, theirs in zip(*found, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
 
 
 def price_of(left: Scenario, controls: tuple[np.ndarray, ...]) -> float:

@@ -15,6 +15,7 @@ from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.referee.conditional.conditional import conditionals
 from radmpc.referee.conditional.rows import Witnesses
+from radmpc.referee.conditional.scales import Scale
 from radmpc.referee.contact import solid_distances, solid_of
 from sampling import IS_THOROUGH
 
@@ -83,13 +84,15 @@ class Missions:
 
     states : per vehicle (T+1, S, n), fresh : per vehicle (T, S, n), strays : how far obstacles are
     from where they are expected, (T+1, S, d) by number; seen : what feedback acts on, as states;
-    empty where those are
+    empty where those are; scales : at each step what is known of the factor of covariances; empty
+    where they are known
     """
 
     states: list[np.ndarray]
     fresh: list[np.ndarray]
     strays: dict[int, np.ndarray] = field(default_factory=dict)
     seen: list[np.ndarray] = field(default_factory=list)
+    scales: list[Scale] = field(default_factory=list)
 
 
 def flown(witnesses: Witnesses, count: int, seed: int) -> Missions:
@@ -186,7 +189,8 @@ def course(witnesses: Witnesses, missions: Missions, step: int) -> Course:
     """Return the martingale and the value at a step."""
     nominal = witnesses.motion.states
     states = [nominal[i][step] + path[step] for i, path in enumerate(missions.states)]
-    found = conditionals(witnesses, step, states)
+    scale = missions.scales[step] if missions.scales else None
+    found = conditionals(witnesses, step, states, scale)
     failed, hit = row_failures(witnesses, missions), integral_hits(witnesses, missions)
     rows, integrals = witnesses.halfspaces, witnesses.integrals
     known = rows.windows < step if witnesses.intervals else rows.windows <= step

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import gammaincinv
+from scipy.special import fdtri, gammaincinv
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, field
+from radmpc.referee.conditional.scales import Scale
 
 __all__ = ["Watcher"]
 
@@ -36,35 +38,40 @@ class Watcher:
     ----------
     scenario : Scenario
         Of the mission, for names and noise.
-    squares : list of (float, int)
-        Of the steps so far: the sum of squared deviations, and of how many components.
+    squares : list of (float, int, Scale)
+        Of the steps so far: the sum of squared deviations as stated, of how many components, and
+        what was known of the factor of covariances before.
     axes : dict
         Variances of noise and the directions they belong to, by vehicle, and whether at step 0.
     """
 
     scenario: Scenario
-    squares: list[tuple[float, int]] = field(default_factory=list)
+    squares: list[tuple[float, int, Scale]] = field(default_factory=list)
     axes: dict[tuple[str, bool], tuple[Vector, Matrix]] = field(default_factory=dict)
 
     def look(
         self,
+        step: int,
         expected: Sequence[Vector],
         measured: Sequence[Vector],
-        step: int,
         told: Sequence[Matrix | None],
+        scale: Scale,
     ) -> list[str]:
         """Return the alarms of a measurement, one sentence each.
 
         Parameters
         ----------
-        expected, measured : sequence of (n,) array
-            States of all vehicles, or estimates; more of what was expected is not looked at.
         step : int
             Of the mission; at 0 the initial covariance counts.
+        expected, measured : sequence of (n,) array
+            States of all vehicles, or estimates; more of what was expected is not looked at.
         told : sequence of (n, n) array or None
             Covariance by which each was to move; None is that of the noise of a step.
+        scale : Scale
+            What was known before of the factor of covariances.
         """
         alarms = []
+        larger, far = float(np.sqrt(scale.factor)), Tail(scale.samples).beyond(_FAR)
         total, components = 0.0, 0
         vehicles = self.scenario.vehicles
         for vehicle, longer, found, noise in zip(vehicles, expected, measured, told, strict=True):
@@ -72,8 +79,8 @@ class Watcher:
             axes = _directions(noise) if noise is not None else self._axes(vehicle, step)
             scores, rest = _scores(axes, found - hoped)
             total, components = total + float(scores @ scores), components + scores.size
-            largest = float(np.abs(scores).max(initial=0.0))
-            if largest > _FAR:
+            largest = float(np.abs(scores).max(initial=0.0)) / larger
+            if largest > far:
                 alarms.append(
                     f"vehicle {vehicle.name!r}: a disturbance of {largest:.1f} deviations"
                 )
@@ -81,7 +88,7 @@ class Watcher:
                 alarms.append(
                     f"vehicle {vehicle.name!r}: moved by {rest:.3g} where the model has no noise"
                 )
-        self.squares.append((total, components))
+        self.squares.append((total, components, scale))
         return alarms + self._unlikely()
 
     def _axes(self, vehicle: Vehicle, step: int) -> tuple[Vector, Matrix]:
@@ -94,7 +101,17 @@ class Watcher:
     def _unlikely(self) -> list[str]:
         """Return an alarm if recent disturbances are too large together."""
         recent = self.squares[-_RECENT:]
-        total, components = sum(s for s, _ in recent), sum(n for _, n in recent)
+        total, components = sum(s for s, _, _ in recent), sum(n for _, n, _ in recent)
+        samples, factor = recent[0][2].samples, recent[0][2].factor
+        if components and samples is not None:
+            # Of two sums of squares, this one's and that of all that was known before.
+            ratio = total / components / float(factor)
+            if ratio <= float(fdtri(components, samples, _LIKELY)):
+                return []
+            return [
+                f"the last {len(recent)} disturbances have an F of {ratio:.2f} with {components} "
+                f"and {samples} degrees of freedom, beyond {_LIKELY}"
+            ]
         if not components or total <= 2.0 * float(gammaincinv(0.5 * components, _LIKELY)):
             return []
         return [

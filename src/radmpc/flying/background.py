@@ -10,6 +10,7 @@ from radmpc.arrays import Vector
 from radmpc.flying.candidates import Candidate, Order, Planning, failed, judged
 from radmpc.flying.warm.goals import widened
 from radmpc.model.scenario import Scenario
+from radmpc.referee.conditional.scales import Scale
 
 if TYPE_CHECKING:
     from radmpc.model.plan import Plan
@@ -35,11 +36,11 @@ class Background:
     def __init__(self, planning: Planning, executor: Executor) -> None:
         self._planning = planning
         self._executor = executor
-        self._asked: tuple[Scenario, int] | None = None
+        self._asked: tuple[Scenario, int, Scale] | None = None
         self._future: Future[tuple[Result | Plan | None, Scenario]] | None = None
         self._refusal: Exception | None = None
 
-    def begin(self, left: Scenario, step: int, seconds: float | None) -> None:
+    def begin(self, left: Scenario, step: int, scale: Scale, seconds: float | None) -> None:
         """Give out an order, unless the last one is still being worked on.
 
         Parameters
@@ -48,12 +49,14 @@ class Background:
             The steps that are left by then, from expected states.
         step : int
             Of the mission, to come.
+        scale : Scale
+            What the scenario takes for known of the factor of covariances.
         seconds : float or None
             What planning may take [s].
         """
         if self._future is not None:
             return
-        self._asked, self._refusal = (left, step), None
+        self._asked, self._refusal = (left, step, scale), None
         try:
             self._future = self._executor.submit(_planned, self._planning, left, seconds)
         except Exception as error:
@@ -69,7 +72,7 @@ class Background:
         """
         return self._future is None or not wait([self._future], seconds).not_done
 
-    def arrived(self, step: int, states: Sequence[Vector]) -> Candidate | None:
+    def arrived(self, step: int, states: Sequence[Vector], scale: Scale) -> Candidate | None:
         """Return what came of the order, given what is measured; None where there was none.
 
         Parameters
@@ -78,6 +81,8 @@ class Background:
             Of the mission.
         states : sequence of (n,) array
             Measured there.
+        scale : Scale
+            What is known there of the factor of covariances.
         """
         asked, refusal = self._asked, self._refusal
         if asked is None:
@@ -92,7 +97,7 @@ class Background:
             answer, wide = future.result()
         except (Exception, CancelledError) as error:
             return failed(error)
-        return judged(answer, Order(asked[0], wide, asked[1]), step, states)
+        return judged(answer, Order(asked[0], wide, *asked[1:]), step, states, scale)
 
     def close(self) -> None:
         """Give up the order; one that has begun runs to its end, unheard."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from radmpc import planners
 from radmpc.arguments import check_callable
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import RadmpcError
@@ -16,6 +18,7 @@ from radmpc.planners.planner import Planner
 from radmpc.planners.presets import parse_planner
 from radmpc.planning import plan
 from radmpc.records import dataclass
+from radmpc.referee.conditional.scales import Scale
 from radmpc.result import Result
 
 __all__ = [
@@ -67,11 +70,14 @@ class Order:
         The same, with goals as wide as limits make them.
     began : int
         The mission's step at which it begins.
+    scale : Scale or None
+        What both take for known of the factor of covariances; None where they are known.
     """
 
     left: Scenario
     asked: Scenario
     began: int
+    scale: Scale | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,9 +110,16 @@ def planning_with(planner: str | Planning | None, seed: int) -> Planning | None:
         If there is no such preset.
     """
     if isinstance(planner, str):
-        return _Preset(parse_planner(planner), seed)
+        return _Preset(_without_bound(parse_planner(planner)), seed)
     check_callable(planner, "planner")
     return planner
+
+
+def _without_bound(planner: Planner) -> Planner:
+    """Return a planner that proves no bound on any certified plan: under way nobody reads it."""
+    if str(planner.decomposition) != "certified":
+        return planner
+    return replace(planner, decomposition=planners.Certified(0.0))
 
 
 def answered(
@@ -132,7 +145,7 @@ def answered(
         answer = planning(order.asked, seconds)
     except Exception as error:
         return failed(error)
-    return judged(answer, order, order.began, states)
+    return judged(answer, order, order.began, states, order.scale)
 
 
 def failed(error: BaseException) -> Candidate:
@@ -140,7 +153,9 @@ def failed(error: BaseException) -> Candidate:
     return Candidate(None, None, f"planning failed: {type(error).__name__}: {_line(error)}")
 
 
-def judged(answer: object, order: Order, step: int, states: Sequence[Vector]) -> Candidate:
+def judged(
+    answer: object, order: Order, step: int, states: Sequence[Vector], scale: Scale | None = None
+) -> Candidate:
     """Return the leg of a planner's answer, everything but its controls told anew.
 
     Parameters
@@ -153,6 +168,8 @@ def judged(answer: object, order: Order, step: int, states: Sequence[Vector]) ->
         Of the mission, at which states were measured: that of the order or a later one.
     states : sequence of (n,) array
         Measured states.
+    scale : Scale or None
+        What is known of the factor of covariances by then.
     """
     found = answer.record if isinstance(answer, Result) else answer
     if found is None or (isinstance(found, Plan) and not found.trajectories):
@@ -164,11 +181,15 @@ def judged(answer: object, order: Order, step: int, states: Sequence[Vector]) ->
         controls = [by_name[vehicle.name] for vehicle in order.left.vehicles]
     except KeyError as error:
         return Candidate(None, None, f"the plan lacks vehicle {error}")
-    return leg_judged(controls, order, step, states)
+    return leg_judged(controls, order, step, states, scale)
 
 
 def leg_judged(
-    controls: Sequence[Matrix], order: Order, step: int, states: Sequence[Vector]
+    controls: Sequence[Matrix],
+    order: Order,
+    step: int,
+    states: Sequence[Vector],
+    scale: Scale | None = None,
 ) -> Candidate:
     """Return the leg that flies given controls, or why there is none.
 
@@ -176,12 +197,12 @@ def leg_judged(
     ----------
     controls : sequence of (T, m) array
         Of all vehicles.
-    order, step, states
+    order, step, states, scale
         As in `judged`.
     """
     try:
-        leg = leg_of(order.left, controls, order.began)
-        value, problems = leg.value(step, states), leg.problems(order.asked)
+        leg = leg_of(order.left, controls, order.began, order.scale)
+        value, problems = leg.value(step, states, scale), leg.problems(order.asked)
     except RadmpcError as error:
         return Candidate(None, None, f"the plan cannot be flown: {_line(error)}")
     if problems:

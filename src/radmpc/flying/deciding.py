@@ -8,6 +8,7 @@ from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
 from radmpc.flying.candidates import Candidate
+from radmpc.flying.evidence import Evidence
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.measuring import check_number
 from radmpc.flying.sources import LATE, Moment, Sources, Timer
@@ -173,12 +174,15 @@ class Later:
         Where vehicles will be on average.
     account : Account
         As it is now.
+    evidence : Evidence
+        As it is now.
     """
 
     step: int
     leg: Leg
     expected: tuple[Vector, ...]
     account: Account
+    evidence: Evidence
 
 
 def plan_ahead(rule: Rule, later: Later, next_step: float, *, is_timed: bool) -> None:
@@ -197,12 +201,13 @@ def plan_ahead(rule: Rule, later: Later, next_step: float, *, is_timed: bool) ->
     """
     scenario = later.leg.plan.scenario
     left = scenario.horizon - (later.step - later.leg.began)
-    if left < 1:
+    if left < 1 or rule.sources.background is None:
         return
     grant = _grant(rule, later.account.after(next_step), left)
     if grant >= _LEAST_GRANT:
         seconds = _WORKER_SHARE * scenario.dt if is_timed else None
-        rule.sources.begin(later.leg, later.step, later.expected, grant, seconds)
+        asked = later.evidence.left(later.leg, later.step, later.expected, grant)
+        rule.sources.begin(asked, later.step, later.evidence.scale, seconds)
 
 
 def _grant(rule: Rule, account: Account, left: int) -> float:

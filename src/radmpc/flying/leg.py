@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector, as_matrix, unchecked
+from radmpc.arrays import Matrix, Tensor, Vector, as_matrix, unchecked
 from radmpc.flying.knowing import known_loop, remembers
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
@@ -17,6 +17,7 @@ from radmpc.records import dataclass, replace
 from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
+from radmpc.referee.conditional.scales import Scale
 
 __all__ = ["Leg", "Outlook", "leg_of", "miss_of"]
 
@@ -48,10 +49,13 @@ class Leg:
         The mission's step at which it begins.
     witnesses : Witnesses
         What it was certified by; holds the plan.
+    scale : Scale
+        What its scenario takes for known of the factor of covariances, beside those stated first.
     """
 
     began: int
     witnesses: Witnesses
+    scale: Scale
 
     @property
     def plan(self) -> Plan:
@@ -73,7 +77,7 @@ class Leg:
         """What it costs where it begins: its certificate [-]."""
         return conditional(self.witnesses, 0, None).total
 
-    def value(self, step: int, states: Sequence[Vector]) -> Conditional:
+    def value(self, step: int, states: Sequence[Vector], scale: Scale | None = None) -> Conditional:
         """Return what is left of it.
 
         Parameters
@@ -82,8 +86,12 @@ class Leg:
             Of the mission.
         states : sequence of (n,) or (2 n,) array
             What is known there: see `radmpc.flying.knowing`.
+        scale : Scale or None
+            What is known of the factor of covariances, beside those stated first; None where they
+            are known.
         """
-        return conditional(self.witnesses, step - self.began, states)
+        now = None if scale is None else scale.since(self.scale)
+        return conditional(self.witnesses, step - self.began, states, now)
 
     def controls(self, step: int, states: Sequence[Vector]) -> tuple[Vector, ...]:
         """Return ``ū + K (x − x̄)`` of all vehicles, whatever the limits.
@@ -184,7 +192,9 @@ class Leg:
             yield pushed, nominal[-1] + deviation
 
 
-def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
+def leg_of(
+    scenario: Scenario, controls: Sequence[Matrix], began: int, scale: Scale | None = None
+) -> Leg:
     """Return the leg that flies some controls.
 
     Parameters
@@ -195,6 +205,9 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
         Nominal controls of all vehicles.
     began : int
         The mission's step at which it begins.
+    scale : Scale or None
+        What the scenario takes for known of the factor of covariances, beside those stated first;
+        None where the scenario has those.
 
     Returns
     -------
@@ -207,11 +220,12 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
         If controls do not fit the scenario, or are not finite.
     """
     trajectories = []
+    spreads: dict[tuple[bytes, ...], Tensor] = {}
     for i, (vehicle, given) in enumerate(zip(scenario.vehicles, controls, strict=True)):
         shape = (scenario.horizon, vehicle.system.num_controls)
         pushed = as_matrix(given, shape, ("vehicles", i, "controls"))
         means = rollout(vehicle.system, vehicle.start, pushed, vehicle.pushes(scenario.horizon))
-        spread = vehicle.covariances(scenario.horizon)
+        spread = _spread(vehicle, scenario.horizon, spreads)
         # What it would check was checked, or is, overflow too, where its rows are bought.
         path = unchecked(Trajectory, vehicle.name, pushed, means, spread, vehicle.gain)
         trajectories.append(path)
@@ -226,7 +240,20 @@ def leg_of(scenario: Scenario, controls: Sequence[Matrix], began: int) -> Leg:
         sets=(tuple(v.name for v in scenario.vehicles),),
         trajectories=tuple(trajectories),
     )
-    return Leg(began, witnesses_of(replace(plan, cost=cost_of(plan))))
+    known = Scale(scenario.covariance_samples) if scale is None else scale
+    return Leg(began, witnesses_of(replace(plan, cost=cost_of(plan))), known)
+
+
+def _spread(vehicle: Vehicle, horizon: int, known: dict[tuple[bytes, ...], Tensor]) -> Tensor:
+    """Return a vehicle's covariances, those of another one that is shaken and steered alike."""
+    if vehicle.has_memory:
+        return vehicle.covariances(horizon)
+    gain = b"" if vehicle.gain is None else vehicle.gain.tobytes()
+    system, noise = vehicle.system, (vehicle.initial_covariance, vehicle.disturbance_covariance)
+    key = system.A.tobytes(), system.B.tobytes(), gain, *(each.tobytes() for each in noise)
+    if key not in known:
+        known[key] = vehicle.covariances(horizon)
+    return known[key]
 
 
 def miss_of(vehicle: Vehicle, state: Vector, dt: float) -> float:

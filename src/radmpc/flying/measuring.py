@@ -116,19 +116,12 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If covariances are known up to a factor only, or a vehicle shares disturbances that last,
-        or shares any while its own last or it measures its state with noise; if ranges are kept or
-        norms limited.
+        If a vehicle shares disturbances that last, or shares any while its own last or it measures
+        its state with noise; if ranges are kept or norms limited.
     """
     if scenario.keep:
         message = "cannot be kept under way: a mission accounts for collisions and the workspace"
         raise ScenarioError(message, ("keep",))
-    if scenario.covariance_samples is not None:
-        message = (
-            "cannot be flown under way: what is measured changes what is known of the factor by "
-            "which all covariances may be wrong, and with it what every row is worth"
-        )
-        raise ScenarioError(message, ("covariance_samples",))
     for i, vehicle in enumerate(scenario.vehicles):
         is_new = all(part.correlation == 0.0 for part in vehicle.shared)
         if vehicle.shared and not (is_new and not remembers(vehicle)):
@@ -155,10 +148,16 @@ def check_forgetful(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        As of `check_memory`, and if disturbances outlast a step, states are measured with noise, or
-        an obstacle's place is not known exactly.
+        As of `check_memory`, and if covariances are known up to a factor only, disturbances outlast
+        a step, states are measured with noise, or an obstacle's place is not known exactly.
     """
     check_memory(scenario)
+    if scenario.covariance_samples is not None:
+        message = (
+            "cannot be flown in windows: a long mission takes covariances that are known: of what "
+            "was measured of them it hands on nothing"
+        )
+        raise ScenarioError(message, ("covariance_samples",))
     for i, obstacle in enumerate(scenario.obstacles):
         if obstacle.spread is not None:
             message = (

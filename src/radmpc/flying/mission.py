@@ -12,7 +12,6 @@ from radmpc.arguments import check_callable
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
-from radmpc.flying.alarms import Watcher
 from radmpc.flying.candidates import Planning, planning_with
 from radmpc.flying.commanding import commanded
 from radmpc.flying.deciding import (
@@ -26,9 +25,10 @@ from radmpc.flying.deciding import (
     opened,
     plan_ahead,
 )
-from radmpc.flying.knowing import Observer, expected_anew, expected_start
+from radmpc.flying.knowing import expected_anew, expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
+from radmpc.flying.sensing import Sensing
 from radmpc.flying.sources import Moment, Sources, Timer
 from radmpc.flying.tick import Contact, Entry, Tick, entered
 from radmpc.model.plan import Plan
@@ -102,11 +102,10 @@ class Mission:
         self._contacts: list[Contact] = []
         self._ticks: list[Tick] = []
         self._entries: list[Entry] = []
-        self._watcher = Watcher(plan.scenario)
+        self._sensing = Sensing.of(plan.scenario)
         self._leg, self._account = opened(plan, 0)
         self._sources.prepare(self._leg)
         self._enter("opened", self._account.tail)
-        self._observer = Observer.of(plan.scenario)
         self._known = self._expected = tuple(expected_start(v) for v in plan.scenario.vehicles)
 
     @property
@@ -189,17 +188,16 @@ class Mission:
         known = self._expected
         alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
         if given is not None:
-            known = self._observer.known(self._step, self._expected, given)
-            # What was not measured at the last step may be off by twice the noise.
             is_certain = not self._ticks or self._ticks[-1].value is not None
-            seen = self._expected, given, self._step, self._observer.told(self._step)
-            alarms = self._watcher.look(*seen) if is_certain else []
+            seen = self._step, self._expected, given
+            known, alarms = self._sensing.look(*seen, is_certain=is_certain)
             end = float("inf") if deadline is None else begun + deadline
             decision = self._decided(known, alarms, Timer(self._clock, end))
         self._known = known
         tick = self._flown(known, decision, alarms, begun)
         if decision.next_step is not None and not self.has_failed:
-            later = Later(self._step, self._leg, self._expected, self._account)
+            now = self._account, self._sensing.evidence
+            later = Later(self._step, self._leg, self._expected, *now)
             plan_ahead(self._rule, later, decision.next_step, is_timed=deadline is not None)
         return tick
 
@@ -260,21 +258,22 @@ class Mission:
         plan = plan_of(result)
         check_continues(plan, self._scenario, self._scenario.horizon - self._step)
         self._leg, self._account = opened(plan, self._step)
-        self._observer = Observer.of(plan.scenario, self._step)
+        self._sensing.begin_again(plan.scenario, self._step)
         self._expected = expected_anew(plan.scenario, self._expected)
         self._sources.renew(self._leg)
         self._enter("new grant", self._account.tail)
 
     def _decided(self, states: tuple[Vector, ...], alarms: list[str], timer: Timer) -> Decision:
         """Value the tail, and decide what is flown."""
-        value = self._leg.value(self._step, states)
+        value = self._leg.value(self._step, states, self._sensing.evidence.scale)
         self._account = self._account.kept(value.least)
         bound = self._account.risk_bound
         if value.total > bound:
             alarms.append(f"what is left risks {value.total:.3g}, more than Δ = {bound:.3g}")
         if self.has_failed:
             return Decision(None, "something was hit", value.total, None, value.next_step)
-        moment = Moment(self._step, states, self._leg, value, self._account)
+        now = self._account, self._sensing.evidence
+        moment = Moment(self._step, states, self._leg, value, *now)
         return decided(self._rule, moment, timer)
 
     def _flown(

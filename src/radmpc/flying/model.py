@@ -55,8 +55,7 @@ class Model:
     ArgumentError
         If the seed is negative.
     ScenarioError
-        If shared disturbances outlast a step or meet who measures with noise, or covariances are
-        known up to a factor only.
+        If shared disturbances outlast a step or meet who measures with noise.
     """
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator | int | None = None) -> None:
@@ -69,7 +68,7 @@ class Model:
         self._initial = _factors([v.initial_covariance for v in vehicles])
         self._disturbance = _factors([v.disturbance_covariance for v in vehicles])
         self._states: tuple[Vector, ...] = tuple(v.start for v in vehicles)
-        self._nature = Nature(scenario, self._rng)
+        self._nature, self._larger = Nature(scenario, self._rng), 1.0
         self._strays: tuple[dict[int, Vector], dict[int, Vector]] = {}, {}
         self._step = 0
 
@@ -85,8 +84,9 @@ class Model:
         """
         self._step = 0
         starts = [v.start for v in self._scenario.vehicles]
-        self._states = _sums(starts, self._drawn(self._initial))
-        self._nature.begin()
+        normal = self._drawn(self._initial, 1.0)
+        self._larger = self._nature.begin()
+        self._states = _sums(starts, [self._larger * each for each in normal])
         known = self._nature.told(self._states, None)
         self._strays = self._now_straying(), {}
         if self._scenario.avoidance == "intervals":
@@ -113,7 +113,7 @@ class Model:
         controls = [segment.control for segment in segments]
         pairs = zip(self._scenario.vehicles, self._states, controls, strict=True)
         pushed = [_moved(v, x, u) for v, x, u in pairs]
-        added = self._nature.disturbed(self._drawn(self._disturbance))
+        added = self._nature.disturbed(self._drawn(self._disturbance, self._larger))
         before, self._states = self._states, _sums(pushed, added)
         known = self._nature.told(self._states, controls)
         self._strays = self._now_straying(), self._strays[0]
@@ -127,11 +127,12 @@ class Model:
         found = {i: self._nature.stray(i) for i in range(len(self._scenario.obstacles))}
         return {i: place for i, place in found.items() if place is not None}
 
-    def _drawn(self, factors: Sequence[Matrix]) -> list[Vector]:
+    def _drawn(self, factors: Sequence[Matrix], larger: float) -> list[Vector]:
         """Return noise of all vehicles, drawn in one go as `simulate` does."""
         normals = self._rng.standard_normal(sum(len(f) for f in factors))
         starts = np.cumsum([0, *(len(f) for f in factors)])
-        return [f @ normals[a : a + len(f)] for f, a in zip(factors, starts, strict=False)]
+        pairs = zip(factors, starts, strict=False)
+        return [larger * (f @ normals[a : a + len(f)]) for f, a in pairs]
 
     def _contacts(
         self,

@@ -105,6 +105,7 @@ class Nature:
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
         self._scenario, self._rng = scenario, rng
+        self._larger = 1.0
         self._lasting: dict[int, Vector] = {}
         self._filters: dict[int, Estimator] = {}
         self._places: dict[int, Vector] = {}
@@ -117,14 +118,24 @@ class Nature:
             if isinstance(o.shape, TrackShape) and o.shape.is_uncertain
         }
 
-    def begin(self) -> None:
-        """Draw what lasts, and where obstacles are."""
+    def begin(self) -> float:
+        """Draw by how much all deviations are larger than stated, what lasts, where obstacles are.
+
+        Returns
+        -------
+        float
+            That factor; 1 where covariances are known.
+        """
+        samples = self._scenario.covariance_samples
+        if samples is not None:
+            self._larger = float(np.sqrt(samples / self._rng.chisquare(samples)))
         for i, vehicle in enumerate(self._scenario.vehicles):
             if vehicle.disturbance_correlation > 0.0:
                 self._lasting[i] = self._drawn(vehicle.disturbance_covariance)
             if vehicle.measurement is not None:
                 self._filters[i] = Estimator.of(vehicle, self._scenario.horizon)
         self._places = {i: self._drawn(shape.covariance) for i, shape in self._tracks.items()}
+        return self._larger
 
     def disturbed(self, fresh: Sequence[Vector]) -> list[Vector]:
         """Return what is added to all states over a step, and move obstacles.
@@ -139,7 +150,7 @@ class Nature:
             rho = self._scenario.vehicles[i].disturbance_correlation
             added[i], self._lasting[i] = now, rho * now + np.sqrt(1.0 - rho * rho) * fresh[i]
         drawn = {
-            name: root @ self._rng.standard_normal(len(root))
+            name: self._larger * (root @ self._rng.standard_normal(len(root)))
             for name, root in self._sources.items()
         }
         for i, vehicle in enumerate(self._scenario.vehicles):
@@ -185,5 +196,6 @@ class Nature:
         return None if place is None else np.split(place, 2)[0]
 
     def _drawn(self, covariance: Matrix) -> Vector:
-        """Return noise of a covariance."""
-        return np.asarray(root_of(covariance) @ self._rng.standard_normal(len(covariance)))
+        """Return noise of a covariance as stated, as large as it is in this mission."""
+        normals = self._rng.standard_normal(len(covariance))
+        return np.asarray(self._larger * (root_of(covariance) @ normals))

@@ -15,6 +15,7 @@ from radmpc.model.noise.known import Known
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
+from radmpc.referee.conditional.scales import Scale
 
 __all__ = ["changed", "later", "left_of"]
 
@@ -22,7 +23,11 @@ Record = TypeVar("Record")
 
 
 def left_of(
-    scenario: Scenario, passed: int, states: Sequence[Vector], risk_bound: float
+    scenario: Scenario,
+    passed: int,
+    states: Sequence[Vector],
+    risk_bound: float,
+    scale: Scale | None = None,
 ) -> Scenario:
     """Return the scenario of the steps that are left, from measured states.
 
@@ -36,6 +41,8 @@ def left_of(
         What is known: measured states, known without error, or see `radmpc.flying.knowing`.
     risk_bound : float
         What the rest may risk [-].
+    scale : Scale or None
+        What is known by now of the factor up to which its covariances are; None is what was.
 
     Returns
     -------
@@ -56,13 +63,14 @@ def left_of(
     vehicles = tuple(
         _begun(v, state, passed) for v, state in zip(scenario.vehicles, states, strict=True)
     )
-    return changed(
+    left = changed(
         scenario,
         horizon=scenario.horizon - passed,
         risk_bound=risk_bound,
         vehicles=vehicles,
         obstacles=tuple(later(o, passed) for o in scenario.obstacles),
     )
+    return left if scale is None or scale.samples is None else _scaled(left, scale)
 
 
 def _begun(vehicle: Vehicle, state: Vector, passed: int) -> Vehicle:
@@ -76,6 +84,47 @@ def _begun(vehicle: Vehicle, state: Vector, passed: int) -> Vehicle:
         start=state[:n].copy(),
         initial_covariance=unknown[:n, :n].copy(),
         known=Known(state[n:], unknown),
+    )
+
+
+def _scaled(scenario: Scenario, scale: Scale) -> Scenario:
+    """Return a scenario with what is known by now of its covariances."""
+    times = float(scale.factor)
+    return changed(
+        scenario,
+        covariance_samples=scale.samples,
+        vehicles=tuple(_scaled_vehicle(vehicle, times) for vehicle in scenario.vehicles),
+        obstacles=tuple(_scaled_obstacle(obstacle, times) for obstacle in scenario.obstacles),
+    )
+
+
+def _scaled_vehicle(vehicle: Vehicle, times: float) -> Vehicle:
+    """Return a vehicle with all of its covariances multiplied."""
+    sensor, known = vehicle.measurement, vehicle.known
+    if sensor is not None:
+        sensor = changed(sensor, covariance=times * sensor.covariance)
+    if known is not None:
+        known = changed(known, covariance=times * known.covariance)
+    return changed(
+        vehicle,
+        initial_covariance=times * vehicle.initial_covariance,
+        disturbance_covariance=times * vehicle.disturbance_covariance,
+        measurement=sensor,
+        known=known,
+        shared=tuple(changed(part, covariance=times * part.covariance) for part in vehicle.shared),
+    )
+
+
+def _scaled_obstacle(obstacle: Obstacle, times: float) -> Obstacle:
+    """Return an obstacle with the covariances of its track multiplied."""
+    shape, spread = obstacle.shape, obstacle.spread
+    if not isinstance(shape, TrackShape) or spread is None:
+        return obstacle
+    moves = times * shape.disturbance_covariance
+    return changed(
+        obstacle,
+        shape=changed(shape, covariance=times * shape.covariance, disturbance_covariance=moves),
+        spread=changed(spread, positions=times * spread.positions, crossed=times * spread.crossed),
     )
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 
 from radmpc.arrays import Vector
 from radmpc.flying.account import Account
 from radmpc.flying.background import Background
 from radmpc.flying.candidates import Candidate, Order, Planning, answered, failed, leg_judged
+from radmpc.flying.evidence import Evidence
 from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
@@ -17,6 +18,7 @@ from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
 from radmpc.referee.conditional.conditional import Conditional
+from radmpc.referee.conditional.scales import Scale
 
 __all__ = ["LATE", "Moment", "Sources", "Timer"]
 
@@ -50,6 +52,8 @@ class Moment:
         What is left of it.
     account : Account
         With the tail valued.
+    evidence : Evidence
+        What was measured of covariances known up to a factor.
     """
 
     step: int
@@ -57,6 +61,7 @@ class Moment:
     leg: Leg
     value: Conditional
     account: Account
+    evidence: Evidence
 
     @property
     def is_unsafe(self) -> bool:
@@ -65,7 +70,7 @@ class Moment:
 
     def left(self, grant: float) -> Scenario:
         """Return the steps that are left, from measured states, under a bound."""
-        return left_of(self.leg.plan.scenario, self.step - self.leg.began, self.states, grant)
+        return self.evidence.left(self.leg, self.step, self.states, grant)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +95,7 @@ class Timer:
 
     def is_over(self) -> bool:
         """Whether the decision is due."""
-        return self.left < 0.0
+        return self.end < float("inf") and self.left < 0.0
 
 
 @dataclass(slots=True, eq=False)
@@ -185,7 +190,8 @@ class Sources:
         """
         arrived = None
         if self.background is not None:
-            arrived = self.background.arrived(moment.step, moment.states)
+            now = moment.evidence.scale
+            arrived = self.background.arrived(moment.step, moment.states, now)
             if arrived is not None:
                 yield arrived
         if self.is_warm or moment.is_unsafe:
@@ -194,33 +200,28 @@ class Sources:
         if self.planning is not None and self.background is None:
             yield _on_the_spot(self.planning, moment, grant, timer)
 
-    def begin(
-        self, leg: Leg, step: int, expected: Sequence[Vector], grant: float, seconds: float | None
-    ) -> None:
+    def begin(self, left: Scenario, step: int, scale: Scale, seconds: float | None) -> None:
         """Have the background plan for a step to come.
 
         Parameters
         ----------
-        leg : Leg
-            In the air.
+        left : Scenario
+            The steps that are left by then, from where vehicles will be on average.
         step : int
             Of the mission, for which it plans.
-        expected : sequence of (n,) array
-            Where vehicles will be by then, on average.
-        grant : float
-            What the plan may risk [-].
+        scale : Scale
+            What the scenario takes for known of the factor of covariances.
         seconds : float or None
             What planning may take [s].
         """
         if self.background is not None:
-            left = left_of(leg.plan.scenario, step - leg.began, expected, grant)
-            self.background.begin(left, step, seconds)
+            self.background.begin(left, step, scale, seconds)
 
 
 def _on_the_spot(planning: Planning, moment: Moment, grant: float, timer: Timer) -> Candidate:
     """Return what a planner finds in the time that is left."""
     left = moment.left(grant)
-    order = Order(left, widened(left), moment.step)
+    order = Order(left, widened(left), moment.step, moment.evidence.scale)
     seconds = None if timer.end == float("inf") else _PLANNING_SHARE * timer.left
     if seconds is not None and seconds <= 0.0:
         return Candidate(None, None, "there was no time to plan")
@@ -237,17 +238,18 @@ def _warm(
     leg, grant = base
     left = moment.left(grant)
     controls = leg.mean_controls(moment.step, moment.states)
+    scale = moment.evidence.scale
     for _ in range(_TRIES):
         try:
-            found = warm.search(Try(left, controls, moment.is_unsafe, timer.is_over))
+            found = warm.search(Try(left, controls, moment.is_unsafe, timer.is_over, scale))
         except Exception as error:
             yield failed(error)
             return
         if found is None:
             yield Candidate(None, None, "turned half-spaces left no plan")
             return
-        order = Order(left, found[1], moment.step)
-        offer = leg_judged(found[0], order, moment.step, moment.states)
+        order = Order(left, found[1], moment.step, scale)
+        offer = leg_judged(found[0], order, moment.step, moment.states, scale)
         if timer.is_over():
             yield Candidate(None, offer.price, LATE)
             return

@@ -274,8 +274,10 @@ def _bent_covariances(
     """Return what feedback held over a step makes of positions, (N, T, d, d)."""
     found = []
     for covariances, place, bend in zip(loops, axes, bends, strict=True):
-        picked = np.eye(covariances.shape[1])[place]
-        turned = picked if bend is None else picked - bend
+        if bend is None:
+            found.append(covariances[:-1, place][:, :, place])
+            continue
+        turned = np.eye(covariances.shape[1])[place] - bend
         with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported elsewhere
             found.append(turned @ covariances[:-1] @ turned.T)
     return np.array(found)

@@ -9,12 +9,13 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from recorded_flights import beside_the_wall, forged, without_seconds
+from recorded_flights import beside_the_wall, certified, drifting, forged, without_seconds
 
 import radmpc
 from radmpc.errors import FileFormatError
 from radmpc.flying import backends
 from radmpc.flying.backends import BACKENDS
+from radmpc.flying.leg import leg_of
 from radmpc.flying.model import Model
 from radmpc.flying.recording.campaign import begin_flight, resume_flight
 from radmpc.flying.recording.verifying import flight_problems
@@ -44,6 +45,25 @@ def test_a_flight_that_was_stopped_goes_on_as_if_it_had_not(tmp_path: Path, plan
         assert without_seconds(record) == without_seconds(whole)
         assert without_seconds(load_flight(path)) == without_seconds(whole)
         assert load_flight(path).changed == ()
+
+
+@pytest.mark.slow
+def test_a_flight_that_learns_of_its_noise_goes_on_with_what_it_has_learned(tmp_path: Path) -> None:
+    plan = drifting(2)
+    near = radmpc.Obstacle.box("near", [2.0, 1.1], [4.0, 2.0])
+    scenario = replace(plan.scenario, obstacles=(near,), covariance_samples=12, risk_bound=0.4)
+    plan = certified(leg_of(scenario, [path.controls for path in plan.trajectories], 0).plan)
+    replanned = replace(KEPT, replan="ira", missions=1)
+    whole = begin_flight(plan, replanned, tmp_path / "whole.jsonl")
+    assert any(row.choice == "candidate" for row in whole.rows)
+    path, left = tmp_path / "cut.jsonl", iter(range(5))
+    begin_flight(plan, replanned, path, stop=lambda: next(left, None) is None)
+    assert without_seconds(resume_flight(path)) == without_seconds(whole)
+    assert load_flight(path).rows[-1].scale == whole.rows[-1].scale
+    assert flight_problems(whole) == ()
+    # Who writes down more calm than there was is found out.
+    forged(tmp_path / "whole.jsonl", 3, lambda row: row["scale"].update({"factor": 0.1}))
+    assert any("factor" in text for text in flight_problems(load_flight(tmp_path / "whole.jsonl")))
 
 
 KILLED = """

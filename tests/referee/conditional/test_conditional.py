@@ -93,7 +93,7 @@ def measurement_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def gain_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    def wrong(witnesses: Witnesses, step: int, states: object) -> object:
+    def wrong(witnesses: Witnesses, step: int, states: object, scale: object = None) -> object:
         if states is None:
             # The value at the start must be right: the mistake is made under way.
             return conditionals(witnesses, step, None)
@@ -102,7 +102,7 @@ def gain_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
         open_loop = np.kron(A, np.eye(loops.picks.shape[1]))
         transitions = np.broadcast_to(open_loop, loops.transitions.shape)
         mistaken = replace(witnesses, loops=replace(loops, transitions=transitions))
-        return conditionals(mistaken, step, states)
+        return conditionals(mistaken, step, states, scale)
 
     monkeypatch.setattr("conditional_missions.conditionals", wrong)
 
@@ -139,7 +139,7 @@ def test_integrals_valued_by_half_spaces_under_way_are_no_martingale(
     start = conditionals(witnesses, 0, None)
     monkeypatch.setattr(
         "conditional_missions.conditionals",
-        lambda w, step, states: start if states is None else conditionals(w, step, states),
+        lambda w, step, states, *_: start if states is None else conditionals(w, step, states),
     )
     monkeypatch.setattr(valuing, "grown_polygon_risks", lambda *given: given[-1])
     with pytest.raises(AssertionError, match="step"):

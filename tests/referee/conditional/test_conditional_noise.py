@@ -62,10 +62,10 @@ def test_rows_fail_as_often_as_they_are_charged_for_given_what_is_known(scene, k
 def places_taken_for_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     right = module.halfspace_values
 
-    def wrong(rows, parties, noise, deviations):
+    def wrong(rows, parties, noise, *rest):
         if noise.step:
             rows = replace(rows, fresh=0.5 * rows.fresh, link_fresh=0.5 * rows.link_fresh)
-        return right(rows, parties, noise, deviations)
+        return right(rows, parties, noise, *rest)
 
     monkeypatch.setattr(module, "halfspace_values", wrong)
 

@@ -23,7 +23,6 @@ from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Goal
 from radmpc.model.workspace import Workspace
 from radmpc.referee import certify, simulate
-from radmpc.referee.conditional.loops import loops_of
 from radmpc.referee.motion import propagate
 from radmpc.referee.sampling import Sampler
 from radmpc.referee.tails import cutoff_of, exceeding
@@ -188,12 +187,3 @@ def test_files_keep_the_samples_and_refuse_too_few():
     with pytest.raises(ScenarioError, match="at least 3 independent steps, got 2") as caught:
         decode_scenario({**content, "covariance_samples": 2})
     assert caught.value.path == ("covariance_samples",)
-
-
-def test_nothing_under_way_takes_covariances_known_up_to_a_factor():
-    plan = unsure(at_a_wall(), 40)
-    with pytest.raises(ScenarioError, match="what is measured changes what is known of the factor"):
-        radmpc.Mission(plan)
-    motion = propagate(plan.scenario, [t.controls for t in plan.trajectories])
-    with pytest.raises(ScenarioError, match="covariances that are known"):
-        loops_of(motion)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -93,7 +94,7 @@ def run_fly(request: FlyRequest) -> int:
     keeps = "what was flown"
     with (
         stop_on_interrupt("finishing this tick, what was flown is kept") as is_stopped,
-        progress_line(keeps=keeps) as line,
+        progress_line(keeps=keeps, tell=note) as line,
     ):
         if goes_on:
             begun = load_flight(request.source)
@@ -112,19 +113,32 @@ def run_fly(request: FlyRequest) -> int:
 
 
 class _Progress:
-    """Tells missions and steps on a line, also before the first tick, which may take long."""
+    """Tells missions and steps on a line, also before the first tick, which may take long.
+
+    How long the rest will take is told once a whole mission has been flown: its first steps take
+    longest.
+    """
 
     def __init__(self, line: ProgressLine, record: FlightRecord) -> None:
-        self._line, self._record = line, record
+        self._line, self._record, self._left = line, record, ""
         under_way = [mission for mission in record.missions if not mission.is_over]
-        flown = len(record.missions) - len(under_way)
+        self._next = flown = len(record.missions) - len(under_way)
+        # Of a mission that goes on, it is not known how long it took.
+        self._first, self._begun = flown + len(under_way), time.monotonic()
         if flown < record.settings.missions:
             self(flown, under_way[0].rows[-1].step if under_way else 0)
 
     def __call__(self, mission: int, step: int) -> None:
         """Tell a tick."""
         missions, steps = self._record.settings.missions, self._record.plan.scenario.horizon
-        self._line(f"mission {mission + 1}/{missions}, step", step, steps)
+        if mission > self._next:
+            self._next = mission
+            if mission == self._first:
+                self._begun = time.monotonic()
+            elif mission > self._first:
+                each = (time.monotonic() - self._begun) / (mission - self._first)
+                self._left = f"about {each * (missions - mission):.0f} s to go, "
+        self._line(f"{self._left}mission {mission + 1}/{missions}, step", step, steps)
 
 
 def _check(request: FlyRequest) -> None:
@@ -206,6 +220,9 @@ def _begun(request: FlyRequest, line: ProgressLine, is_stopped: Callable[[], boo
         deadline=request.deadline,
         options=_options(request.options),
     )
+    if settings.missions > 1 and settings.replan is not None and not request.as_json:
+        steps = settings.missions * plan.scenario.horizon
+        note(f"{replan} plans anew at {steps} steps; --replan none flies the plan as it is, sooner")
     told = _Progress(line, FlightRecord(plan, settings))
     try:
         return begin_flight(plan, settings, request.output, stop=is_stopped, progress=told)

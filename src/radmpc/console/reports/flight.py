@@ -17,6 +17,10 @@ __all__ = ["flight_json", "flight_report", "flight_rows"]
 _NOTHING = 1e-15
 """Probability whose digits tell nothing [-]; files have them all."""
 
+_OFTEN = 0.05
+"""Share of ticks at which disturbances speak against the model that is no chance any more [-]: by
+chance it is some 0.001."""
+
 _MOST_ALARMS = 5
 """Alarms that a report quotes."""
 
@@ -113,6 +117,12 @@ def flight_rows(record: FlightRecord, summary: FlightSummary) -> dict[str, Text 
         rows["saturation"] = f"controls saturate in {flown.saturated} of {flown.samples} missions"
     if summary.accepted is not None and settings.replan is not None:
         rows["replans"] = f"{summary.adopted} adopted, at {100.0 * summary.accepted:.3g} % of ticks"
+    scale = record.rows[-1].scale if record.rows else None
+    if scale is not None:
+        rows["covariances"] = (
+            f"stated ones times {scale.factor:.3g}, as known from {scale.samples} samples "
+            "by the end"
+        )
     rows["alarms"] = _alarms(record, summary)
     if summary.tick_p50 is not None:
         rows["a tick takes"] = (
@@ -145,6 +155,12 @@ def _alarms(record: FlightRecord, summary: FlightSummary) -> Text | str:
     ]  # fmt: skip
     hidden = len(told) - _MOST_ALARMS
     more = [f"{hidden} more"] if hidden > 0 else []
+    strange = sum(any("disturbance" in alarm for alarm in row.alarms) for row in record.rows)
+    if record.settings.backend != "model" and strange > _OFTEN * len(record.rows):
+        more.append(
+            f"{record.settings.backend} has other noise than the scenario, of which the "
+            "certificate speaks: radmpc calibrate learns it"
+        )
     return Text("\n".join([*told[:_MOST_ALARMS], *more]), style="yellow")
 
 

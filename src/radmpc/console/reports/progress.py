@@ -1,4 +1,4 @@
-"""A progress line, on a terminal only."""
+"""A progress line: drawn on a terminal, now and then a line elsewhere if that is asked for."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from rich.text import Text
 from radmpc.wording import percent
 
 __all__ = ["ProgressCallback", "ProgressLine", "progress_line", "progress_text"]
+
+_EVERY = 10.0
+"""How often progress is told where there is no terminal, at most [s]."""
 
 ProgressCallback = Callable[[str, int, int | None], None]
 
@@ -27,12 +30,23 @@ class ProgressLine:
         The time limit; None where there is none.
     keeps : str
         What else Ctrl-C keeps; empty is nothing.
+    tell : callable or None
+        Takes the line every `every` seconds at most, as it is called; None tells nobody.
+    every : float
+        How often [s].
     """
 
     def __init__(
-        self, *, is_planning: bool = False, seconds: float | None = None, keeps: str = ""
+        self,
+        *,
+        is_planning: bool = False,
+        seconds: float | None = None,
+        keeps: str = "",
+        tell: Callable[[str], None] | None = None,
+        every: float = _EVERY,
     ) -> None:
         self._is_planning, self._keeps = is_planning, keeps
+        self._tell, self._every, self._told = tell, every, time.monotonic()
         self._seconds = seconds
         self._stage = "planning" if is_planning else "working"
         self._best = ""
@@ -41,6 +55,10 @@ class ProgressLine:
     def __call__(self, stage: str, done: int, total: int | None) -> None:
         """Take the stage, the parts done and their number or None."""
         self._stage = progress_text(stage, done, total)
+        now = time.monotonic()
+        if self._tell is not None and now - self._told >= self._every:
+            self._told = now
+            self._tell(self.text())
 
     def found(self, cost: float, bound: float | None) -> None:
         """Take the cost of the best plan so far, and its lower bound or None.
@@ -82,6 +100,7 @@ def progress_line(
     is_planning: bool = False,
     seconds: float | None = None,
     keeps: str = "",
+    tell: Callable[[str], None] | None = None,
 ) -> Iterator[ProgressLine]:
     """Show progress on stderr while the context lasts, if somebody can see it.
 
@@ -93,6 +112,8 @@ def progress_line(
         Whether it is to be shown at all.
     is_planning, seconds, keeps : bool, float or None, and str
         As in `ProgressLine`.
+    tell : callable or None
+        Takes a line now and then where there is no terminal; None is silent there.
 
     Yields
     ------
@@ -100,10 +121,11 @@ def progress_line(
         Call it with the stage, the parts done and their number or None.
     """
     target = Console(stderr=True) if console is None else console
-    line = ProgressLine(is_planning=is_planning, seconds=seconds, keeps=keeps)
     if not (is_wanted and target.is_terminal):
-        yield line
+        # Nobody presses keys in a pipe.
+        yield ProgressLine(is_planning=is_planning, seconds=seconds, tell=tell)
         return
+    line = ProgressLine(is_planning=is_planning, seconds=seconds, keeps=keeps)
     with target.status(line):
         yield line
 

@@ -13,11 +13,12 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.errors import RadmpcError, RiskError
 from radmpc.flying.account import Account
-from radmpc.flying.alarms import Watcher
 from radmpc.flying.deciding import opened
-from radmpc.flying.knowing import Observer, expected_start
+from radmpc.flying.evidence import Evidence
+from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.remainder import left_of
+from radmpc.flying.sensing import Sensing
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, entered, segments
 from radmpc.io.flight.record import TickRow
 from radmpc.model.plan import Plan
@@ -44,10 +45,8 @@ class Booking:
         In the air.
     account : Account
         After the last row.
-    watcher : Watcher
+    sensing : Sensing
         What has been measured.
-    observer : Observer
-        Makes of that what is known.
     expected : tuple of (n,) or (2 n,) array
         What is expected to be known at the next step.
     entries, ticks, contacts : list
@@ -59,8 +58,7 @@ class Booking:
     plan: Plan
     leg: Leg
     account: Account
-    watcher: Watcher
-    observer: Observer
+    sensing: Sensing
     expected: tuple[Vector, ...]
     entries: list[Entry] = field(default_factory=list)
     ticks: list[Tick] = field(default_factory=list)
@@ -104,8 +102,7 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
     """
     leg, account = opened(plan, 0)
     starts = tuple(expected_start(v) for v in plan.scenario.vehicles)
-    watcher, observer = Watcher(plan.scenario), Observer.of(plan.scenario)
-    book = Booking(plan, leg, account, watcher, observer, starts)
+    book = Booking(plan, leg, account, Sensing.of(plan.scenario), starts)
     book.enter(0, "opened", account.tail)
     for number, row in enumerate(rows):
         where = f"mission {row.mission}, step {row.step}"
@@ -122,24 +119,28 @@ def recomputed(plan: Plan, rows: Sequence[TickRow]) -> Booking:
 
 def _book(book: Booking, row: TickRow, where: str) -> None:
     """Take the next row."""
-    known = book.expected
-    if row.states is not None:
-        known = book.observer.known(row.step, book.expected, row.states)
+    known, value, before = book.expected, None, book.sensing.evidence
     book.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
-    value = None
     if row.states is not None:
-        if not book.ticks or book.ticks[-1].value is not None:
-            book.watcher.look(book.expected, row.states, row.step, book.observer.told(row.step))
-        worth = book.leg.value(row.step, known)
+        is_certain = not book.ticks or book.ticks[-1].value is not None
+        seen = row.step, book.expected, row.states
+        known, _ = book.sensing.look(*seen, is_certain=is_certain)
+        worth = book.leg.value(row.step, known, book.sensing.evidence.scale)
         value, book.account = worth.total, book.account.kept(worth.least)
     wealth = book.account.wealth
     _compare(book, where, {"value": (row.value, value), "wealth": (row.wealth, wealth)})
+    scale, stated = book.sensing.evidence.scale, row.scale
+    if stated is not None or scale.samples is not None:
+        number = None if stated is None else stated.samples
+        due = None if scale.samples is None else float(scale.factor)
+        _compare(book, where, {"number of samples": (number, scale.samples)})
+        _compare(book, where, {"factor": (None if stated is None else stated.factor, due)})
     if (row.leg is not None) != (row.choice == "candidate"):
         book.problems.append(f"{where}: states {row.choice!r}, and a leg only where one is adopted")
     if row.leg is None:
         book.enter(row.step, "kept", None)
     else:
-        _adopt(book, row, known, where)
+        _adopt(book, row, (known, before), where)
     now = book.account
     _compare(book, where, {"tail": (row.tail, now.tail), "bank": (row.bank, now.bank)})
     flown = _flown(book, row, known, where)
@@ -155,24 +156,27 @@ def _tick(row: TickRow, way: tuple[Segment, ...]) -> Tick:
     )  # fmt: skip
 
 
-def _adopt(book: Booking, row: TickRow, known: Sequence[Vector], where: str) -> None:
-    """Buy the leg of a row, if its price is within the wealth."""
+def _adopt(book: Booking, row: TickRow, at: tuple[Sequence[Vector], Evidence], where: str) -> None:
+    """Buy the leg of a row, if its price is within the wealth; evidence is that before the row."""
     if row.leg is None:
         return
+    known, before = at
     if book.contacts:
         book.problems.append(f"{where}: a leg was adopted after something was hit")
-    starts, begins = [], True
+    starts, begins, is_now = [], True, True
     for start, now, hoped in zip(row.leg.starts, known, book.expected, strict=True):
         at_known = np.array_equal(start, now[: start.size])
-        begins &= at_known and start.size == now.size
+        begins, is_now = begins and at_known and start.size == now.size, is_now and at_known
         # What was planned ahead begins with what was expected.
         starts.append(np.concatenate([start, (now if at_known else hoped)[start.size :]]))
-    rest = left_of(book.plan.scenario, row.step, starts, row.leg.risk_bound)
-    leg = leg_of(rest, row.leg.controls, row.step)
+    learned = book.sensing.evidence.scale
+    scale = learned if is_now else before.scale
+    rest = left_of(book.plan.scenario, row.step, starts, row.leg.risk_bound, scale)
+    leg = leg_of(rest, row.leg.controls, row.step, scale)
     # Where it begins beside the measured state, the deviation is part of what it costs; and where
     # obstacles' places are not known, what was met before was paid for by the leg before.
     begins &= not leg.witnesses.parties.are_hidden.any()
-    price = leg.price if begins else leg.value(row.step, known).total
+    price = leg.price if begins else leg.value(row.step, known, learned).total
     _compare(book, where, {"price": (row.price, price)})
     try:
         book.account = book.account.adopted(price)

@@ -12,7 +12,7 @@ from radmpc.flying.measuring import measured
 from radmpc.flying.mission import Mission
 from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.tick import Contact, Tick
-from radmpc.io.flight.record import NewLeg, TickRow, Touch
+from radmpc.io.flight.record import NewLeg, ScaleRow, TickRow, Touch
 from radmpc.model.plan import Plan
 from radmpc.result import Result
 
@@ -101,6 +101,7 @@ class RecordedMission(Mission):
                 leg=self._new_leg() if tick.choice == "candidate" else None,
                 alarms=tick.alarms,
                 seconds=tick.seconds,
+                scale=self._known_scale(),
             )
         )
         return tick
@@ -138,6 +139,11 @@ class RecordedMission(Mission):
         """
         raise ArgumentError(f"a recorded mission keeps its account, got {result!r}: fly a Mission")
 
+    def _known_scale(self) -> ScaleRow | None:
+        """Return what is known by now of the factor of covariances."""
+        now = self._sensing.evidence.scale
+        return None if now.samples is None else ScaleRow(now.samples, float(now.factor))
+
     def _new_leg(self) -> NewLeg:
         """Return what tells the leg in the air from any other."""
         plan = self._leg.plan
@@ -152,6 +158,6 @@ class RecordedMission(Mission):
         book = recomputed(plan, rows)
         if book.problems:
             raise FileFormatError(f"cannot go on: {book.problems[0]}")
-        self._leg, self._account, self._watcher = book.leg, book.account, book.watcher
+        self._leg, self._account, self._sensing = book.leg, book.account, book.sensing
         self._entries, self._ticks, self._contacts = book.entries, book.ticks, book.contacts
         self._step, self._expected = rows[-1].step + 1, book.expected

@@ -12,6 +12,7 @@ import numpy as np
 
 from radmpc.flying.knowing import remembers, unknown_after
 from radmpc.flying.remainder import changed
+from radmpc.gaussian import Tail
 from radmpc.model.goal import Goal
 from radmpc.model.noise.known import Known
 from radmpc.model.scenario import Scenario
@@ -20,6 +21,7 @@ from radmpc.program.build import condensed_models, prediction_matrices
 from radmpc.program.condensed import CondensedModel, PredictionMatrices
 from radmpc.program.hazards import Hazards, Shapes
 from radmpc.records import dataclass, replace
+from radmpc.referee.conditional.scales import Scale
 
 __all__ = ["Ahead"]
 
@@ -52,7 +54,13 @@ class Ahead:
         scenario = replace(scenario, vehicles=known)
         return cls(Hazards.of(scenario, condensed_models(scenario)), prediction_matrices(scenario))
 
-    def left(self, passed: int, vehicles: Sequence[Vehicle], goals: Sequence[Goal]) -> Hazards:
+    def left(
+        self,
+        passed: int,
+        vehicles: Sequence[Vehicle],
+        goals: Sequence[Goal],
+        scale: Scale | None = None,
+    ) -> Hazards:
         """Return the fleet over the steps that are left.
 
         Parameters
@@ -63,6 +71,8 @@ class Ahead:
             As they begin them.
         goals : sequence of Goal
             Where they are to end.
+        scale : Scale or None
+            What is known by now of the factor of covariances; None where they are known.
         """
         whole = self.whole
         last = whole.horizon - passed
@@ -73,7 +83,7 @@ class Ahead:
             )
         )
         shapes = whole.shapes
-        return replace(
+        left = replace(
             whole,
             models=models,
             covariances=whole.covariances[:, : last + 1],
@@ -88,6 +98,39 @@ class Ahead:
                 shapes.variances[:, passed:],
             ),
         )
+        return left if scale is None or scale.samples is None else _scaled(left, scale)
+
+
+def _scaled(hazards: Hazards, scale: Scale) -> Hazards:
+    """Return the fleet with what is known by now of its covariances."""
+    times = float(scale.factor)
+    root, shapes = np.sqrt(times), hazards.shapes
+    return replace(
+        hazards,
+        models=tuple(_scaled_model(model, times) for model in hazards.models),
+        covariances=times * hazards.covariances,
+        variances=times * hazards.variances,
+        bent=None if hazards.bent is None else times * hazards.bent,
+        common=None if hazards.common is None else root * hazards.common,
+        common_bent=None if hazards.common_bent is None else root * hazards.common_bent,
+        shapes=replace(
+            shapes,
+            covariances=None if shapes.covariances is None else times * shapes.covariances,
+            variances=times * shapes.variances,
+        ),
+        tail=Tail(scale.samples),
+    )
+
+
+def _scaled_model(model: CondensedModel, times: float) -> CondensedModel:
+    """Return a vehicle whose feedback is left as much room as it may need by now."""
+    limit, bent = model.vehicle.control_limit, model.bent_covariances
+    return replace(
+        model,
+        control_bounds=limit - np.sqrt(times) * (limit - model.control_bounds),
+        position_covariances=times * model.position_covariances,
+        bent_covariances=None if bent is None else times * bent,
+    )
 
 
 def _known(vehicle: Vehicle, horizon: int) -> Vehicle:
@@ -111,7 +154,7 @@ def _cut(
     span = last * model.control_bounds.shape[1]
     coasting = prediction.coasting(begun.start, begun.pushes(last), last)
     velocity, axes = model.velocity, vehicle.system.velocity
-    return replace(
+    return changed(
         model,
         vehicle=vehicle if goal is vehicle.goal else changed(vehicle, goal=goal),
         horizon=last,

@@ -18,6 +18,7 @@ from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.components import components
 from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass
+from radmpc.referee.conditional.scales import Scale
 from radmpc.solvers.solution import Limits
 
 __all__ = ["Try", "WarmSearch"]
@@ -39,12 +40,15 @@ class Try:
         Whether the least risk is asked for instead of the least effort.
     is_stopped : callable
         Returns True once there is no time left.
+    scale : Scale or None
+        What is known by now of the factor of the mission's covariances; None where they are known.
     """
 
     left: Scenario
     controls: tuple[Matrix, ...]
     is_safest: bool
     is_stopped: Callable[[], bool]
+    scale: Scale | None = None
 
 
 class WarmSearch:
@@ -84,7 +88,7 @@ class WarmSearch:
         found = self._turned(asked, left)
         if found is None and not asked.is_stopped():
             # Limits may leave no way to the goals: these give way by the least that will do.
-            left = widened(left, self._left(left).models)
+            left = widened(left, self._left(left, asked.scale).models)
             found = None if left is asked.left else self._turned(asked, left)
         return None if found is None else (found, left)
 
@@ -115,7 +119,7 @@ class WarmSearch:
 
     def _turned(self, asked: Try, left: Scenario) -> tuple[Matrix, ...] | None:
         """Return better controls within given goals; None if limits leave none."""
-        hazards = self._left(left)
+        hazards = self._left(left, asked.scale)
         if not self._groups:
             self._groups = _groups(hazards, asked.controls)
             self._programs = {g: KeptLp(self._all().whole, g) for g in self._groups}
@@ -135,10 +139,10 @@ class WarmSearch:
             self._ahead = Ahead.of(self._scenario)
         return self._ahead
 
-    def _left(self, left: Scenario) -> Hazards:
+    def _left(self, left: Scenario, scale: Scale | None) -> Hazards:
         """Return the fleet over the steps that are left."""
         goals = [vehicle.goal for vehicle in left.vehicles]
-        return self._all().left(self._horizon - left.horizon, left.vehicles, goals)
+        return self._all().left(self._horizon - left.horizon, left.vehicles, goals, scale)
 
     def _safer(self, successive: SuccessiveLp, asked: Try) -> bool:
         """Turn half-spaces at a price at which risk is nearly all that counts."""

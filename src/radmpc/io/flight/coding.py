@@ -8,7 +8,7 @@ from dataclasses import asdict
 from radmpc.arrays import Matrix, Vector, as_matrix, as_vector
 from radmpc.errors import ScenarioError
 from radmpc.io.flight.flight_schema import HeaderSpec, LegSpec, RowSpec
-from radmpc.io.flight.record import FlightSettings, NewLeg, TickRow, Touch
+from radmpc.io.flight.record import FlightSettings, NewLeg, ScaleRow, TickRow, Touch
 from radmpc.io.native.checking import check_format, validated
 from radmpc.io.native.plan_file import decode_plan, encode_plan
 from radmpc.io.ranges import FLIGHT_FORMAT
@@ -72,6 +72,8 @@ def decode_header(data: object) -> tuple[Plan, FlightSettings, dict[str, str]]:
 def encode_row(row: TickRow) -> dict[str, object]:
     """Return the content of a tick's line."""
     leg = row.leg
+    # Beside covariances that are known there is nothing to tell.
+    scale = {} if row.scale is None else {"scale": asdict(row.scale)}
     return {
         "mission": row.mission,
         "step": row.step,
@@ -94,6 +96,7 @@ def encode_row(row: TickRow) -> dict[str, object]:
             "starts": _lists(leg.starts),
             "controls": _lists(leg.controls),
         },
+        **scale,
         "alarms": list(row.alarms),
         "seconds": row.seconds,
     }
@@ -139,6 +142,7 @@ def decode_row(data: object, scenario: Scenario) -> TickRow:
         leg=None if spec.leg is None else _leg(spec.leg, scenario, scenario.horizon - spec.step),
         alarms=tuple(spec.alarms),
         seconds=spec.seconds,
+        scale=None if spec.scale is None else ScaleRow(spec.scale.samples, spec.scale.factor),
     )
 
 

@@ -47,6 +47,13 @@ class LegSpec(FileModel):
     controls: list[FiniteMatrix]
 
 
+class ScaleSpec(FileModel):
+    """What is known of the factor of covariances."""
+
+    samples: Count
+    factor: Share
+
+
 class RowSpec(FileModel):
     """One tick."""
 
@@ -65,6 +72,7 @@ class RowSpec(FileModel):
     controls: list[list[Finite]]
     excess: Share
     leg: LegSpec | None
+    scale: ScaleSpec | None = None
     alarms: list[Text]
     seconds: Share
     digest: Text

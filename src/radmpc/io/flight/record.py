@@ -12,7 +12,15 @@ from radmpc.errors import ArgumentError
 from radmpc.model.plan import Cause, Plan
 from radmpc.records import dataclass, field
 
-__all__ = ["FlightRecord", "FlightSettings", "FlownMission", "NewLeg", "TickRow", "Touch"]
+__all__ = [
+    "FlightRecord",
+    "FlightSettings",
+    "FlownMission",
+    "NewLeg",
+    "ScaleRow",
+    "TickRow",
+    "Touch",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +81,23 @@ class Touch:
     other: str | None
 
 
+@dataclass(frozen=True, slots=True)
+class ScaleRow:
+    """What is known of the factor by which stated covariances are to be multiplied.
+
+    Attributes
+    ----------
+    samples : int
+        Degrees of freedom: the independent steps covariances were estimated from, and all that was
+        measured since.
+    factor : float
+        Times the stated covariances, those that follow from both [-].
+    """
+
+    samples: int
+    factor: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class NewLeg:
     """A leg that was adopted; means, covariances and rows follow from it.
@@ -122,6 +147,8 @@ class TickRow:
         Signs that the model is wrong.
     seconds : float
         What the decision took [s].
+    scale : ScaleRow or None
+        What is known by then of the factor of covariances; None where they are known.
     """
 
     mission: int
@@ -141,6 +168,7 @@ class TickRow:
     leg: NewLeg | None
     alarms: tuple[str, ...]
     seconds: float
+    scale: ScaleRow | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -123,6 +123,9 @@ def _convex(corners: Tensor) -> tuple[Tensor, Matrix]:
     Sides sorted by their angles and chained are a convex polygon, whatever rounding has done to
     repeated corners and to corners on a side.
     """
+    if corners.shape[1] == 1:
+        # A disc, as of every pair: nothing to sort.
+        return corners, np.zeros(corners.shape[:2])
     offsets = corners - corners.mean(axis=1, keepdims=True)
     order = np.argsort(np.arctan2(offsets[:, :, 1], offsets[:, :, 0]), axis=1, kind="stable")
     corners = np.take_along_axis(corners, order[:, :, None], axis=1)

@@ -36,6 +36,7 @@ from radmpc.referee.encounters import Encounters, blocks, instant_sites, interva
 from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion, propagate
 from radmpc.referee.reserve import in_deviations
+from radmpc.referee.tails import exceeding
 
 __all__ = ["unseen_of", "witnesses_of"]
 
@@ -61,7 +62,7 @@ def witnesses_of(plan: Plan) -> Witnesses:
         If the plan holds no trajectories.
     ScenarioError
         If its vehicles or arrays do not fit its scenario, or overflow, or what is left of it could
-        not be valued under way: shared noise that lasts, covariances known up to a factor.
+        not be valued under way: shared noise that lasts.
     """
     check_plan(plan)
     problems = shape_problems(plan)
@@ -144,13 +145,19 @@ class _Purchase:
         margins = end_margins(sites, held.reshape(-1, 1, d), 0.5)[:, 0]
         variances = np.einsum("d,sedf,f->se", normal, sites.covariances, normal)
         levels = in_deviations(margins, np.sqrt(variances.clip(min=0.0)))
-        risks = ndtr(-levels).reshape(count, -1).sum(axis=1)
+        risks = exceeding(levels, batch.samples).reshape(count, -1).sum(axis=1)
         near, far = np.flatnonzero(risks > WORTH), np.flatnonzero(risks <= WORTH)
         begins = np.ones((count, num_intervals), dtype=bool)
         if far.size:
             whole = Choice(far, 0, held[far], begins[far])
             self._take_choice(batch.take(far), numbers[far], whole, shares=0.5)
-        if near.size:
+        if near.size and batch.samples is not None:
+            # One direction from end to end: of the events of a step one holds the other.
+            runs = np.zeros((near.size, num_intervals), dtype=bool)
+            runs[:, 0] = True
+            nested = Choice(near, 0, held[near], runs)
+            self._take_choice(batch.take(near), numbers[near], nested, shares=0.5)
+        elif near.size:
             parted = Choice(near, NUM_PARTS, np.repeat(held[near], NUM_PARTS, axis=1), begins[near])
             self._take_choice(batch.take(near), numbers[near], parted)
 
@@ -164,7 +171,11 @@ class _Purchase:
         tracks = self.motion.tracks
         rows = compiled(joined(self.tables, d), parties, loops, tracks)
         widths = np.concatenate([np.zeros(0), *self.widths])
-        rows = _with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
+        if self.motion.samples is None:
+            rows = _with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
+        else:
+            # What is new in an event that does not hold the one before is bounded for Gaussians.
+            rows = replace(rows, before=np.where(rows.nested, rows.before, -1))
         exact = all_integrals(self.integrals, d)
         strays = places_at(parties, exact.encounters, exact.windows, tracks, d)
         exact = replace(exact, strays=strays)
@@ -198,7 +209,8 @@ class _Purchase:
         risks = np.minimum(risks, 1.0)
         worth = np.flatnonzero(risks > NEGLIGIBLE)
         exact = np.zeros(len(risks), dtype=bool)
-        if d == 2 and worth.size:
+        # Integrals are of Gaussians.
+        if d == 2 and worth.size and sites.samples is None:
             close = sites.take(worth)
             found = grown_polygon_risks(
                 close.means[:, 0],

@@ -17,6 +17,9 @@ obstacles nothing is measured, so their places keep the covariances they had. Wh
 whether anything was hit, every row stays charged without the one before it, also the first one:
 what has been spent on the steps that were flown, and what is left, are then a martingale by
 themselves.
+
+Of covariances that are known up to a factor measurements tell more: rows fail with the tails of
+`radmpc.referee.conditional.scales`.
 """
 
 from __future__ import annotations
@@ -30,10 +33,13 @@ from radmpc.arrays import Matrix, Tensor, Vector, as_array, as_vector
 from radmpc.errors import ArgumentError, ScenarioError
 from radmpc.records import dataclass
 from radmpc.referee.conditional.buying import unseen_of, witnesses_of
-from radmpc.referee.conditional.far import is_surprised
+from radmpc.referee.conditional.far import closer_of, is_surprised
 from radmpc.referee.conditional.loops import since, together
 from radmpc.referee.conditional.rows import HalfspaceRows, IntegralRows, Witnesses
+from radmpc.referee.conditional.scales import Scale
 from radmpc.referee.conditional.valuing import Values, halfspace_values, integral_values
+from radmpc.referee.motion import FleetMotion
+from radmpc.referee.tails import cutoff_of
 
 __all__ = ["Conditional", "Conditionals", "conditional", "conditionals", "witnesses_of"]
 
@@ -84,7 +90,10 @@ class Conditionals:
 
 
 def conditional(
-    witnesses: Witnesses, step: int, states: Sequence[npt.ArrayLike] | None
+    witnesses: Witnesses,
+    step: int,
+    states: Sequence[npt.ArrayLike] | None,
+    scale: Scale | None = None,
 ) -> Conditional:
     """Return the value of what is left of a leg.
 
@@ -98,6 +107,9 @@ def conditional(
         What is known of all vehicles, in the scenario's order: measured states; of those whose
         disturbances last or who measure with noise the expected state and the expected disturbance
         over the step that follows. None before anything is measured at step 0.
+    scale : Scale or None
+        What all that was measured tells of the factor up to which the leg's covariances are known;
+        None where they are known, or before anything is measured.
 
     Returns
     -------
@@ -109,7 +121,7 @@ def conditional(
     Raises
     ------
     ArgumentError
-        If there is no such step, or there are no states after step 0.
+        If there is no such step, there are no states after step 0, or the scale is missing.
     ScenarioError
         If states do not fit the vehicles, or are not finite.
     """
@@ -122,7 +134,7 @@ def conditional(
             as_vector(x, size, ("states", i))[None]
             for i, (x, size) in enumerate(zip(states, sizes, strict=True))
         ]
-    found = conditionals(witnesses, step, measured)
+    found = conditionals(witnesses, step, measured, scale)
     return Conditional(
         step,
         float(found.total[0]),
@@ -133,7 +145,10 @@ def conditional(
 
 
 def conditionals(
-    witnesses: Witnesses, step: int, states: Sequence[npt.ArrayLike] | None
+    witnesses: Witnesses,
+    step: int,
+    states: Sequence[npt.ArrayLike] | None,
+    scale: Scale | None = None,
 ) -> Conditionals:
     """Return the values of what is left of a leg for many measurements at one step.
 
@@ -146,6 +161,8 @@ def conditionals(
     states : sequence of (S, n) or (S, 2 n) array or None
         What is known of each vehicle, as in `conditional`; None before anything is measured at
         step 0.
+    scale : Scale or None
+        As there; its factor may differ from measurement to measurement.
 
     Returns
     -------
@@ -155,33 +172,43 @@ def conditionals(
     Raises
     ------
     ArgumentError
-        If there is no such step, or there are no states after step 0.
+        If there is no such step, there are no states after step 0, or the scale is missing.
     ScenarioError
         If states do not fit the vehicles, or are not finite.
     """
     motion, intervals = witnesses.motion, witnesses.intervals
     scenario, is_measured = witnesses.plan.scenario, states is not None
     parties, loops = witnesses.parties, witnesses.loops
+    law = _law(motion, scale, is_measured=is_measured)
     noise = since(loops, scenario.horizon, step, is_measured=is_measured)
     noise = together(noise, loops, parties.first, parties.others)
     deviations = _deviations(witnesses, step, states, loops.initial.shape[1])
-    half = halfspace_values(witnesses.halfspaces, parties, noise, deviations)
+    half = halfspace_values(witnesses.halfspaces, parties, noise, deviations, law)
     exact = integral_values(witnesses.integrals, parties, loops, noise, deviations)
     # At steps, what is measured tells what was hit there; an interval's near end tells what is not
     # yet to be hit.
     past = step if is_measured and not intervals else step - 1
     total, least, soon = _sums(witnesses, past, (half, exact), is_measured=is_measured)
     far = witnesses.far
-    if is_measured and is_surprised(far, scenario, motion, (loops, noise), deviations):
-        unseen = conditionals(unseen_of(witnesses), step, states)
+    if is_measured and is_surprised(far, scenario, motion, (loops, noise, law), deviations):
+        unseen = conditionals(unseen_of(witnesses), step, states, scale)
         total, least = total + unseen.total, least + unseen.least
         soon = soon + unseen.next_step
     else:
         left = (scenario.horizon if intervals else scenario.horizon + 1) - past - 1
-        total = total + far.charge(left, intervals=intervals, is_measured=is_measured)
-        one = min(left, 1)
-        soon = soon + far.charge(one, intervals=intervals, is_measured=is_measured)
+        each = closer_of(law.samples)[1] if is_measured else cutoff_of(law.samples)[1]
+        total = total + far.charge(left, each, intervals=intervals)
+        soon = soon + far.charge(min(left, 1), each, intervals=intervals)
     return Conditionals(total, least, soon, half, exact)
+
+
+def _law(motion: FleetMotion, scale: Scale | None, *, is_measured: bool) -> Scale:
+    """Return the degrees of freedom of tails, and the factor of covariances."""
+    if scale is None and is_measured and motion.samples is not None:
+        raise ArgumentError(
+            "scale must tell what was measured of covariances known up to a factor, got None"
+        )
+    return Scale(motion.samples) if scale is None or not is_measured else scale
 
 
 def _sums(

@@ -83,11 +83,8 @@ def loops_of(motion: FleetMotion) -> Loops:
     Raises
     ------
     ScenarioError
-        If vehicles share noise that lasts or measure under it, or covariances are known up to a
-        factor only.
+        If vehicles share noise that lasts or measure under it.
     """
-    if motion.samples is not None:
-        raise ScenarioError("what is left of a plan is valued under covariances that are known")
     count, _, d = motion.positions.shape
     n = max(group.transitions.shape[-1] for group in motion.groups)
     steps = max(group.transitions.shape[1] for group in motion.groups)

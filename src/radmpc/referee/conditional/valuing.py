@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import ndtr
 
-from radmpc.arrays import Matrix, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.records import dataclass
 from radmpc.referee.bound.bivariate import exceeds_alone
 from radmpc.referee.bound.planar import grown_polygon_risks
@@ -13,6 +12,7 @@ from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
 from radmpc.referee.common import relative
 from radmpc.referee.conditional.loops import Loops, Since
 from radmpc.referee.conditional.rows import Flags, HalfspaceRows, IntegralRows, Parties
+from radmpc.referee.conditional.scales import Scale
 from radmpc.referee.conditional.spreads import (
     correlations,
     deviations_before,
@@ -20,6 +20,7 @@ from radmpc.referee.conditional.spreads import (
 )
 from radmpc.referee.reserve import in_deviations
 from radmpc.referee.sites import Sites
+from radmpc.referee.tails import exceeding
 
 __all__ = ["Values", "are_sharp", "halfspace_values", "integral_values"]
 
@@ -32,6 +33,9 @@ _NOTHING = 1e-15
 
 _INTEGRAL_EXCESS = 1e-4
 """Largest share of an integral that is added for its error [-]: 6e-5 was measured at worst."""
+
+_STUDENT_ROUNDING = 1e-12
+"""Relative error of a tail that falls slowly [-]: 3e-14 was measured at worst."""
 
 _FLATTEST = 1e-12
 """Ratio of variances below which noise in the plane counts as singular [-]: what is charged then
@@ -55,7 +59,7 @@ class Values:
 
 
 def halfspace_values(
-    rows: HalfspaceRows, parties: Parties, noise: Since, deviations: Tensor
+    rows: HalfspaceRows, parties: Parties, noise: Since, deviations: Tensor, scale: Scale
 ) -> Values:
     """Return the values of half-spaces; rows of windows before the measurement are 0.
 
@@ -69,6 +73,8 @@ def halfspace_values(
         Of the steps since the measurement.
     deviations : (S, N, n) array
         Measured deviations from the nominal.
+    scale : Scale
+        Degrees of freedom of tails, and the factor of covariances.
     """
     spread = deviations_of(rows, parties, noise)
     shift = np.zeros((len(rows.windows), len(deviations)))
@@ -83,8 +89,9 @@ def halfspace_values(
         for axis in range(on_state.shape[1]):
             reached = onward[steps[at], vehicles[at], axis]
             shift[at] += sign * on_state[at, axis, None] * reached
-    levels = in_deviations(rows.margins[:, None] + shift, spread[:, None])
-    above = np.where(coming[:, None], ndtr(-levels), 0.0)
+    larger = np.sqrt(scale.factor)
+    levels = in_deviations(rows.margins[:, None] + shift, spread[:, None]) / larger
+    above = np.where(coming[:, None], exceeding(levels, scale.samples), 0.0)
     below = above.copy()
     # The row before counts as long as it is not of the past: what it failed with then hit nothing.
     # Where nobody knows whether it hit anything, its charge has paid for that.
@@ -94,7 +101,9 @@ def halfspace_values(
         levels_before, spread_before = levels[rows.before], spread[rows.before]
         if ends.any():
             found = _ended(rows, parties, noise, deviations)
-            levels_before[ends], spread_before[ends] = found[0][ends], found[1][ends]
+            levels_before[ends], spread_before[ends] = found[0][ends] / larger, found[1][ends]
+        if scale.samples is not None:
+            return _nested_values(above, linked, levels_before, scale.samples)
         rho = correlations(rows, parties, noise, spread, spread_before)
         row, sample = np.nonzero(above[linked] > _NOTHING)
         below[linked] = 0.0
@@ -102,6 +111,16 @@ def halfspace_values(
         alone = exceeds_alone(levels_before[row, sample], levels[row, sample], rho[row])
         above[row, sample] = alone
         below[row, sample] = alone / np.where(rows.nested[row], 1.0, _LOOSEST)
+    return Values(above, below)
+
+
+def _nested_values(above: Matrix, linked: Indices, before: Matrix, samples: int) -> Values:
+    """Return values where rows are charged without those before that they hold, or are held by."""
+    alone = above[linked] - exceeding(before[linked], samples)
+    # What cancels leaves the rounding of both.
+    rounding = _STUDENT_ROUNDING * above[linked]
+    below = above.copy()
+    above[linked], below[linked] = alone.clip(min=0.0) + rounding, (alone - rounding).clip(min=0.0)
     return Values(above, below)
 
 

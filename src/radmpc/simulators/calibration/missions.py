@@ -9,11 +9,11 @@ from scipy.special import betaincinv
 
 from radmpc.arguments import check_integer
 from radmpc.arrays import Tensor
-from radmpc.flying.alarms import Watcher
 from radmpc.flying.flight import Flight, fly
-from radmpc.flying.knowing import Observer, expected_start, moved
+from radmpc.flying.knowing import expected_start, moved
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Backend
+from radmpc.flying.sensing import Sensing
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
@@ -110,12 +110,12 @@ def rate_of(scenario: Scenario, missions: Sequence[Flight]) -> Rate:
 
 def _is_doubted(scenario: Scenario, flight: Flight) -> bool:
     """Whether its disturbances are unlikely by the scenario's noise, whatever is risked."""
-    watcher, observer = Watcher(scenario), Observer.of(scenario)
+    sensing = Sensing.of(scenario)
     expected = [expected_start(v) for v in scenario.vehicles]
     for step, (states, tick) in enumerate(zip(flight.states, flight.ticks, strict=True)):
-        if watcher.look(expected, states, step, observer.told(step)):
+        known, alarms = sensing.look(step, expected, states, is_certain=True)
+        if alarms:
             return True
-        known = observer.known(step, expected, states)
         if tick.segments:
             pairs = zip(scenario.vehicles, known, tick.controls, strict=True)
             expected = [moved(v, x, u) for v, x, u in pairs]

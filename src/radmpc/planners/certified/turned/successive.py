@@ -14,9 +14,9 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Tensor
 from radmpc.gaussian import Tail
-from radmpc.planners.certified.turned.group_lp import GroupLp
+from radmpc.planners.certified.turned.group_lp import GroupLp, GroupPlan
 from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.margins import far_of, fixed_margins, priced_margins
 from radmpc.planners.certified.turned.near import Near
@@ -35,6 +35,9 @@ _WARM = 256
 
 _ASKED = 16
 """Vehicles planned between two looks at the clock [-]: one takes 1 to 20 ms."""
+
+_SURELY = 0.99
+"""Share of a reach that paths may move by without another look [-]: rounding."""
 
 Group = tuple[int, ...]
 
@@ -204,27 +207,50 @@ class SuccessiveLp:
             plan = program.solve(spaces, self.paths, margins)
             if plan is None:
                 break
-            for i, controls in zip(group, plan.controls, strict=True):
-                self.paths.fly(i, controls)
-            if not self._is_surprised(group, spaces):
+            self._fly(group, plan)
+            if not self._is_surprised(group, spaces, before[1], reach):
                 break
             # The paths went where nothing was near them before: look further around the old ones.
             self.paths.restore(before)
             reach *= TUNING.further
+        else:
+            if plan is not None:
+                self._fly(group, plan)
         self.work += program.work - worked
         if plan is None:
             self.paths.restore(before)
             return _risk(half_spaces(self.hazards, self.paths, group, near), self.hazards.tail)
-        for i, controls in zip(group, plan.controls, strict=True):
-            self.paths.fly(i, controls)
+        for i in group:
             self._ahead.means[i] = self.paths.means[i]
             self._ahead.means[i] += TUNING.ahead * (self.paths.means[i] - before[1][i])
             self._ahead.sagittas[i] = self.paths.sagittas[i]
             self._ahead.sagittas[i] += TUNING.ahead * (self.paths.sagittas[i] - before[2][i])
         return plan.risk
 
-    def _is_surprised(self, group: Group, spaces: HalfSpaces) -> bool:
-        """Whether the latest paths come near anything that there was no half-space for."""
+    def _fly(self, group: Group, plan: GroupPlan) -> None:
+        """Give a group the controls of a plan."""
+        for i, controls in zip(group, plan.controls, strict=True):
+            self.paths.fly(i, controls)
+
+    def _is_surprised(self, group: Group, spaces: HalfSpaces, before: Tensor, reach: float) -> bool:
+        """Whether the latest paths come near anything that there was no half-space for.
+
+        Parameters
+        ----------
+        group : tuple of int
+            Who moved.
+        spaces : HalfSpaces
+            Turned to where the paths were, around which all within a reach has one.
+        before : (N, T+1, d) array
+            Where they were [m].
+        reach : float
+            How far beyond what counts as near that is [m].
+        """
+        members = list(group)
+        furthest = float(np.abs(self.paths.means[members] - before[members]).max(initial=0.0))
+        # Two that move come closer by as much as both do, whatever they are to each other.
+        if 2.0 * np.sqrt(before.shape[2]) * furthest < _SURELY * reach:
+            return False
         far = far_of(self.hazards.tail, TUNING.compared)
         near = Near(far, 0.0, is_refined=False)
         latest = half_spaces(self.hazards, self.paths, group, near)

@@ -1,0 +1,142 @@
+"""What a mission has measured of the factor up to which its covariances are known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from radmpc.arrays import Matrix, Vector
+from radmpc.flying.knowing import remembers
+from radmpc.flying.leg import Leg
+from radmpc.flying.remainder import left_of
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.records import dataclass, replace
+from radmpc.referee.conditional.scales import Scale, squares_of
+
+__all__ = ["Evidence"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """What disturbances so far tell of a scenario's covariances.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        With covariances as stated.
+    began : int
+        The mission's step at which it begins.
+    scale : Scale
+        What is known of the factor by now.
+    measured : int or None
+        The last step, from the scenario's first on, at which states were measured; None is none.
+    """
+
+    scenario: Scenario
+    began: int
+    scale: Scale
+    measured: int | None = None
+
+    @classmethod
+    def of(cls, scenario: Scenario, began: int = 0) -> Evidence:
+        """Return what is known before anything is measured.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Of the steps from one on.
+        began : int
+            The mission's step at which it begins.
+        """
+        return cls(scenario, began, Scale(scenario.covariance_samples))
+
+    def after(
+        self,
+        step: int,
+        expected: Sequence[Vector],
+        states: Sequence[Vector],
+        told: Sequence[Matrix | None],
+    ) -> Evidence:
+        """Return what is known after a measurement.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        expected : sequence of (n,) or (2 n,) array
+            What was expected to be known.
+        states : sequence of (n,) array
+            Measured states, or estimates.
+        told : sequence of (n, n) array or None
+            By how much estimates were to move; None where states are told.
+        """
+        if self.scale.samples is None:
+            return self
+        at, scale = step - self.began, self.scale
+        deviations = [x - hoped[: x.size] for x, hoped in zip(states, expected, strict=True)]
+        missed = at - (0 if self.measured is None else self.measured + 1)
+        for members in self._together():
+            chosen = [self.scenario.vehicles[i] for i in members]
+            if missed and any(remembers(vehicle) for vehicle in chosen):
+                continue  # what estimates then move by is no longer known
+            covariance = _covariance(chosen, [told[i] for i in members], self.measured, at)
+            apart = np.concatenate([deviations[i] for i in members])[None]
+            squares, components = squares_of(covariance, apart)
+            scale = scale.learned(float(squares[0]), components)
+        return replace(self, scale=scale, measured=at)
+
+    def left(self, leg: Leg, step: int, states: Sequence[Vector], risk_bound: float) -> Scenario:
+        """Return the scenario of the steps that are left; see `left_of`.
+
+        Parameters
+        ----------
+        leg : Leg
+            In the air.
+        step : int
+            Of the mission.
+        states : sequence of (n,) or (2 n,) array
+            What is known.
+        risk_bound : float
+            What the rest may risk [-].
+        """
+        if self.scale.samples is None:
+            return left_of(leg.plan.scenario, step - leg.began, states, risk_bound)
+        # From the covariances as stated: the same digits, whatever legs were flown before.
+        return left_of(self.scenario, step - self.began, states, risk_bound, self.scale)
+
+    def _together(self) -> list[list[int]]:
+        """Return the vehicles that share disturbances, and each of the others."""
+        vehicles = self.scenario.vehicles
+        sharing = [i for i, vehicle in enumerate(vehicles) if vehicle.shared]
+        alone = [[i] for i, vehicle in enumerate(vehicles) if not vehicle.shared]
+        return [sharing, *alone] if sharing else alone
+
+
+def _covariance(
+    vehicles: Sequence[Vehicle], told: Sequence[Matrix | None], last: int | None, at: int
+) -> Matrix:
+    """Return by how much the states of some vehicles were to differ from what was expected."""
+    sizes = [vehicle.start.size for vehicle in vehicles]
+    ends = np.cumsum([0, *sizes])
+    own, onward, first = np.zeros((3, ends[-1], ends[-1]))
+    for i, vehicle in enumerate(vehicles):
+        block, by_filter = slice(ends[i], ends[i + 1]), told[i]
+        onward[block, block] = vehicle.system.A
+        first[block, block] = vehicle.initial_covariance
+        own[block, block] = vehicle.disturbance_covariance if by_filter is None else by_filter
+    if any(each is not None for each in told):
+        return np.asarray(own)
+    for part in {part.name: part for vehicle in vehicles for part in vehicle.shared}.values():
+        acts = np.zeros((ends[-1], part.size))
+        for i, vehicle in enumerate(vehicles):
+            for mine in vehicle.shared:
+                if mine.name == part.name:
+                    acts[ends[i] : ends[i + 1]] = mine.matrix
+        own += acts @ part.covariance @ acts.T
+    # Nothing is steered by what was not measured.
+    found = first if last is None else np.zeros_like(first)
+    for _ in range(at - (0 if last is None else last)):
+        found = onward @ found @ onward.T + own
+    return np.asarray(found)

@@ -1,0 +1,85 @@
+"""What a mission makes of a measurement: what is known now, and what speaks against the model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from radmpc.arrays import Vector
+from radmpc.flying.alarms import Watcher
+from radmpc.flying.evidence import Evidence
+from radmpc.flying.knowing import Observer
+from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
+
+__all__ = ["Sensing"]
+
+
+@dataclass(slots=True, eq=False)
+class Sensing:
+    """Everything that measurements have left behind.
+
+    Attributes
+    ----------
+    watcher : Watcher
+        Compares them with what was expected.
+    observer : Observer
+        Makes of them what is known of vehicles.
+    evidence : Evidence
+        And of covariances known up to a factor.
+    """
+
+    watcher: Watcher
+    observer: Observer
+    evidence: Evidence
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Sensing:
+        """Return what there is before anything is measured.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Of the mission.
+        """
+        return cls(Watcher(scenario), Observer.of(scenario), Evidence.of(scenario))
+
+    def begin_again(self, scenario: Scenario, step: int) -> None:
+        """Go on with another scenario.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Of the steps that are left.
+        step : int
+            The mission's, at which it begins.
+        """
+        self.observer = Observer.of(scenario, step)
+        self.evidence = Evidence.of(scenario, step)
+
+    def look(
+        self,
+        step: int,
+        expected: Sequence[Vector],
+        states: Sequence[Vector],
+        *,
+        is_certain: bool,
+    ) -> tuple[tuple[Vector, ...], list[str]]:
+        """Take note of a measurement; return what is known by it, and alarms.
+
+        Parameters
+        ----------
+        step : int
+            Of the mission.
+        expected : sequence of (n,) or (2 n,) array
+            What was expected to be known.
+        states : sequence of (n,) array
+            Measured states, or estimates.
+        is_certain : bool
+            Whether it was known at the step before where vehicles were: what was not measured may
+            be off by twice the noise.
+        """
+        known, told = self.observer.known(step, expected, states), self.observer.told(step)
+        seen = step, expected, states, told
+        alarms = self.watcher.look(*seen, self.evidence.scale) if is_certain else []
+        self.evidence = self.evidence.after(*seen)
+        return known, alarms
