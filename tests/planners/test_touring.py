@@ -10,6 +10,7 @@ from visiting import scene, vehicle
 
 from radmpc import Obstacle, Scenario, Visit, certify
 from radmpc.model.visits import steps_visited
+from radmpc.planners.certified.turned.meeting import meeting_encounter, start_normals
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.successive import SuccessiveLp
@@ -100,6 +101,41 @@ def test_vehicles_that_would_meet_at_a_visit_make_it_at_different_times() -> Non
     means = touring.successive.paths.means
     steps = [steps_visited(v.via, one, None) for v, one in zip(given.vehicles, means, strict=True)]
     assert steps[0] != steps[1]
+
+
+def side_by_side(gap: float) -> Scenario:
+    """Two that start next to each other and cross in the first second; one is in a hurry."""
+    north = vehicle("a", [0.0, 0.0], [12.0, 9.0], Visit.at([2.0, 9.0], 0.5, between=(3, 3)))
+    south = vehicle("b", [0.0, gap], [12.0, -9.0], Visit.at([2.0, -9.0], 0.5, between=(6, 6)))
+    pair = tuple(replace(each, control_limit=3.0) for each in (north, south))
+    return Scenario("side by side", 1.0, 10, 0.01, pair)
+
+
+@pytest.mark.parametrize("gap", [0.9, 1.2, 2.0])
+def test_neighbors_whose_first_legs_cross_at_once_let_each_other_pass(gap: float) -> None:
+    given = side_by_side(gap)
+    successive = SuccessiveLp(Hazards.of(given, condensed_models(given)), Limits())
+    assert successive.begin_alone()
+    assert successive.keep_apart(3.0, 20)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.5, 3.0, np.pi, -1.5])
+def test_a_half_space_between_neighbors_keeps_the_clearance_where_they_start(angle: float) -> None:
+    given = side_by_side(1.2)
+    hazards = Hazards.of(given, condensed_models(given))
+    paths, distance = Paths(hazards), np.array([0.6])
+    meeting = tuple(np.array([k]) for k in (1, 0, 0))
+    met = meeting_encounter(hazards, paths, meeting, distance)
+    asked = np.array([[np.sin(angle), np.cos(angle)]])
+    turned, is_kept = start_normals(met, asked, 3.0)
+    assert is_kept.all()
+    assert np.linalg.norm(turned) == pytest.approx(1.0)
+    assert met.clearances(turned[:, None])[0, 0] >= 3.0 - 1e-9
+    if abs(angle) < 0.5:
+        assert turned == pytest.approx(asked)
+    if 0.5 < abs(angle) < 3.1:
+        assert np.sign(turned[0, 0]) == np.sign(asked[0, 0])
+    assert not start_normals(met, asked, 30.0)[1].any()
 
 
 def test_a_first_plan_leads_around_a_box_between_visits() -> None:

@@ -86,16 +86,19 @@ class Touring:
         if self._clear is None:
             return False
         self.successive.begin(alone.controls)
-        hazards, among = self.successive.hazards, _nobody(self.successive.hazards)
+        among = _nobody(self.successive.hazards)
         for i, way in ways.items():
             if self._limits.reached:
                 return False
             self._go_around(i, way, among)
-        # Who is not planned yet has to leave its start and reach its goal in any case.
+        # Who is not planned yet is at its start at first and at its goal in the end in any case.
         among[:, :_ENDS] = among[:, -_ENDS:] = True
-        for i in range(hazards.count):
+        before = list(self.successive.paths.controls)
+        self._rest_at_ends()
+        for i in self._tightest_first():
             if self._limits.reached:
                 return False
+            self.successive.paths.fly(i, before[i])
             self._place(i, among)
             among[i] = True
         for _ in range(_MENDS):
@@ -110,6 +113,22 @@ class Touring:
     def _few(self) -> float:
         """What a vehicle may miss [m]."""
         return TUNING.misses * float(self.successive.hazards.radii.mean())
+
+    def _rest_at_ends(self) -> None:
+        """Have everybody wait at first, and be there early: what all can agree on."""
+        paths = self.successive.paths
+        for ends, place in ((slice(_ENDS + 1), 0), (slice(-_ENDS - 1, None), -1)):
+            paths.means[:, ends] = paths.means[:, [place]]
+        paths.sagittas[:, :_ENDS] = paths.sagittas[:, -_ENDS:] = 0.0
+
+    def _tightest_first(self) -> list[int]:
+        """Return all vehicles, those first that need most of what their controls can do.
+
+        Who has time to spare can let others pass; who has none cannot.
+        """
+        pairs = zip(self._models, self.successive.paths.controls, strict=True)
+        needs = [float(np.abs(u).sum() / max(m.control_bounds.sum(), _TINY)) for m, u in pairs]
+        return sorted(range(len(needs)), key=lambda i: -needs[i])
 
     def _go_around(self, i: int, way: Matrix, among: Counts) -> None:
         """Plan a vehicle around obstacles, as if there were no others."""
