@@ -18,7 +18,7 @@ from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
 from radmpc.program.hazards import Hazards
 from radmpc.program.visits.columns import has_choice_of_arrival
-from radmpc.program.visits.rows import fixed_visit_rows
+from radmpc.program.visits.rows import rows_at
 from radmpc.program.visits.steps import at_steps
 from radmpc.solvers.lp.highs_lp import HighsLp, LpOutcome
 
@@ -202,10 +202,7 @@ class VisitLp:
         """Add the rows of a visit, or of the goal, at a step; return numbers and lower bounds."""
         goal, via = self._model.vehicle.goal, self._model.vehicle.via
         boxes = (*via, Visit(goal.lower, goal.upper, speed=goal.speed))
-        given = replace(self._model.vehicle, via=(boxes[visit],))
-        rows, lower, upper = fixed_visit_rows(
-            at_steps(replace(self._model, vehicle=given), (step,))
-        )
+        rows, lower, upper = rows_at(self._model, boxes[visit], step)
         both = np.vstack([rows, -rows])
         beside = np.zeros((len(both), self._count))
         beside[:, visit] = 1.0

@@ -12,15 +12,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.touring.crowding import crowding
-from radmpc.planners.certified.turned.touring.one_by_one import Counts, OneByOne
+from radmpc.planners.certified.turned.touring.one_by_one import Counts, Known, OneByOne
+from radmpc.planners.certified.turned.touring.shifting import shifted, warped
 from radmpc.planners.certified.turned.touring.tour import Tour, tour
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+from radmpc.program.visits.columns import windows_of
 from radmpc.program.visits.steps import at_steps, steps_on
 from radmpc.solvers.solution import Limits
 
@@ -32,14 +34,20 @@ _ROUNDS = 8
 _PENALTY = 30.0
 """First penalty of a meter missed, see `Tuning.first_penalty` [-]."""
 
+_NEARLY = 0.5
+"""Share of what paths may miss to be turned at a price of risk that ends this [-]."""
+
 _TINY = 1e-6
 """Distance below which corners of a way are the same [m]."""
 
 _ENDS = 2
 """Windows at both ends in which everybody counts, planned or not [-]."""
 
-_MENDS = 2
-"""Times that those are planned again who miss anything [-]."""
+_SWEEPS = 24
+"""Times that those are planned again who miss anything, at most [-]."""
+
+_FALLS = 0.7
+"""Share of what was missed before from which on planning so again is given up [-]."""
 
 
 class Touring:
@@ -71,6 +79,7 @@ class Touring:
     ) -> None:
         self._models, self._limits, self._clearance = models, limits, clearance
         self._clear = Clear.of(hazards)
+        self._alone: list[Known] = []
         self.successive = OneByOne(hazards, limits)
 
     def run(self, alone: Paths, ways: Mapping[int, Matrix]) -> bool:
@@ -93,21 +102,50 @@ class Touring:
             self._go_around(i, way, among)
         # Who is not planned yet is at its start at first and at its goal in the end in any case.
         among[:, :_ENDS] = among[:, -_ENDS:] = True
-        before = list(self.successive.paths.controls)
+        self._alone = [self.successive.known(i) for i in range(self.successive.hazards.count)]
         self._rest_at_ends()
         for i in self._tightest_first():
             if self._limits.reached:
                 return False
-            self.successive.paths.fly(i, before[i])
+            self._insist(i)
             self._place(i, among)
             among[i] = True
-        for _ in range(_MENDS):
-            missing = np.flatnonzero(self.successive.missed > self._few)
-            for i in missing.tolist():
+        among[:] = True
+        return self._mend(among)
+
+    def _mend(self, among: Counts) -> bool:
+        """Plan those again who miss anything, a little each time; tell whether time allowed it."""
+        successive, penalty = self.successive, TUNING.paced_penalty
+        nearly = _NEARLY * TUNING.nearly * float(successive.hazards.radii.mean())
+        least, number = np.inf, 0
+        for _ in range(_SWEEPS):
+            missing = successive.missing(self._clearance)
+            if missing.sum() <= nearly:
+                break
+            if missing.sum() > _FALLS * least:
+                number += 1
+                self._loosen(missing, among, is_odd=number % 2 == 1)
+                least = np.inf
+                continue
+            least = float(missing.sum())
+            for i in np.flatnonzero(missing > _TINY).tolist():
                 if self._limits.reached:
                     return False
-                self._place(i, among)
+                successive.keep_clear(i, self._clearance, (1, penalty), among)
+            penalty *= TUNING.penalty_growth
+        successive.missed[:] = successive.missing(self._clearance)
         return True
+
+    def _loosen(self, missing: Vector, among: Counts, *, is_odd: bool) -> None:
+        """Have those who miss much make visits at other steps, or one of them go its own way."""
+        if not is_odd:
+            self._insist(int(missing.argmax()))
+            return
+        for i in np.flatnonzero(missing > self._few).tolist():
+            if self._limits.reached:
+                return
+            self._place(i, among)
+            self._shift(i, among)
 
     @property
     def _few(self) -> float:
@@ -120,6 +158,10 @@ class Touring:
         for ends, place in ((slice(_ENDS + 1), 0), (slice(-_ENDS - 1, None), -1)):
             paths.means[:, ends] = paths.means[:, [place]]
         paths.sagittas[:, :_ENDS] = paths.sagittas[:, -_ENDS:] = 0.0
+
+    def _insist(self, i: int) -> None:
+        """Have a vehicle go the way it has alone: others have to keep clear of it."""
+        self.successive.come_back(i, self._alone[i])
 
     def _tightest_first(self) -> list[int]:
         """Return all vehicles, those first that need most of what their controls can do.
@@ -136,6 +178,7 @@ class Touring:
         successive.refer(i, timed_by_visits(successive.hazards.models[i], way))
         if self._kept(i, among) > self._few:
             self._pace(i, way, among)
+        self._shift(i, among)
 
     def _place(self, i: int, among: Counts) -> None:
         """Plan a vehicle around obstacles and those that count."""
@@ -150,8 +193,7 @@ class Touring:
     def _pace(self, i: int, way: Matrix, among: Counts) -> None:
         """Plan a vehicle on a way at the best pace, if that leads to a better path."""
         successive, model = self.successive, self._models[i]
-        hazards, before = successive.hazards, successive.paths.state()
-        missed, fixed = float(successive.missed[i]), hazards.models[i]
+        hazards, before = successive.hazards, successive.known(i)
         found = self._toured(i, way)
         if found is None:
             return
@@ -165,10 +207,26 @@ class Touring:
         steps, arrival = steps_on(model, places)
         successive.make_visits(i, at_steps(model, steps, arrival))
         successive.refer(i, places)
-        if not self._kept(i, among) < missed:
-            successive.make_visits(i, fixed)
-            successive.restore(before)
-            successive.missed[i] = missed
+        if not self._kept(i, among) < before.missed:
+            successive.come_back(i, before)
+
+    def _shift(self, i: int, among: Counts) -> None:
+        """Have a vehicle that misses much make one visit a step sooner or later, if that helps."""
+        successive, model = self.successive, self._models[i]
+        kept = successive.known(i)
+        if not model.vehicle.via or successive.missed[i] <= self._few:
+            return
+        fixed, path = successive.hazards.models[i].vehicle, successive.paths.means[i].copy()
+        steps = [first for first, _ in windows_of(successive.hazards.models[i])]
+        arrival = None if model.time_cost <= 0.0 else fixed.goal.window(model.horizon)[1]
+        for moved in shifted(model, steps):
+            successive.make_visits(i, at_steps(model, moved, arrival))
+            successive.refer(i, warped(path, steps, moved))
+            if self._kept(i, among) < kept.missed:
+                kept = successive.known(i)
+            if kept.missed <= self._few:
+                break
+        successive.come_back(i, kept)
 
     def _toured(self, i: int, way: Matrix) -> Tour | None:
         """Lay out a way."""
