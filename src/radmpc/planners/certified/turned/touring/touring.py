@@ -35,7 +35,10 @@ _PENALTY = 30.0
 """First penalty of a meter missed, see `Tuning.first_penalty` [-]."""
 
 _NEARLY = 0.5
-"""Share of what paths may miss to be turned at a price of risk that ends this [-]."""
+"""Share of what paths may miss to be turned at a price of risk that ends this early [-]."""
+
+_MUCH = 0.4
+"""Share of what the worst one misses from which on others are led otherwise, too [-]."""
 
 _TINY = 1e-6
 """Distance below which corners of a way are the same [m]."""
@@ -111,37 +114,39 @@ class Touring:
             self._place(i, among)
             among[i] = True
         among[:] = True
-        return self._mend(among)
+        self._mend(among)
+        self.successive.missed[:] = self.successive.missing(self._clearance)
+        return True
 
-    def _mend(self, among: Counts) -> bool:
-        """Plan those again who miss anything, a little each time; tell whether time allowed it."""
+    def _mend(self, among: Counts) -> None:
+        """Plan those again who miss anything, a little each time; others let them pass."""
         successive, penalty = self.successive, TUNING.paced_penalty
-        nearly = _NEARLY * TUNING.nearly * float(successive.hazards.radii.mean())
-        least, number = np.inf, 0
+        nearly = TUNING.nearly * float(successive.hazards.radii.mean())
+        least, num_stuck = np.inf, 0
         for _ in range(_SWEEPS):
             missing = successive.missing(self._clearance)
-            if missing.sum() <= nearly:
+            is_stuck = float(missing.sum()) > _FALLS * least
+            if missing.sum() <= nearly * (1.0 if is_stuck else _NEARLY):
                 break
-            if missing.sum() > _FALLS * least:
-                number += 1
-                self._loosen(missing, among, is_odd=number % 2 == 1)
+            if is_stuck:
+                num_stuck += 1
+                self._loosen(missing, among, is_odd=num_stuck % 2 == 1)
                 least = np.inf
                 continue
             least = float(missing.sum())
             for i in np.flatnonzero(missing > _TINY).tolist():
                 if self._limits.reached:
-                    return False
+                    return
                 successive.keep_clear(i, self._clearance, (1, penalty), among)
             penalty *= TUNING.penalty_growth
-        successive.missed[:] = successive.missing(self._clearance)
-        return True
 
     def _loosen(self, missing: Vector, among: Counts, *, is_odd: bool) -> None:
-        """Have those who miss much make visits at other steps, or one of them go its own way."""
-        if not is_odd:
+        """Have the one that misses most go its own way, or those that do make visits otherwise."""
+        if is_odd:
             self._insist(int(missing.argmax()))
             return
-        for i in np.flatnonzero(missing > self._few).tolist():
+        most = max(_MUCH * float(missing.max()), self._few)
+        for i in np.flatnonzero(missing >= most).tolist():
             if self._limits.reached:
                 return
             self._place(i, among)
