@@ -18,7 +18,7 @@ from radmpc.planners.certified.turned.touring.crowding import crowding
 from radmpc.planners.certified.turned.touring.shifting import shifted, warped
 from radmpc.planners.certified.turned.touring.tour import Tour, tour
 from radmpc.planners.certified.turned.touring.touring import Touring
-from radmpc.planners.certified.turned.visiting import at_good_visits
+from radmpc.planners.certified.turned.visiting import VisitLp, at_good_visits, good_steps
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.program.visits.steps import at_steps, steps_on
@@ -145,6 +145,14 @@ def test_visits_are_shifted_within_their_windows_and_in_order() -> None:
     model = condensed_models(scene(*visits, horizon=12))[0]
     found = set(shifted(model, (4, 5, 6)))
     assert found == {(3, 5, 6), (4, 5, 7)}
+
+
+def test_two_visits_in_a_row_are_moved_together_where_neither_alone_pays() -> None:
+    visits = [Visit.at([x, y], 0.5) for x, y in ((0.0, 6.0), (1.5, 6.0), (3.0, 0.0))]
+    model = condensed_models(scene(*visits, horizon=14))[0]
+    program = VisitLp(model)
+    one_by_one = good_steps(model, has_runs=False)
+    assert program.cost(good_steps(model)) < 0.99 * program.cost(one_by_one)
 
 
 def test_a_path_is_warped_to_make_its_visits_at_other_steps() -> None:
