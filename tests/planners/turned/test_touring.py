@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 from visiting import scene, vehicle
 
-from radmpc import Obstacle, Scenario, Visit, certify
+from radmpc import Obstacle, Scenario, Vehicle, Visit, certify
 from radmpc.model.visits import steps_visited
+from radmpc.planners.certified.turned.meeting import meeting_encounter, start_normals
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.touring.crowding import crowding
+from radmpc.planners.certified.turned.touring.shifting import shifted, warped
 from radmpc.planners.certified.turned.touring.tour import Tour, tour
 from radmpc.planners.certified.turned.touring.touring import Touring
-from radmpc.planners.certified.turned.visiting import at_good_visits
+from radmpc.planners.certified.turned.visiting import VisitLp, at_good_visits, good_steps
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from radmpc.program.visits.steps import at_steps, steps_on
@@ -100,6 +102,110 @@ def test_vehicles_that_would_meet_at_a_visit_make_it_at_different_times() -> Non
     means = touring.successive.paths.means
     steps = [steps_visited(v.via, one, None) for v, one in zip(given.vehicles, means, strict=True)]
     assert steps[0] != steps[1]
+
+
+def side_by_side(gap: float) -> Scenario:
+    """Two that start next to each other and cross in the first second; one is in a hurry."""
+    north = vehicle("a", [0.0, 0.0], [12.0, 9.0], Visit.at([2.0, 9.0], 0.5, between=(3, 3)))
+    south = vehicle("b", [0.0, gap], [12.0, -9.0], Visit.at([2.0, -9.0], 0.5, between=(6, 6)))
+    pair = tuple(replace(each, control_limit=3.0) for each in (north, south))
+    return Scenario("side by side", 1.0, 10, 0.01, pair)
+
+
+@pytest.mark.parametrize("gap", [0.9, 1.2, 2.0])
+def test_neighbors_whose_first_legs_cross_at_once_let_each_other_pass(gap: float) -> None:
+    given = side_by_side(gap)
+    successive = SuccessiveLp(Hazards.of(given, condensed_models(given)), Limits())
+    assert successive.begin_alone()
+    assert successive.keep_apart(3.0, 20)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.5, 3.0, np.pi, -1.5])
+def test_a_half_space_between_neighbors_keeps_the_clearance_where_they_start(angle: float) -> None:
+    given = side_by_side(1.2)
+    hazards = Hazards.of(given, condensed_models(given))
+    paths, distance = Paths(hazards), np.array([0.6])
+    meeting = tuple(np.array([k]) for k in (1, 0, 0))
+    met = meeting_encounter(hazards, paths, meeting, distance)
+    asked = np.array([[np.sin(angle), np.cos(angle)]])
+    turned, is_kept = start_normals(met, asked, 3.0)
+    assert is_kept.all()
+    assert np.linalg.norm(turned) == pytest.approx(1.0)
+    assert met.clearances(turned[:, None])[0, 0] >= 3.0 - 1e-9
+    if abs(angle) < 0.5:
+        assert turned == pytest.approx(asked)
+    if 0.5 < abs(angle) < 3.1:
+        assert np.sign(turned[0, 0]) == np.sign(asked[0, 0])
+    assert not start_normals(met, asked, 30.0)[1].any()
+
+
+def test_visits_are_shifted_within_their_windows_and_in_order() -> None:
+    windows = [(2, 4), (5, 8), (5, 9)]
+    visits = [replace(VISIT, between=each) for each in windows]
+    model = condensed_models(scene(*visits, horizon=12))[0]
+    found = set(shifted(model, (4, 5, 6)))
+    assert found == {(3, 5, 6), (4, 5, 7)}
+
+
+def test_two_visits_in_a_row_are_moved_together_where_neither_alone_pays() -> None:
+    visits = [Visit.at([x, y], 0.5) for x, y in ((0.0, 6.0), (1.5, 6.0), (3.0, 0.0))]
+    model = condensed_models(scene(*visits, horizon=14))[0]
+    program = VisitLp(model)
+    one_by_one = good_steps(model, has_runs=False)
+    assert program.cost(good_steps(model)) < 0.99 * program.cost(one_by_one)
+
+
+def test_a_path_is_warped_to_make_its_visits_at_other_steps() -> None:
+    path = np.cumsum(np.arange(26.0).reshape(13, 2), axis=0)
+    other = warped(path, (3, 8), (5, 7))
+    assert np.array_equal(other[[0, 5, 7, 12]], path[[0, 3, 8, 12]])
+    assert np.array_equal(warped(path, (3, 8), (3, 8)), path)
+
+
+def toured(*fleet: Vehicle, obstacles: tuple[Obstacle, ...] = (), horizon: int = 10) -> Touring:
+    given = Scenario("tour", 1.0, horizon, 0.01, fleet, obstacles)
+    to_choose = condensed_models(given)
+    return Touring(at_good_visits(Hazards.of(given, to_choose)), to_choose, Limits(), 3.0)
+
+
+def test_who_goes_back_does_what_it_did() -> None:
+    touring = toured(vehicle("a", [0.0, 0.0], [9.0, 0.0], VISIT))
+    successive = touring.successive
+    assert successive.begin_alone()
+    known, before = successive.known(0), successive.paths.means[0].copy()
+    successive.make_visits(0, at_steps(condensed_models(scene(VISIT, horizon=10))[0], (7,)))
+    successive.refer(0, np.zeros((11, 2)))
+    assert successive.keep_clear(0, 3.0, (2, 30.0), np.ones((2, 10), dtype=bool)) < 1e-7
+    assert not np.allclose(successive.paths.means[0], before)
+    successive.come_back(0, known)
+    assert successive.hazards.models[0] is known.model
+    assert np.array_equal(successive.paths.means[0], before)
+
+
+def test_what_a_vehicle_comes_near_far_from_its_last_path_is_kept_clear_of() -> None:
+    late = replace(VISIT, between=(8, 8))
+    touring = toured(
+        vehicle("a", [0.0, 0.0], [9.0, 0.0], late), vehicle("b", [5.0, 0.9], [5.0, 0.9])
+    )
+    successive = touring.successive
+    assert successive.begin_alone()
+    # A path far from what controls can do, and from the other vehicle.
+    successive.refer(0, np.linspace([0.0, 0.0], [0.0, 30.0], 11))
+    counts = np.ones((3, 10), dtype=bool)
+    successive.keep_clear(0, 3.0, (8, 30.0), counts)
+    assert successive.missing(3.0).sum() < 1e-6
+
+
+def test_a_fleet_that_starts_side_by_side_and_crosses_keeps_clear_of_each_other() -> None:
+    fleet = [
+        vehicle(f"v{i}", [0.0, 1.2 * i], [14.0, 1.2 * (5 * i % 6)], Visit.at([5.0, y], 0.6))
+        for i, y in enumerate([9.0, -6.0, 7.0, -4.0, 12.0, -9.0])
+    ]
+    touring = toured(*(replace(each, control_limit=3.0) for each in fleet), horizon=12)
+    alone = SuccessiveLp(touring.successive.hazards, Limits())
+    assert alone.begin_alone()
+    assert touring.run(alone.paths, {})
+    assert touring.successive.missed.sum() < 0.06
 
 
 def test_a_first_plan_leads_around_a_box_between_visits() -> None:

@@ -19,7 +19,7 @@ from radmpc.program.visits.columns import (
 )
 from radmpc.records import dataclass
 
-__all__ = ["fixed_visit_rows", "visit_blocks"]
+__all__ = ["fixed_visit_rows", "rows_at", "visit_blocks"]
 
 
 def fixed_visit_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
@@ -35,22 +35,45 @@ def fixed_visit_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
     (h, T*m), (h,) and (h,) array
         Rows, lower and upper bounds.
     """
-    rows, lowers, uppers = [], [], []
-    for visit, (first, last) in zip(model.vehicle.via, windows_of(model), strict=True):
-        if first != last:
-            continue
-        rows.append(model.position[first])
-        lowers.append(visit.lower - model.drift_position[first])
-        uppers.append(visit.upper - model.drift_position[first])
-        velocity, drift = model.velocity, model.drift_velocity
-        if visit.speed is not None and velocity is not None and drift is not None:
-            rows.append(velocity[first])
-            lowers.append(-visit.speed - drift[first])
-            uppers.append(visit.speed - drift[first])
-    if not rows:
+    found = [
+        rows_at(model, visit, first)
+        for visit, (first, last) in zip(model.vehicle.via, windows_of(model), strict=True)
+        if first == last
+    ]
+    if not found:
         none = np.zeros(0)
         return np.zeros((0, model.position.shape[2])), none, none
+    rows, lowers, uppers = zip(*found, strict=True)
     return np.vstack(rows), np.concatenate(lowers), np.concatenate(uppers)
+
+
+def rows_at(model: CondensedModel, visit: Visit, step: int) -> tuple[Matrix, Vector, Vector]:
+    """Return the rows of a visit at a given step, over a vehicle's controls.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+    visit : Visit
+        The box, and the speed in it; its window does not matter.
+    step : int
+        The step.
+
+    Returns
+    -------
+    (h, T*m), (h,) and (h,) array
+        Rows, lower and upper bounds.
+    """
+    rows, drift = model.position[step], model.drift_position[step]
+    lower, upper = visit.lower - drift, visit.upper - drift
+    velocity, carried = model.velocity, model.drift_velocity
+    if visit.speed is None or velocity is None or carried is None:
+        return rows, lower, upper
+    return (
+        np.vstack([rows, velocity[step]]),
+        np.append(lower, -visit.speed - carried[step]),
+        np.append(upper, visit.speed - carried[step]),
+    )
 
 
 def visit_blocks(

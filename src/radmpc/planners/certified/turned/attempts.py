@@ -155,7 +155,9 @@ def attempts(
     usually = {i: timed_by_visits(hazards.models[i], way) for i, way in ways.items()}
     toured = _toured(begin, limits)
     if toured is not None:
-        yield toured, TUNING.paced_penalty, TUNING.quick_sweeps
+        few = TUNING.nearly * float(hazards.radii.mean())
+        is_apart = float(toured.successive.missed.sum()) <= few
+        yield toured, TUNING.paced_penalty, 0 if is_apart else TUNING.quick_sweeps
     if ways:
         yield begin.referring(usually), usual, TUNING.quick_sweeps
     else:
@@ -189,6 +191,7 @@ def _toured(begin: Begin, limits: Limits) -> Turning | None:
         replace(task, hazards=successive.hazards), FleetIncumbent(), begin.sets, begin.price
     )
     turning.successive.begin(successive.paths.controls)
+    turning.successive.missed[:] = successive.missed
     return turning
 
 

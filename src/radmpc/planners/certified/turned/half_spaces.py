@@ -16,7 +16,11 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector, field_names
 from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import closest_approach, from_shape, refined
 from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
-from radmpc.planners.certified.turned.meeting import meeting_encounter, meeting_normals
+from radmpc.planners.certified.turned.meeting import (
+    meeting_encounter,
+    meeting_normals,
+    start_normals,
+)
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
 from radmpc.planners.certified.turned.paths import Paths
@@ -128,16 +132,14 @@ def _between(
     number, window = np.nonzero(apart < limit)
     meeting = one[number], two[number], window
     normals = meeting_normals(hazards, both, meeting, radii[number], is_refined=near.is_refined)
-    if near.is_start_refined and not near.is_refined:
-        # Where a path begins is given: what cannot be kept there is missed whatever follows.
-        starts = np.flatnonzero(window == 0)
-        few = tuple(each[starts] for each in meeting)
-        normals[starts] = meeting_normals(
-            hazards, both, few, radii[number[starts]], is_refined=True
-        )
     keys = (meeting[0] * hazards.count + meeting[1]) * hazards.horizon + window
     met = meeting_encounter(hazards, paths, meeting, radii[number])
-    return _laid_out(met, normals, meeting, keys)
+    is_given = window == 0
+    if not (near.is_start_given and hazards.intervals and is_given.any()):
+        return _laid_out(met, normals, meeting, keys)
+    turned, is_kept = start_normals(met, normals, near.clearance)
+    normals = np.where(is_given[:, None], turned, normals)
+    return _laid_out(met, normals, meeting, keys, is_given & is_kept)
 
 
 def _around(
@@ -256,13 +258,19 @@ def _before_faces(
 
 
 def _laid_out(
-    encounter: Encounter, normals: Matrix, who: tuple[Indices, Indices, Indices], keys: Indices
+    encounter: Encounter,
+    normals: Matrix,
+    who: tuple[Indices, Indices, Indices],
+    keys: Indices,
+    is_start_given: npt.NDArray[np.bool_] | None = None,
 ) -> HalfSpaces:
-    """Return the half-spaces of an encounter along given normals."""
+    """Return the half-spaces of an encounter along given normals; no share where starts are."""
     tried = normals[:, None]
     offsets = np.stack([reach[:, 0] for reach in encounter.supports(tried)], axis=1)
     deviations = [deviation[:, 0] for deviation in encounter.deviations(tried)]
     shares = encounter.shares(tried)[:, 0]
+    if is_start_given is not None:
+        shares[is_start_given] = 0.0
     heights = [np.einsum("wd,wd->w", normals, end) for end in encounter.ends]
     if len(heights) == 2:
         reserve = 4.0 * np.maximum(np.einsum("wd,wd->w", normals, encounter.sagittas), 0.0)

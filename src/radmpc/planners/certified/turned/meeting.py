@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.directions import around_approach, closest_approach, refined
@@ -10,7 +11,10 @@ from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 
-__all__ = ["Meeting", "meeting_encounter", "meeting_normals"]
+__all__ = ["Meeting", "meeting_encounter", "meeting_normals", "start_normals"]
+
+_TINY = 1e-12
+"""Stands for a length of 0 where one divides by it [m]."""
 
 Meeting = tuple[Indices, ...]
 """Two vehicles and a window, (w,) each."""
@@ -79,3 +83,41 @@ def meeting_encounter(
         paths.sagittas[first, window] - paths.sagittas[second, window],
         supports,
     )
+
+
+def start_normals(
+    encounter: Encounter, normals: Matrix, clearance: float
+) -> tuple[Matrix, npt.NDArray[np.bool_]]:
+    """Turn normals no farther from where two start than keeps a clearance there.
+
+    Parameters
+    ----------
+    encounter : Encounter
+        Windows of two ends, the first given.
+    normals : (w, d) array
+        Unit normals.
+    clearance : float
+        Standard deviations to keep [-].
+
+    Returns
+    -------
+    (w, d) array
+        Unit normals along which both ends may rest where the first one is: the nearest to those
+        given. The line between the two where they start too near each other for any.
+    (w,) bool array
+        Where there are such.
+    """
+    start = encounter.ends[0]
+    length = np.maximum(np.linalg.norm(start, axis=1), _TINY)
+    straight = start / length[:, None]
+    tried = straight[:, None]
+    spread = np.maximum.reduce(encounter.deviations(tried))[:, 0]
+    least = (encounter.supports(tried)[0][:, 0] + clearance * spread) / length
+    along = np.einsum("wd,wd->w", normals, straight)
+    across = normals - along[:, None] * straight
+    width = np.linalg.norm(across, axis=1)
+    is_kept = least < 1.0
+    sine = np.sqrt(1.0 - np.square(np.minimum(least, 1.0)))
+    turned = least[:, None] * straight + (sine / np.maximum(width, _TINY))[:, None] * across
+    turned[~is_kept | (width <= _TINY)] = straight[~is_kept | (width <= _TINY)]
+    return np.where((along >= least)[:, None], normals, turned), is_kept

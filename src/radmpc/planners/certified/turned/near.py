@@ -20,11 +20,12 @@ class Near:
     is_refined : bool
         Whether directions are refined to the best by clearance, or the line of closest approach
         will do.
-    is_start_refined : bool
-        Whether they are in the first window between vehicles, where one end is given.
+    is_start_given : bool
+        Whether in the first window only those count between vehicles that keep the clearance where
+        they start: nothing changes that end.
     """
 
     clearance: float
     reach: float
     is_refined: bool
-    is_start_refined: bool = False
+    is_start_given: bool = False

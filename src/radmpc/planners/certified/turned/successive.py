@@ -167,7 +167,7 @@ class SuccessiveLp:
     ) -> None:
         """Plan one vehicle between half-spaces turned to its latest path, some others or all."""
         reach = float(self.hazards.moves[i])
-        near = Near(clearance, reach, is_refined=False, is_start_refined=self._has_visits)
+        near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
         if counts is not None:
             spaces = spaces.of(counts[spaces.second, spaces.windows])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from radmpc.arrays import Matrix, Tensor, Vector
 from radmpc.planners.certified.turned.grid import Grid
@@ -39,11 +40,14 @@ class Clear:
         The first of them [m].
     field : (r, c) array
         Their distances, those far away cut off [m].
+    least : (r, c) array
+        No more than their distances, far away as well [m].
     """
 
     grid: Grid
     origin: Vector
     field: Matrix
+    least: Matrix
 
     @classmethod
     def of(cls, hazards: Hazards) -> Clear | None:
@@ -61,23 +65,33 @@ class Clear:
         if grid.spacing > _COARSE * float(hazards.radii.min()):
             return None
         far = float(10.0 * hazards.radii.max() + grid.spacing)
-        field = np.minimum(grid.distances, far)
+        field, least = np.minimum(grid.distances, far), _least(grid)
         if hazards.workspace is not None:
             lower, upper = hazards.workspace
             inside = np.minimum(grid.points - lower, upper - grid.points).min(axis=1)
             # Centers stay inside: the hull may reach out.
-            field = np.minimum(field, inside + float(hazards.radii.min()))
-        return cls(grid, grid.points[0], field.reshape(grid.shape))
+            inside += float(hazards.radii.min())
+            field, least = np.minimum(field, inside), np.minimum(least, inside)
+        fields = field.reshape(grid.shape), least.reshape(grid.shape)
+        return cls(grid, grid.points[0], *fields)
 
     def at(self, places: Tensor) -> Tensor:
         """Return the distance at places, (...) [m], from their coordinates, (..., 2) [m]."""
+        return self._between(self.field, places)
+
+    def least_at(self, places: Tensor) -> Tensor:
+        """Return the least that the distance may be at places, however far, (...) [m]."""
+        return self._between(self.least, places) - self.grid.spacing
+
+    def _between(self, field: Matrix, places: Tensor) -> Tensor:
+        """Return a field between the points of the grid."""
         rows, columns = self.field.shape
         x = np.clip((places[..., 0] - self.origin[0]) / self.grid.spacing, 0.0, rows - 1.0)
         y = np.clip((places[..., 1] - self.origin[1]) / self.grid.spacing, 0.0, columns - 1.0)
         row = np.minimum(x.astype(np.int64), max(rows - 2, 0))
         column = np.minimum(y.astype(np.int64), max(columns - 2, 0))
         x, y = x - row, y - column
-        flat, corner = self.field.ravel(), row * columns + column
+        flat, corner = field.ravel(), row * columns + column
         down, right = (columns if rows > 1 else 0), (1 if columns > 1 else 0)
         near = (1.0 - y) * flat[corner] + y * flat[corner + right]
         far = (1.0 - y) * flat[corner + down] + y * flat[corner + down + right]
@@ -118,3 +132,13 @@ class Clear:
             i = int(following[np.flatnonzero(is_clear)[-1]])
             kept.append(i)
         return np.asarray(way[kept])
+
+
+def _least(grid: Grid) -> Vector:
+    """Return distances where they are known, elsewhere how far it is to there, (p,) [m]."""
+    is_known, least = np.isfinite(grid.distances), grid.distances.copy()
+    if not is_known.any():
+        least[:] = np.ptp(grid.points, axis=0).max()
+    elif not is_known.all():
+        least[~is_known] = cKDTree(grid.points[is_known]).query(grid.points[~is_known])[0]
+    return least

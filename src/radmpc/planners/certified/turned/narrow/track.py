@@ -35,6 +35,9 @@ _MOST = 2e7
 """Places times levels of speed, squared, times steps of a way beyond which no pace is sought [-]:
 2e7 take 0.2 s."""
 
+_PARTS = 4
+"""Parts into which moves are split by their length [-]: short ones are sampled at few places."""
+
 _TINY = 1e-9
 """Stands for a length or speed of 0 where one divides by it [m, m/s]."""
 
@@ -265,4 +268,12 @@ def _lack(hazards: Hazards, i: int, places: Matrix, most: int, kept: tuple[Clear
     needed = float(hazards.radii[i]) + clearance * spread
     ends = np.minimum(np.arange(len(places))[:, None] + np.arange(most), len(places) - 1)
     begin = np.broadcast_to(places[:, None], (*ends.shape, 2))
-    return np.maximum(needed - clear.along(begin, places[ends]), 0.0)
+    end = places[ends]
+    half = 0.5 * np.linalg.norm(end - begin, axis=2)
+    # No place of a move is farther from its middle than half of it.
+    row, move = np.nonzero(clear.least_at(0.5 * (begin + end)) < needed + half)
+    lack = np.zeros(ends.shape)
+    for part in np.array_split(np.argsort(move, kind="stable"), _PARTS):
+        which = row[part], move[part]
+        lack[which] = np.maximum(needed - clear.along(begin[which], end[which]), 0.0)
+    return lack

@@ -12,15 +12,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.touring.crowding import crowding
-from radmpc.planners.certified.turned.touring.one_by_one import Counts, OneByOne
+from radmpc.planners.certified.turned.touring.one_by_one import Counts, Known, OneByOne
+from radmpc.planners.certified.turned.touring.shifting import shifted, warped
 from radmpc.planners.certified.turned.touring.tour import Tour, tour
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+from radmpc.program.visits.columns import windows_of
 from radmpc.program.visits.steps import at_steps, steps_on
 from radmpc.solvers.solution import Limits
 
@@ -32,14 +34,23 @@ _ROUNDS = 8
 _PENALTY = 30.0
 """First penalty of a meter missed, see `Tuning.first_penalty` [-]."""
 
+_NEARLY = 0.5
+"""Share of what paths may miss to be turned at a price of risk that ends this early [-]."""
+
+_MUCH = 0.4
+"""Share of what the worst one misses from which on others are led otherwise, too [-]."""
+
 _TINY = 1e-6
 """Distance below which corners of a way are the same [m]."""
 
 _ENDS = 2
 """Windows at both ends in which everybody counts, planned or not [-]."""
 
-_MENDS = 2
-"""Times that those are planned again who miss anything [-]."""
+_SWEEPS = 24
+"""Times that those are planned again who miss anything, at most [-]."""
+
+_FALLS = 0.7
+"""Share of what was missed before from which on planning so again is given up [-]."""
 
 
 class Touring:
@@ -71,6 +82,7 @@ class Touring:
     ) -> None:
         self._models, self._limits, self._clearance = models, limits, clearance
         self._clear = Clear.of(hazards)
+        self._alone: list[Known] = []
         self.successive = OneByOne(hazards, limits)
 
     def run(self, alone: Paths, ways: Mapping[int, Matrix]) -> bool:
@@ -86,30 +98,84 @@ class Touring:
         if self._clear is None:
             return False
         self.successive.begin(alone.controls)
-        hazards, among = self.successive.hazards, _nobody(self.successive.hazards)
+        among = _nobody(self.successive.hazards)
         for i, way in ways.items():
             if self._limits.reached:
                 return False
             self._go_around(i, way, among)
-        # Who is not planned yet has to leave its start and reach its goal in any case.
+        # Who is not planned yet is at its start at first and at its goal in the end in any case.
         among[:, :_ENDS] = among[:, -_ENDS:] = True
-        for i in range(hazards.count):
+        self._alone = [self.successive.known(i) for i in range(self.successive.hazards.count)]
+        self._rest_at_ends()
+        for i in self._tightest_first():
             if self._limits.reached:
                 return False
+            self._insist(i)
             self._place(i, among)
             among[i] = True
-        for _ in range(_MENDS):
-            missing = np.flatnonzero(self.successive.missed > self._few)
-            for i in missing.tolist():
-                if self._limits.reached:
-                    return False
-                self._place(i, among)
+        among[:] = True
+        self._mend(among)
+        self.successive.missed[:] = self.successive.missing(self._clearance)
         return True
+
+    def _mend(self, among: Counts) -> None:
+        """Plan those again who miss anything, a little each time; others let them pass."""
+        successive, penalty = self.successive, TUNING.paced_penalty
+        nearly = TUNING.nearly * float(successive.hazards.radii.mean())
+        least, num_stuck = np.inf, 0
+        for _ in range(_SWEEPS):
+            missing = successive.missing(self._clearance)
+            is_stuck = float(missing.sum()) > _FALLS * least
+            if missing.sum() <= nearly * (1.0 if is_stuck else _NEARLY):
+                break
+            if is_stuck:
+                num_stuck += 1
+                self._loosen(missing, among, is_odd=num_stuck % 2 == 1)
+                least = np.inf
+                continue
+            least = float(missing.sum())
+            for i in np.flatnonzero(missing > _TINY).tolist():
+                if self._limits.reached:
+                    return
+                successive.keep_clear(i, self._clearance, (1, penalty), among)
+            penalty *= TUNING.penalty_growth
+
+    def _loosen(self, missing: Vector, among: Counts, *, is_odd: bool) -> None:
+        """Have the one that misses most go its own way, or those that do make visits otherwise."""
+        if is_odd:
+            self._insist(int(missing.argmax()))
+            return
+        most = max(_MUCH * float(missing.max()), self._few)
+        for i in np.flatnonzero(missing >= most).tolist():
+            if self._limits.reached:
+                return
+            self._place(i, among)
+            self._shift(i, among)
 
     @property
     def _few(self) -> float:
         """What a vehicle may miss [m]."""
         return TUNING.misses * float(self.successive.hazards.radii.mean())
+
+    def _rest_at_ends(self) -> None:
+        """Have everybody wait at first, and be there early: what all can agree on."""
+        paths = self.successive.paths
+        for ends, place in ((slice(_ENDS + 1), 0), (slice(-_ENDS - 1, None), -1)):
+            paths.means[:, ends] = paths.means[:, [place]]
+        paths.sagittas[:, :_ENDS] = paths.sagittas[:, -_ENDS:] = 0.0
+
+    def _insist(self, i: int) -> None:
+        """Have a vehicle go the way it has alone: others have to keep clear of it."""
+        self.successive.come_back(i, self._alone[i])
+
+    def _tightest_first(self) -> list[int]:
+        """Return all vehicles, those first that need most of what their controls can do.
+
+        Who has time to spare can let others pass; who has none cannot.
+        """
+        pairs = zip(self._models, self.successive.paths.controls, strict=True)
+        needs = [float(np.abs(u).sum() / max(m.control_bounds.sum(), _TINY)) for m, u in pairs]
+        return sorted(range(len(needs)), key=lambda i: -needs[i])
 
     def _go_around(self, i: int, way: Matrix, among: Counts) -> None:
         """Plan a vehicle around obstacles, as if there were no others."""
@@ -117,6 +183,7 @@ class Touring:
         successive.refer(i, timed_by_visits(successive.hazards.models[i], way))
         if self._kept(i, among) > self._few:
             self._pace(i, way, among)
+        self._shift(i, among)
 
     def _place(self, i: int, among: Counts) -> None:
         """Plan a vehicle around obstacles and those that count."""
@@ -131,8 +198,7 @@ class Touring:
     def _pace(self, i: int, way: Matrix, among: Counts) -> None:
         """Plan a vehicle on a way at the best pace, if that leads to a better path."""
         successive, model = self.successive, self._models[i]
-        hazards, before = successive.hazards, successive.paths.state()
-        missed, fixed = float(successive.missed[i]), hazards.models[i]
+        hazards, before = successive.hazards, successive.known(i)
         found = self._toured(i, way)
         if found is None:
             return
@@ -146,10 +212,26 @@ class Touring:
         steps, arrival = steps_on(model, places)
         successive.make_visits(i, at_steps(model, steps, arrival))
         successive.refer(i, places)
-        if not self._kept(i, among) < missed:
-            successive.make_visits(i, fixed)
-            successive.restore(before)
-            successive.missed[i] = missed
+        if not self._kept(i, among) < before.missed:
+            successive.come_back(i, before)
+
+    def _shift(self, i: int, among: Counts) -> None:
+        """Have a vehicle that misses much make one visit a step sooner or later, if that helps."""
+        successive, model = self.successive, self._models[i]
+        kept = successive.known(i)
+        if not model.vehicle.via or successive.missed[i] <= self._few:
+            return
+        fixed, path = successive.hazards.models[i].vehicle, successive.paths.means[i].copy()
+        steps = [first for first, _ in windows_of(successive.hazards.models[i])]
+        arrival = None if model.time_cost <= 0.0 else fixed.goal.window(model.horizon)[1]
+        for moved in shifted(model, steps):
+            successive.make_visits(i, at_steps(model, moved, arrival))
+            successive.refer(i, warped(path, steps, moved))
+            if self._kept(i, among) < kept.missed:
+                kept = successive.known(i)
+            if kept.missed <= self._few:
+                break
+        successive.come_back(i, kept)
 
     def _toured(self, i: int, way: Matrix) -> Tour | None:
         """Lay out a way."""
