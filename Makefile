@@ -74,7 +74,7 @@ types: package $(AFTER) ## mypy --strict on src, the examples and the pages' pro
 	@packages=$$(echo $(USER)/lib/python3*/site-packages) \
 	    && $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
 	        > $$packages/beside.pth \
-	    && $(PIP) install --quiet --no-deps --no-compile --target $$packages .
+	    && $(PIP) install --quiet --no-deps --no-compile --no-build-isolation --target $$packages .
 	$(BIN)/mypy --strict --config-file= --cache-dir=.mypy_cache/programs \
 	    --python-executable $(USER)/bin/python examples build/programs
 

@@ -11,7 +11,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, get_type_hints
 
 import pytest
 
@@ -148,6 +148,8 @@ def test_a_signature_is_told_before_and_after_the_first_value() -> None:
     assert str(inspect.signature(Pair)) == told
     Pair(1.0)
     assert str(inspect.signature(Pair)) == told
+    hints = get_type_hints(Pair.__init__)
+    assert hints == {"first": float, "second": float, "others": list[float], "return": type(None)}
     with pytest.raises(TypeError, match=r"Pair\.__init__\(\) missing 1 required positional arg"):
         Pair()  # type: ignore[call-arg]
 

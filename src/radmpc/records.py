@@ -9,6 +9,7 @@ asks for it, and the others are functions that know the names of their fields.
 from __future__ import annotations
 
 import dataclasses
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, field, fields, replace
 from operator import attrgetter
@@ -99,10 +100,13 @@ def _compiled_init(kind: Any) -> Any:
         lines.append(f"_put_{name}(self, {value})")
     if hasattr(kind, "__post_init__"):
         lines.append("self.__post_init__()")
-    body = "\n ".join(lines or ["pass"])
-    exec(f"def __init__({', '.join(parameters)}):\n {body}", scope)
-    made = scope["__init__"]
-    made.__qualname__, made.__module__ = f"{kind.__qualname__}.__init__", kind.__module__
+    head, body = f"def __init__({', '.join(parameters)}):", "\n  ".join(lines or ["pass"])
+    text = f"def make({', '.join(scope)}):\n {head}\n  {body}\n return __init__"
+    around = vars(sys.modules[kind.__module__]) if kind.__module__ in sys.modules else {}
+    found: dict[str, Any] = {}
+    exec(text, around, found)
+    made = found["make"](**scope)
+    made.__qualname__ = f"{kind.__qualname__}.__init__"
     made.__annotations__ = {one.name: one.type for one in fields(kind) if one.init}
     made.__annotations__["return"] = None
     return made

@@ -11,7 +11,7 @@ import pytest
 from radmpc import Goal, Scenario, Vehicle, certify, double_integrator, import_scenario, plan
 from radmpc.experiments.families import circle, paper
 from radmpc.model.obstacle import Obstacle
-from radmpc.planners.certified.turned import first_plan as making
+from radmpc.planners.certified.turned import attempts as making
 from radmpc.planners.certified.turned.detours import detours
 from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.price_control import PriceControl
