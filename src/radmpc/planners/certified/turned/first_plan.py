@@ -84,8 +84,10 @@ def _tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncum
     """Return the plan of the first attempt that leads to one, or the cheapest of several sides."""
     hazards = begin.task.hazards
     best, least, found, is_known = None, np.inf, FleetIncumbent(), False
-    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
-    num_sides = 1 if begin.ways or hazards.count > TUNING.few else SIDES
+    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan; and
+    # where visits may be made at better steps.
+    has_others = begin.to_choose is not None or not begin.ways
+    num_sides = SIDES if has_others and hazards.count <= TUNING.few else 1
     beginnings = attempts(begin, rng, limits)
     for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):
         missed, other = _turned(begin, attempt, limits, (penalty, sweeps))

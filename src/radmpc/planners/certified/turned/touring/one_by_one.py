@@ -53,6 +53,11 @@ class Known:
     means: Matrix
     missed: float
 
+    @property
+    def effort(self) -> float:
+        """Sum of the magnitudes of its controls."""
+        return float(np.abs(self.controls).sum())
+
 
 class OneByOne(SuccessiveLp):
     """The latest paths of a fleet whose vehicles are planned one by one."""
