@@ -79,7 +79,13 @@ class OneByOne(SuccessiveLp):
         self.missed[vehicle] = np.inf
 
     def known(self, vehicle: int) -> Known:
-        """Return what a vehicle does, for `come_back`."""
+        """Return what a vehicle does, for `come_back`.
+
+        Parameters
+        ----------
+        vehicle : int
+            Its number.
+        """
         paths = self.paths
         return Known(
             self.hazards.models[vehicle],
@@ -89,7 +95,15 @@ class OneByOne(SuccessiveLp):
         )
 
     def come_back(self, vehicle: int, known: Known) -> None:
-        """Have a vehicle do again what it did."""
+        """Have a vehicle do again what it did.
+
+        Parameters
+        ----------
+        vehicle : int
+            Its number.
+        known : Known
+            What `known` returned.
+        """
         if self.hazards.models[vehicle] is not known.model:
             self.make_visits(vehicle, known.model)
         self.paths.fly(vehicle, known.controls)
