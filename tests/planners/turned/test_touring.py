@@ -155,6 +155,28 @@ def test_two_visits_in_a_row_are_moved_together_where_neither_alone_pays() -> No
     assert program.cost(good_steps(model)) < 0.99 * program.cost(one_by_one)
 
 
+def test_visits_are_moved_by_a_step_while_that_is_cheaper() -> None:
+    touring = toured(
+        vehicle("a", [0.0, 0.0], [9.0, 0.0], VISIT), vehicle("b", [20.0, 0.0], [20.0, 0.0])
+    )
+    successive = touring.successive
+    (good,), _ = steps_on(successive.hazards.models[0], good_path(touring))
+    late = at_steps(condensed_models(scene(VISIT, horizon=10))[0], (good + 2,))
+    successive.make_visits(0, late)
+    assert successive.begin_alone()
+    successive.missed[:] = 0.0
+    before = successive.paths.cost()
+    touring.improve()
+    assert successive.paths.cost() < before
+    assert successive.hazards.models[0].vehicle.via[0].between in ((good, good), (good + 1,) * 2)
+    assert successive.missing(3.0).sum() < 0.01
+
+
+def good_path(touring: Touring) -> np.ndarray:
+    assert touring.successive.begin_alone()
+    return touring.successive.paths.means[0].copy()
+
+
 def test_a_path_is_warped_to_make_its_visits_at_other_steps() -> None:
     path = np.cumsum(np.arange(26.0).reshape(13, 2), axis=0)
     other = warped(path, (3, 8), (5, 7))

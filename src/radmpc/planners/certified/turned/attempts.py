@@ -11,6 +11,7 @@ from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
 from radmpc.planners.certified.turned.paths import Paths, evenly, timed, timed_by_visits
+from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.program.condensed import CondensedModel
@@ -88,8 +89,10 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     """
     hazards = begin.task.hazards
     best, least, found, is_known = None, np.inf, FleetIncumbent(), False
-    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan.
-    num_sides = 1 if begin.ways or hazards.count > TUNING.few else _SIDES
+    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan; and
+    # where visits may be made at better steps.
+    has_others = begin.to_choose is not None or not begin.ways
+    num_sides = _SIDES if has_others and hazards.count <= TUNING.few else 1
     beginnings = attempts(begin, rng, limits)
     for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):
         missed, other = _turned(begin, attempt, limits, (penalty, sweeps))
@@ -153,11 +156,7 @@ def attempts(
     ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     usually = {i: timed_by_visits(hazards.models[i], way) for i, way in ways.items()}
-    toured = _toured(begin, limits)
-    if toured is not None:
-        few = TUNING.nearly * float(hazards.radii.mean())
-        is_apart = float(toured.successive.missed.sum()) <= few
-        yield toured, TUNING.paced_penalty, 0 if is_apart else TUNING.quick_sweeps
+    yield from _toured(begin, limits)
     if ways:
         yield begin.referring(usually), usual, TUNING.quick_sweeps
     else:
@@ -176,20 +175,32 @@ def attempts(
         yield begin.referring(drawn), usual, TUNING.max_sweeps
 
 
-def _toured(begin: Begin, limits: Limits) -> Turning | None:
-    """Begin with vehicles planned one after the other, visits at steps that suit that."""
-    task = begin.task
+def _toured(begin: Begin, limits: Limits) -> Iterator[tuple[Turning, float, int]]:
+    """Begin with vehicles planned one after the other; then with visits at better steps."""
     if begin.to_choose is None:
-        return None
+        return
     from radmpc.planners.certified.turned.touring.touring import Touring  # noqa: PLC0415 - few visit anything
 
-    touring = Touring(task.hazards, begin.to_choose, limits, begin.clearance)
+    hazards = begin.task.hazards
+    touring = Touring(hazards, begin.to_choose, limits, begin.clearance)
     if not touring.run(begin.alone, begin.ways):
-        return None
-    successive = touring.successive
-    turning = Turning(
-        replace(task, hazards=successive.hazards), FleetIncumbent(), begin.sets, begin.price
+        return
+    few = TUNING.nearly * float(hazards.radii.mean())
+    is_apart = float(touring.successive.missed.sum()) <= few
+    yield (
+        _begun(begin, touring.successive),
+        TUNING.paced_penalty,
+        (0 if is_apart else TUNING.quick_sweeps),
     )
+    if is_apart and hazards.count <= TUNING.few:
+        touring.improve()
+        yield _begun(begin, touring.successive), TUNING.paced_penalty, 0
+
+
+def _begun(begin: Begin, successive: SuccessiveLp) -> Turning:
+    """Begin with paths, and the steps at which these make visits."""
+    task = replace(begin.task, hazards=successive.hazards)
+    turning = Turning(task, FleetIncumbent(), begin.sets, begin.price)
     turning.successive.begin(successive.paths.controls)
     turning.successive.missed[:] = successive.missed
     return turning

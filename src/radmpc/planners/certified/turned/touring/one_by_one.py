@@ -53,6 +53,11 @@ class Known:
     means: Matrix
     missed: float
 
+    @property
+    def effort(self) -> float:
+        """Sum of the magnitudes of its controls."""
+        return float(np.abs(self.controls).sum())
+
 
 class OneByOne(SuccessiveLp):
     """The latest paths of a fleet whose vehicles are planned one by one."""
@@ -74,7 +79,13 @@ class OneByOne(SuccessiveLp):
         self.missed[vehicle] = np.inf
 
     def known(self, vehicle: int) -> Known:
-        """Return what a vehicle does, for `come_back`."""
+        """Return what a vehicle does, for `come_back`.
+
+        Parameters
+        ----------
+        vehicle : int
+            Its number.
+        """
         paths = self.paths
         return Known(
             self.hazards.models[vehicle],
@@ -84,7 +95,15 @@ class OneByOne(SuccessiveLp):
         )
 
     def come_back(self, vehicle: int, known: Known) -> None:
-        """Have a vehicle do again what it did."""
+        """Have a vehicle do again what it did.
+
+        Parameters
+        ----------
+        vehicle : int
+            Its number.
+        known : Known
+            What `known` returned.
+        """
         if self.hazards.models[vehicle] is not known.model:
             self.make_visits(vehicle, known.model)
         self.paths.fly(vehicle, known.controls)

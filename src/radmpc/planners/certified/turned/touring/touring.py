@@ -34,6 +34,15 @@ _ROUNDS = 8
 _PENALTY = 30.0
 """First penalty of a meter missed, see `Tuning.first_penalty` [-]."""
 
+_MOVES = 3
+"""Times that one visit of a vehicle is moved at most while that is cheaper [-]."""
+
+_TRIES = 4, TUNING.paced_penalty
+"""Times that it is planned for that at most [-], and the first penalty."""
+
+_PAYS = 0.999
+"""Share of the effort that has to be enough then [-]."""
+
 _NEARLY = 0.5
 """Share of what paths may miss to be turned at a price of risk that ends this early [-]."""
 
@@ -117,6 +126,39 @@ class Touring:
         self._mend(among)
         self.successive.missed[:] = self.successive.missing(self._clearance)
         return True
+
+    def improve(self) -> None:
+        """Make visits a step sooner or later where that is cheaper and all others may stay."""
+        among = np.ones((self.successive.hazards.count + 1, self.successive.hazards.horizon), bool)
+        for i in range(self.successive.hazards.count):
+            for _ in range(_MOVES):
+                if self._limits.reached or not self._is_improved(i, among):
+                    break
+
+    def _is_improved(self, i: int, among: Counts) -> bool:
+        """Try other steps for each visit of a vehicle; tell whether any is cheaper."""
+        successive, model = self.successive, self._models[i]
+        before = kept = successive.known(i)
+        steps = [first for first, _ in windows_of(before.model)]
+        for moved in shifted(model, steps):
+            if self._limits.reached:
+                break
+            self._visit_at(i, before, moved)
+            missed = successive.keep_clear(i, self._clearance, _TRIES, among)
+            if missed <= self._few and successive.known(i).effort < _PAYS * kept.effort:
+                kept = successive.known(i)
+        successive.come_back(i, kept)
+        return kept is not before
+
+    def _visit_at(self, i: int, known: Known, steps: tuple[int, ...]) -> None:
+        """Have a vehicle make its visits at other steps, on the way that it knows."""
+        model, given = self._models[i], known.model
+        arrival = None
+        if model.time_cost > 0.0:
+            arrival = given.vehicle.goal.window(model.horizon)[1]
+        before = [first for first, _ in windows_of(given)]
+        self.successive.make_visits(i, at_steps(model, steps, arrival))
+        self.successive.refer(i, warped(known.means, before, steps))
 
     def _mend(self, among: Counts) -> None:
         """Plan those again who miss anything, a little each time; others let them pass."""
@@ -218,15 +260,11 @@ class Touring:
     def _shift(self, i: int, among: Counts) -> None:
         """Have a vehicle that misses much make one visit a step sooner or later, if that helps."""
         successive, model = self.successive, self._models[i]
-        kept = successive.known(i)
-        if not model.vehicle.via or successive.missed[i] <= self._few:
+        before = kept = successive.known(i)
+        if not model.vehicle.via or before.missed <= self._few:
             return
-        fixed, path = successive.hazards.models[i].vehicle, successive.paths.means[i].copy()
-        steps = [first for first, _ in windows_of(successive.hazards.models[i])]
-        arrival = None if model.time_cost <= 0.0 else fixed.goal.window(model.horizon)[1]
-        for moved in shifted(model, steps):
-            successive.make_visits(i, at_steps(model, moved, arrival))
-            successive.refer(i, warped(path, steps, moved))
+        for moved in shifted(model, [first for first, _ in windows_of(before.model)]):
+            self._visit_at(i, before, moved)
             if self._kept(i, among) < kept.missed:
                 kept = successive.known(i)
             if kept.missed <= self._few:
