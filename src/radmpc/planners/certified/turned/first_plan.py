@@ -109,8 +109,15 @@ def _turned(
     """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
     radii, successive = begin.task.hazards.radii, attempt.successive
     penalty, sweeps = pace
+    begun = successive.paths.state()
     for kept in (begin.clearance, TUNING.narrower * begin.clearance):
-        is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
+        if penalty == TUNING.paced_penalty:
+            from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
+
+            successive.restore(begun)
+            is_apart = keep_places(successive, kept, TUNING.paced_sweeps, penalty, limits)
+        else:
+            is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
         missed = float(successive.missed.sum())
         if is_apart or missed <= TUNING.nearly * float(radii.mean()):
             found = attempt.run(TUNING.first_rounds)

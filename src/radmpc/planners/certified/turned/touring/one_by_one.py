@@ -64,13 +64,13 @@ class OneByOne(SuccessiveLp):
         float
             How far half-spaces are missed [m]; inf where it does not reach its goal at all.
         """
-        rounds, penalty = tries[0], tries[1] * self._meter
+        rounds, penalty = tries
         self.missed[vehicle], least = np.inf, np.inf
         for _ in range(rounds):
-            self._plan_alone(vehicle, clearance, penalty, counts)
+            self.plan_alone(vehicle, clearance, penalty, counts)
             missed = float(self.missed[vehicle])
             if missed <= _LITTLE or not missed < TUNING.stuck_at * least:
                 break
             least = missed
-            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty * self._meter)
+            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
         return float(self.missed[vehicle])
