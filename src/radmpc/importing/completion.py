@@ -9,8 +9,15 @@ import numpy as np
 
 from radmpc.errors import ScenarioError
 from radmpc.importing.clearance import fit_hulls, free_paths
+from radmpc.importing.ends import fit_ends
 from radmpc.importing.free_space import FreePath, free_spaces_of
-from radmpc.importing.noise import Noise, choose_noise, describe_feedback, describe_noise
+from radmpc.importing.noise import (
+    Noise,
+    choose_noise,
+    describe_feedback,
+    describe_noise,
+    rounded_down,
+)
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
 from radmpc.importing.rounding import rounded
@@ -39,6 +46,9 @@ _BORDER_SIGMAS = 4.0
 
 _CLEARANCE_SIGMAS = 4.0
 """Standard deviations that the clearance of a path must hold: 3e-5 per step."""
+
+_NAMED = 4
+"""Vehicles up to which they are told by name [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,24 +179,22 @@ def _noises(
         noise = choose_noise(vehicle, dt, horizon, options)
         most = path.clearance / _CLEARANCE_SIGMAS
         if options.noise is None and noise.final > 1.02 * most:
-            std = _rounded_down(noise.std * most / noise.final)
+            std = rounded_down(noise.std * most / noise.final, 3)
             noise = choose_noise(vehicle, dt, horizon, replace(options, noise=std))
             narrowest = min(narrowest, path.clearance)
         noises.append(noise)
+    noises, close = fit_ends(problem.vehicles, noises, _GOAL_HALF_WIDTH, (dt, horizon), options)
     choices["noise"] = describe_noise(problem.vehicles, noises, options)
     if narrowest < math.inf:
         choices["noise"] += (
             f": the narrowest way leaves {narrowest:.3g} m beside a hull, "
             f"{_CLEARANCE_SIGMAS:g} standard deviations"
         )
+    if close:
+        who = ", ".join(map(repr, close)) if len(close) <= _NAMED else f"{len(close)} vehicles"
+        choices["noise"] += f"; less for {who}: they start or end close to each other"
     choices["feedback"] = describe_feedback(noises, horizon)
     return noises
-
-
-def _rounded_down(value: float) -> float:
-    """Return the next smaller number of three digits; the value is > 0."""
-    digits = 2 - math.floor(math.log10(value))
-    return round(math.floor(value * 10.0**digits + 1e-9) / 10.0**digits, digits)
 
 
 def _describe_goals(vehicles: tuple[ForeignVehicle, ...], regions: str | None) -> str:

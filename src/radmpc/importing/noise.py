@@ -139,3 +139,17 @@ def rounded_up(value: float, num_digits: int = 2) -> float:
     """
     digits = num_digits - 1 - math.floor(math.log10(value))
     return round(math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits, digits)
+
+
+def rounded_down(value: float, num_digits: int = 2) -> float:
+    """Return the next smaller number of so many digits; the value is > 0.
+
+    Parameters
+    ----------
+    value : float
+        What is rounded, > 0.
+    num_digits : int
+        Significant digits that are kept.
+    """
+    digits = num_digits - 1 - math.floor(math.log10(value))
+    return round(math.floor(value * 10.0**digits + 1e-9) / 10.0**digits, digits)

@@ -10,12 +10,17 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.certified.state.task import Task
-from radmpc.planners.certified.turned.paths import Paths, evenly, timed, timed_by_visits
+from radmpc.planners.certified.turned.paths import (
+    Paths,
+    arched,
+    evenly,
+    timed_anyhow,
+    timed_by_visits,
+)
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
 from radmpc.program.condensed import CondensedModel
-from radmpc.program.hazards import Hazards
 from radmpc.records import dataclass, replace
 from radmpc.solvers.solution import Limits
 
@@ -26,9 +31,6 @@ __all__ = ["Begin", "attempts", "tried"]
 
 _SIDES = 2
 """Beginnings that are turned where nothing stands in the way [-]."""
-
-_TINY = 1e-9
-"""Stands for a length of 0 where one divides by it [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,8 +118,17 @@ def _turned(
     """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
     radii, successive = begin.task.hazards.radii, attempt.successive
     penalty, sweeps = pace
+    begun = successive.paths.state()
+    # Who was planned one after the other has controls already, and is to make few sweeps.
+    is_placed = penalty == TUNING.paced_penalty and sweeps == TUNING.max_sweeps
     for kept in (begin.clearance, TUNING.narrower * begin.clearance):
-        is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
+        if is_placed:
+            from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
+
+            successive.restore(begun)
+            is_apart = keep_places(successive, kept, TUNING.paced_sweeps, penalty, limits)
+        else:
+            is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
         missed = float(successive.missed.sum())
         if is_apart or missed <= TUNING.nearly * float(radii.mean()):
             found = attempt.run(TUNING.first_rounds)
@@ -167,11 +178,11 @@ def attempts(
     if ways:
         yield begin.referring(usually), usual, TUNING.max_sweeps
     for _ in range(TUNING.attempts):
-        drawn = {i: _timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
+        drawn = {i: timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
         for i in meeting:
             if i not in ways:
-                path = _arched(hazards, i, TUNING.most_arc * rng.uniform(-1.0, 1.0))
-                drawn[i] = _timed_anyhow(hazards, i, path, rng)
+                path = arched(hazards, i, TUNING.most_arc * rng.uniform(-1.0, 1.0))
+                drawn[i] = timed_anyhow(hazards, i, path, rng)
         yield begin.referring(drawn), usual, TUNING.max_sweeps
 
 
@@ -214,7 +225,7 @@ def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
         return
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     tried = [
-        begin.referring({i: _arched(begin.task.hazards, i, offset) for i in meeting})
+        begin.referring({i: arched(begin.task.hazards, i, offset) for i in meeting})
         for offset in TUNING.arches
     ]
     nearly = TUNING.nearly * float(begin.task.hazards.radii.mean())
@@ -277,26 +288,3 @@ def _paced(
     if missing and not limits.reached:
         finer = pacing.refine(missing, lambda: limits.reached)
         yield begin.referring(finer), TUNING.paced_penalty
-
-
-def _arched(hazards: Hazards, i: int, offset: float) -> Matrix:
-    """Return places at even speed on an arc to the right of the straight way, in largest radii."""
-    model = hazards.models[i]
-    start = model.drift_position[0]
-    goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
-    share = np.linspace(0.0, 1.0, hazards.horizon + 1)[:, None]
-    right = np.zeros(start.size)
-    right[:2] = (goal - start)[1], (start - goal)[0]
-    right *= offset * float(hazards.radii.max()) / max(float(np.linalg.norm(right)), _TINY)
-    return np.asarray(start + share * (goal - start) + np.sin(np.pi * share) * right)
-
-
-def _timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
-    """Return where a vehicle is at each step on a way that begins and ends at drawn times."""
-    length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
-    # What cannot but stay goes no way at all.
-    reach = float(hazards.moves[i]) * hazards.horizon
-    least = min(length / reach, TUNING.fastest) if reach > 0.0 else TUNING.fastest
-    taken = least + (1.0 - least) * rng.random()
-    first = (1.0 - taken) * rng.random()
-    return timed(way, hazards.horizon, first, first + taken)

@@ -8,11 +8,15 @@ import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.nearby import near_pairs
+from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
 from radmpc.program.visits.columns import windows_of
 
-__all__ = ["Paths", "SavedPaths", "evenly", "timed", "timed_by_visits"]
+__all__ = ["Paths", "SavedPaths", "arched", "evenly", "timed", "timed_anyhow", "timed_by_visits"]
+
+_TINY = 1e-9
+"""Stands for a length of 0 where one divides by it [m]."""
 
 
 SavedPaths = tuple[Sequence[Matrix], Tensor, Tensor]
@@ -174,3 +178,48 @@ def evenly(ticks: Matrix, horizon: int) -> Matrix:
     at = np.linspace(0.0, len(ticks) - 1.0, horizon + 1)
     every = np.arange(len(ticks))
     return np.stack([np.interp(at, every, ticks[:, a]) for a in range(ticks.shape[1])], axis=1)
+
+
+def arched(hazards: Hazards, i: int, offset: float) -> Matrix:
+    """Return places at even speed on an arc to the right of the straight way, (T+1, d) [m].
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    i : int
+        A vehicle's number.
+    offset : float
+        How far the arc strays from the straight way [largest radii].
+    """
+    model = hazards.models[i]
+    start = model.drift_position[0]
+    goal = 0.5 * (model.vehicle.goal.lower + model.vehicle.goal.upper)
+    share = np.linspace(0.0, 1.0, hazards.horizon + 1)[:, None]
+    right = np.zeros(start.size)
+    right[:2] = (goal - start)[1], (start - goal)[0]
+    right *= offset * float(hazards.radii.max()) / max(float(np.linalg.norm(right)), _TINY)
+    return np.asarray(start + share * (goal - start) + np.sin(np.pi * share) * right)
+
+
+def timed_anyhow(hazards: Hazards, i: int, way: Matrix, rng: np.random.Generator) -> Matrix:
+    """Return where one is at each step on a way that begins and ends at drawn times, (T+1, d) [m].
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    i : int
+        A vehicle's number.
+    way : (p, d) array
+        Its corners [m].
+    rng : Generator
+        Draws the times.
+    """
+    length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+    # What cannot but stay goes no way at all.
+    reach = float(hazards.moves[i]) * hazards.horizon
+    least = min(length / reach, TUNING.fastest) if reach > 0.0 else TUNING.fastest
+    taken = least + (1.0 - least) * rng.random()
+    first = (1.0 - taken) * rng.random()
+    return timed(way, hazards.horizon, first, first + taken)

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
 from radmpc.arrays import Matrix, Tensor
 from radmpc.gaussian import Tail
@@ -140,13 +139,13 @@ class SuccessiveLp:
             Whether all do.
         """
         least, num_stuck, cost = np.inf, 0, np.inf
-        penalty = first_penalty * self._meter
+        penalty = first_penalty
         order = range(self.hazards.count)
         for _ in range(max_sweeps):
             for number, i in enumerate(order):
                 if number % _ASKED == 0 and (limits or self.limits).reached:
                     return False
-                self._plan_alone(i, clearance, penalty)
+                self.plan_alone(i, clearance, penalty)
             order = order[::-1]
             missed, previous, cost = float(self.missed.sum()), cost, self.paths.cost()
             if missed <= _MISSED and abs(previous - cost) <= TUNING.steady * abs(cost):
@@ -155,23 +154,25 @@ class SuccessiveLp:
             least = min(least, missed)
             if missed > _MISSED and num_stuck >= TUNING.stuck:
                 return False
-            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty * self._meter)
+            penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
         return float(self.missed.sum()) <= _MISSED
 
-    def _plan_alone(
-        self,
-        i: int,
-        clearance: float,
-        penalty: float,
-        counts: npt.NDArray[np.bool_] | None = None,
-    ) -> None:
-        """Plan one vehicle between half-spaces turned to its latest path, some others or all."""
+    def plan_alone(self, i: int, clearance: float, penalty: float) -> None:
+        """Plan one vehicle between half-spaces turned to its latest path.
+
+        Parameters
+        ----------
+        i : int
+            Its number.
+        clearance : float
+            Standard deviations that it keeps [-].
+        penalty : float
+            Of a meter missed, see `Tuning.first_penalty` [-].
+        """
         reach = float(self.hazards.moves[i])
         near = Near(clearance, reach, is_refined=False, is_start_given=self._has_visits)
         spaces = half_spaces(self.hazards, self.paths, (i,), near)
-        if counts is not None:
-            spaces = spaces.of(counts[spaces.second, spaces.windows])
-        margins = fixed_margins(spaces.deviations, clearance, penalty)
+        margins = fixed_margins(spaces.deviations, clearance, penalty * self._meter)
         plan = self._program((i,)).solve(spaces, self.paths, margins)
         if plan is not None:
             self.paths.fly(i, plan.controls[0])

@@ -52,6 +52,8 @@ class Tuning:
     paced_penalty : float
         The first of these where vehicles are placed at a pace that keeps them clear of each other
         [-]: with a small one they leave it, and miss more in the end.
+    paced_sweeps : int
+        Sweeps over those of them that miss anything, at most [-]; most attempts take two to six.
     misses : float
         What a vehicle misses in all for another pace to be sought for it [mean radii].
     steady : float
@@ -195,6 +197,7 @@ class Tuning:
     penalty_growth: float = 1.3
     last_penalty: float = 1e4
     paced_penalty: float = 300.0
+    paced_sweeps: int = 16
     misses: float = 0.02
     steady: float = 2e-3
     stuck: int = 8
@@ -210,7 +213,7 @@ class Tuning:
     nearly: float = 0.2
     most_missed: float = 1.0
     first_seconds: float = 30.0
-    first_time_share: float = 0.4
+    first_time_share: float = 0.6
     alike: float = 0.01
     easy_share: float = 0.1
     fastest: float = 0.95

@@ -236,8 +236,8 @@ class Turning:
 
     def _has_spent(self, number: int) -> bool:
         """Whether so many rounds took all the work that turning may take."""
-        if number < TUNING.least_rounds:
-            return False
+        if number < TUNING.least_rounds or not self.incumbent.controls:
+            return False  # without any plan, the next round may lead to one
         most_work = max(TUNING.most_work, TUNING.work_each * self.task.hazards.count)
         return self.successive.work >= most_work or self.num_solves >= TUNING.most_solves
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 import numpy.typing as npt
 
@@ -14,6 +12,7 @@ from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
+from radmpc.records import dataclass, replace
 
 __all__ = ["Counts", "Known", "OneByOne"]
 

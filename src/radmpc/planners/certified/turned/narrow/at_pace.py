@@ -1,0 +1,78 @@
+"""Controls for vehicles that were placed clear of each other: who has them is left alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radmpc.planners.certified.turned.half_spaces import half_spaces
+from radmpc.planners.certified.turned.near import Near
+from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.solvers.solution import Limits
+
+__all__ = ["keep_places"]
+
+_LITTLE = 1e-7
+"""What half-spaces may be missed by [m]."""
+
+_ALONE = 2
+"""Sweeps before vehicles in the way of others are planned again, too [-]."""
+
+
+def keep_places(
+    successive: SuccessiveLp, clearance: float, max_sweeps: int, penalty: float, limits: Limits
+) -> bool:
+    """Plan every vehicle once, then those again that miss room, and those in their way.
+
+    Who keeps clear of everything stays there until the others do: planned again for less effort,
+    vehicles cut the corners that they were placed around, until half-spaces turned to such paths
+    leave no way back (30 robots on 32 x 32 cells: 0.09 m missed after four sweeps of all, 0.5 m
+    after sixteen; no miss after four sweeps of those that miss).
+
+    Parameters
+    ----------
+    successive : SuccessiveLp
+        Paths that refer to the places of all vehicles.
+    clearance : float
+        Standard deviations that everyone keeps from everything [-].
+    max_sweeps : int
+        Sweeps at most [-].
+    penalty : float
+        Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
+    limits : Limits
+        When to stop.
+
+    Returns
+    -------
+    bool
+        Whether nobody misses anything.
+    """
+    everyone = range(successive.hazards.count)
+    successive.missed[:] = np.inf
+    least, num_stuck = np.inf, 0
+    for sweep in range(max_sweeps):
+        missing = [i for i in everyone if successive.missed[i] > _LITTLE]
+        if not missing:
+            return True
+        again = set(missing)
+        if sweep >= _ALONE:
+            again |= _in_the_way(successive, missing, clearance)
+        for i in sorted(again, reverse=sweep % 2 == 1):
+            if limits.reached:
+                return False
+            successive.plan_alone(i, clearance, penalty)
+        missed = float(successive.missed.sum())
+        num_stuck = num_stuck + 1 if missed > TUNING.stuck_at * least else 0
+        least = min(least, missed)
+        if num_stuck >= TUNING.stuck:
+            break
+        penalty = min(TUNING.penalty_growth * penalty, TUNING.last_penalty)
+    return bool((successive.missed <= _LITTLE).all())
+
+
+def _in_the_way(successive: SuccessiveLp, missing: list[int], clearance: float) -> set[int]:
+    """Return the vehicles of which others do not keep clear."""
+    near = Near(clearance, 0.0, is_refined=False)
+    spaces = half_spaces(successive.hazards, successive.paths, sorted(missing), near)
+    is_close = (spaces.clearances < clearance - _LITTLE).any(axis=1) & (spaces.second >= 0)
+    return {*spaces.first[is_close].tolist(), *spaces.second[is_close].tolist()}

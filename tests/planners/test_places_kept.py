@@ -1,0 +1,83 @@
+"""Vehicles that were placed clear of everything, and the controls that keep them there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from test_knots import cells
+
+from radmpc.model.scenario import Scenario
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.turned.narrow.at_pace import keep_places
+from radmpc.planners.certified.turned.narrow.clear import Clear
+from radmpc.planners.certified.turned.narrow.pacing import Pacing
+from radmpc.planners.certified.turned.narrow.ways import shortest_ways
+from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.certified.turned.tuning import TUNING
+from radmpc.planners.certified.turned.turning import Task, Turning
+from radmpc.planners.verdict import Verdict
+from radmpc.program.build import condensed_models
+from radmpc.program.hazards import Hazards
+from radmpc.solvers.solution import Limits
+
+CLEARANCE = 3.0
+
+
+def never() -> bool:
+    return False
+
+
+def stair(path: Path) -> Scenario:
+    """One robot up a stair of cells, one cell wide: steps are longer than the cells."""
+    free = {(x, x) for x in range(6)} | {(x + 1, x) for x in range(5)}
+    return cells(path, (6, 6), free, [((0, 0), (5, 5))])
+
+
+def placed(hazards: Hazards) -> SuccessiveLp:
+    """Paths that refer to places at a pace, each move between them clear of the corners."""
+    clear = Clear.of(hazards)
+    assert clear is not None
+    pacing = Pacing(hazards, clear, CLEARANCE)
+    pacing.offer(shortest_ways(hazards, clear, CLEARANCE))
+    successive = SuccessiveLp(hazards, Limits())
+    assert successive.begin_alone()
+    for i, path in pacing.run(range(hazards.count), never).items():
+        successive.refer(i, path)
+    return successive
+
+
+def test_a_robot_placed_clear_of_corners_stays_clear_of_them(tmp_path: Path) -> None:
+    scenario = stair(tmp_path)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    # Planned on for less effort, it cuts the corners it was placed around, and cannot come back.
+    lost = placed(hazards)
+    assert not lost.keep_apart(CLEARANCE, TUNING.max_sweeps, None, TUNING.paced_penalty)
+    kept = placed(hazards)
+    assert keep_places(kept, CLEARANCE, TUNING.paced_sweeps, TUNING.paced_penalty, Limits())
+    assert kept.missed.max() <= 1e-7
+
+
+def test_places_are_not_kept_once_time_is_up(tmp_path: Path) -> None:
+    scenario = stair(tmp_path)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    stopped = Limits(np.inf, lambda: True)
+    assert not keep_places(placed(hazards), CLEARANCE, 16, TUNING.paced_penalty, stopped)
+
+
+def test_turning_goes_on_until_there_is_a_plan_whatever_it_took_before(tmp_path: Path) -> None:
+    scenario = stair(tmp_path)
+    hazards = Hazards.of(scenario, condensed_models(scenario))
+    asked: list[float] = []
+
+    def judge(controls: object) -> Verdict:
+        del controls
+        asked.append(0.2 / 2.0 ** len(asked))
+        return Verdict(asked[-1], ())
+
+    task = Task(hazards, judge, Limits(np.inf, never), 1e-3, 0.02)
+    turning = Turning(task, FleetIncumbent(), ((0,),), 1.0)
+    turning.successive.restore(placed(hazards).paths.state())
+    turning.num_solves = 10 * TUNING.most_solves
+    assert turning.run(TUNING.first_rounds).controls
+    assert asked[-1] <= 0.02
