@@ -6,7 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from adversary import AWAY, SIGMA
+from adversary import AWAY
+from noisy_scenes import (
+    BOUND,
+    SCENES,
+    SENSOR,
+    STEPS,
+    beside,
+    beside_a_berg,
+    estimated,
+    gusty,
+    gusty_and_estimated,
+)
 from scipy.stats import beta
 
 import radmpc
@@ -21,74 +32,12 @@ from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
 from radmpc.gaussian import Tail
-from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.filtering import Learning
-from radmpc.model.noise.measurement import Measurement
 from radmpc.model.noise.shared import SharedDisturbance
-from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
-from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.referee import certify
 from radmpc.referee.conditional.scales import Scale
-
-BOUND, STEPS = 0.05, 3
-SENSOR = Measurement(np.eye(2), 16.0 * SIGMA**2)
-WALL = Obstacle.box("wall", [-1e3, -50.0], [1e3, 0.0])
-
-
-def beside(wall: Obstacle = WALL, **noise: object) -> Scenario:
-    """A vehicle without inertia beside a wall."""
-    eye = np.eye(2)
-    vehicle = Vehicle(
-        name="v",
-        system=LinearSystem(eye, eye, (0, 1), None),
-        start=[0.0, AWAY],
-        goal=Goal.at([0.0, 0.0], 1e3, None),
-        radius=0.1,
-        control_limit=1e3,
-        initial_covariance=9.0 * SIGMA**2 if noise else 0.0,
-        disturbance_covariance=SIGMA**2,
-        **noise,
-    )
-    return Scenario("wall", 1.0, STEPS, BOUND, (vehicle,), (wall,), avoidance="steps")
-
-
-def estimated() -> Scenario:
-    return beside(measurement=SENSOR)
-
-
-def gusty() -> Scenario:
-    return beside(disturbance_correlation=0.9)
-
-
-def gusty_and_estimated() -> Scenario:
-    return beside(disturbance_correlation=0.9, measurement=SENSOR)
-
-
-def beside_a_berg() -> Scenario:
-    outline = [[-1e3, -50.0], [1e3, -50.0], [1e3, 0.0], [-1e3, 0.0]]
-    spread = np.array([0.0, 4.0, 0.0, 0.5]) * SIGMA**2
-    return beside(Obstacle.tracked("berg", outline, [0.0, 0.0, 0.0, 0.0], spread))
-
-
-def unsure() -> Scenario:
-    return replace(beside(), covariance_samples=6)
-
-
-def estimated_and_unsure_beside_a_berg() -> Scenario:
-    [berg] = beside_a_berg().obstacles
-    return replace(beside(berg, measurement=SENSOR), covariance_samples=4)
-
-
-SCENES = [
-    estimated,
-    gusty,
-    gusty_and_estimated,
-    beside_a_berg,
-    unsure,
-    estimated_and_unsure_beside_a_berg,
-]
 
 
 def staking(scenario: Scenario, seconds: float | None = None) -> Plan:
