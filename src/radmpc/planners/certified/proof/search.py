@@ -39,7 +39,33 @@ _SAME = 1e-6
 
 @dataclass(slots=True, eq=False)
 class BoundSearch:
-    """The search for the bound: parts are searched in turn, those that promise most first."""
+    """The search for the bound: parts are searched in turn, those that promise most first.
+
+    It lives for one bound, and nobody else writes to it.
+
+    Attributes
+    ----------
+    fleet : Fleet
+        The fleet.
+    incumbent : FleetIncumbent
+        Its best certified plan.
+    price : float
+        Shadow price of the risk, per unit of probability.
+    best : float
+        The best bound so far on the cost of any certified plan.
+    most_nodes : float
+        Nodes that all parts may search together [-].
+    nodes : int
+        Nodes searched so far [-].
+    tails : Tails
+        Tables of what a clearance is charged.
+    parts : dict of tuple of int to Part
+        How far each part has come at the latest price.
+    known : dict of tuple of int to mapping of tuple of int to RelaxedSet
+        Relaxations that parts have built.
+    order : tuple of tuple of int
+        The parts, those that pay most for hazards first.
+    """
 
     fleet: Fleet
     incumbent: FleetIncumbent
