@@ -12,8 +12,8 @@ from radmpc.experiments.families import circle
 from radmpc.io.native.scenario_file import load_scenario
 from radmpc.model.plan import Status
 from radmpc.model.vehicle import Goal
-from radmpc.planners.certified.turned.attempts import _timed_anyhow
 from radmpc.planners.certified.turned.half_spaces import Hazards
+from radmpc.planners.certified.turned.paths import timed_anyhow
 from radmpc.planning import plan
 from radmpc.program.build import condensed_models
 
@@ -50,5 +50,5 @@ def test_a_vehicle_that_cannot_but_stay_has_its_times_all_the_same():
     scenario = replace(scenario, horizon=1, vehicles=(staying, second))
     hazards = Hazards.of(scenario, condensed_models(scenario))
     assert hazards.moves[0] == 0.0
-    path = _timed_anyhow(hazards, 0, np.array([place, place]), np.random.default_rng(0))
+    path = timed_anyhow(hazards, 0, np.array([place, place]), np.random.default_rng(0))
     np.testing.assert_array_equal(path, [place, place])

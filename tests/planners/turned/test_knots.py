@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from grid_worlds import cells
 
 from radmpc import certify, import_scenario
 from radmpc.model.scenario import Scenario
@@ -32,18 +33,6 @@ def never() -> bool:
 
 def hazards_of(scenario: Scenario) -> Hazards:
     return Hazards.of(scenario, condensed_models(scenario))
-
-
-def cells(path: Path, size: tuple[int, int], free: set[tuple[int, int]], robots: list) -> Scenario:
-    """Import a grid world of unit cells; robots are pairs of start and goal."""
-    blocked = [[x, y] for x in range(size[0]) for y in range(size[1]) if (x, y) not in free]
-    lines = ["agents:"]
-    for number, (start, goal) in enumerate(robots):
-        lines += [f"- name: r{number}", f"  start: {list(start)}", f"  goal: {list(goal)}"]
-    lines += ["map:", f"  dimensions: {list(size)}", f"  obstacles: {blocked}"]
-    file = path / "cells.yaml"
-    file.write_text("\n".join(lines))
-    return import_scenario(file).scenario
 
 
 def corridor_with_a_bay(path: Path) -> Scenario:

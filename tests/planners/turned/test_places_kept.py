@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from test_knots import cells
+from grid_worlds import cells
 
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
