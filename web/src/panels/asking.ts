@@ -169,8 +169,13 @@ export function chooseFlight(id: string | null): void {
 export function follow(): void {
   effect(keepMoments);
   let told = 0;
+  let toldOf: string | undefined;
   effect(() => {
     const all = flights.value;
+    const id = document.value?.document;
+    // Another document has flights of its own.
+    if (id !== toldOf) told = 0;
+    toldOf = id;
     const isKnown = all.some((one) => one.flight === flightId.peek());
     if (all.length > told && !isKnown) chooseFlight(all.at(-1)?.flight ?? null);
     told = all.length;
