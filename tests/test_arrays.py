@@ -40,7 +40,7 @@ def test_whole_numbers_become_floats() -> None:
 )
 def test_what_is_no_vector_of_three_is_refused_with_its_place(value: object, message: str) -> None:
     with pytest.raises(ScenarioError, match=message) as caught:
-        as_array(value, (3,), ("vehicles", 0, "start"))  # type: ignore[arg-type]
+        as_array(value, (3,), ("vehicles", 0, "start"))  # type: ignore[arg-type] # what a caller may try
     assert "vehicles[0].start" in str(caught.value)
 
 

@@ -151,7 +151,7 @@ def test_a_signature_is_told_before_and_after_the_first_value() -> None:
     hints = get_type_hints(Pair.__init__)
     assert hints == {"first": float, "second": float, "others": list[float], "return": type(None)}
     with pytest.raises(TypeError, match=r"Pair\.__init__\(\) missing 1 required positional arg"):
-        Pair()  # type: ignore[call-arg]
+        Pair()  # type: ignore[call-arg] # tried on purpose
 
 
 def test_a_dataclass_of_a_dataclass_has_the_fields_of_both() -> None:
@@ -163,10 +163,10 @@ def test_a_dataclass_of_a_dataclass_has_the_fields_of_both() -> None:
 
 def test_a_plain_class_of_a_dataclass_sets_what_is_its_own_alone() -> None:
     made = Named(1.0)
-    made.place = "here"  # type: ignore[attr-defined]
-    assert made.place == "here"  # type: ignore[attr-defined]
+    made.place = "here"  # type: ignore[attr-defined] # tried on purpose
+    assert made.place == "here"  # type: ignore[attr-defined] # tried on purpose
     with pytest.raises(dataclasses.FrozenInstanceError, match="cannot assign to field 'third'"):
-        made.third = 0.0  # type: ignore[misc]
+        made.third = 0.0  # type: ignore[misc] # tried on purpose
 
 
 def test_a_value_comes_back_from_a_pickle_and_is_frozen() -> None:
@@ -187,7 +187,7 @@ def test_a_value_without_fields_is_like_all_others() -> None:
 
 def test_a_value_that_holds_itself_is_shown() -> None:
     made = Pair(1.0)
-    made.others.append(made)  # type: ignore[arg-type]
+    made.others.append(made)  # type: ignore[arg-type] # tried on purpose
     assert repr(made) == "Pair(first=1.0, second=2.0, others=[...])"
 
 

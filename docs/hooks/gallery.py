@@ -136,7 +136,7 @@ def number(example: Example) -> Any:
 def _run(path: Path, out: Path) -> None:
     """Call an example's main function, keep its number; warnings are errors as in the tests."""
     import matplotlib as mpl  # noqa: PLC0415 - slow, and only needed where a picture is missing
-    from matplotlib import pyplot  # noqa: PLC0415
+    from matplotlib import pyplot  # noqa: PLC0415 - loads slowly
 
     mpl.use("Agg")
     spec = importlib.util.spec_from_file_location(f"example_{path.stem}", path)

@@ -71,7 +71,7 @@ def test_the_keys_that_check_prints_are_those_of_its_table() -> None:
 
 def test_a_comparison_that_failed_has_keys_of_the_table(workbench: Path) -> None:
     from radmpc.console.commands.comparing import _as_json  # noqa: PLC0415 - what such a line is made by
-    from radmpc.experiments.comparing import Comparison  # noqa: PLC0415
+    from radmpc.experiments.comparing import Comparison  # noqa: PLC0415 - one case asks for it
 
     failed = Comparison("ira", None, None, "the solver broke")
     told = first_column(section(FORMATS, "### `radmpc compare --json`"))

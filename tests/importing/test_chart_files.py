@@ -171,7 +171,7 @@ def test_a_layer_that_is_nowhere_is_refused_with_those_there_are(tmp_path: Path)
     with pytest.raises(FileFormatError, match="layer: must be one of 'one', 'plan', got 'shor'"):
         import_scenario(one, ImportOptions(layer=["plan", "shor"]))
     with pytest.raises(ScenarioError, match="must be names of layers"):
-        ImportOptions(layer=[3])  # type: ignore[list-item]
+        ImportOptions(layer=[3])  # type: ignore[list-item] # what a caller may try
 
 
 def visited(tmp_path: Path, *features: dict[str, Any], **options: Any) -> Any:

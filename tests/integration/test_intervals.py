@@ -94,7 +94,7 @@ def crossing_ferry() -> Scenario:
 
 def scenario(*vehicles: Vehicle, **more: object) -> Scenario:
     """Five steps of a second, Δ = 0.05."""
-    return Scenario("between", 1.0, HORIZON, 0.05, vehicles, **more)  # type: ignore[arg-type]
+    return Scenario("between", 1.0, HORIZON, 0.05, vehicles, **more)  # type: ignore[arg-type] # keys by name
 
 
 def planned(question: Scenario, avoidance: str, planner: Planner) -> Plan:

@@ -36,7 +36,7 @@ def test_every_broken_file_has_an_expected_line() -> None:
 def test_names_that_would_command_a_terminal_are_refused(tmp_path: Path, letter: str) -> None:
     path = tmp_path / "odd.json"
     data = to_dict(circle(3))
-    data["vehicles"][0]["name"] = f"tug{letter}[2J"  # type: ignore[index]
+    data["vehicles"][0]["name"] = f"tug{letter}[2J"  # type: ignore[index] # of any kind in JSON
     path.write_text(json.dumps(data))
     with pytest.raises(FileFormatError, match=r"vehicles\[0\].name: must not hold control ch"):
         load_scenario(path)

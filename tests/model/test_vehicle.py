@@ -19,7 +19,7 @@ def make(**changes: object) -> Vehicle:
         "initial_covariance": 0.0,
         "disturbance_covariance": [1e-3, 1e-3, 1e-4, 1e-4],
     }
-    return Vehicle(**(fields | changes))  # type: ignore[arg-type]
+    return Vehicle(**(fields | changes))  # type: ignore[arg-type] # fields by name
 
 
 def test_a_position_is_a_start_at_rest() -> None:

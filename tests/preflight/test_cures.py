@@ -35,7 +35,7 @@ def number(text: str, before: str) -> float:
 
 def with_vehicle(scenario: Scenario, **changes: object) -> Scenario:
     (vehicle,) = scenario.vehicles
-    return replace(scenario, vehicles=(replace(vehicle, **changes),))  # type: ignore[arg-type]
+    return replace(scenario, vehicles=(replace(vehicle, **changes),))  # type: ignore[arg-type] # fields by name
 
 
 def alone(**more: object) -> Scenario:
@@ -52,7 +52,7 @@ def alone(**more: object) -> Scenario:
             "initial_covariance": 1e-4,
             "disturbance_covariance": 1e-4,
         }
-        | more,  # type: ignore[arg-type]
+        | more,  # type: ignore[arg-type] # fields by name
     )
     return Scenario("late", 1.0, 9, 0.05, [vehicle])
 

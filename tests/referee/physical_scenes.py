@@ -70,7 +70,7 @@ def still(*fleet: Vehicle, horizon: int = 8, **more: object) -> Plan:
 def pushed(fleet: tuple[Vehicle, ...], controls: list[np.ndarray], **more: object) -> Plan:
     """A plan with given controls."""
     options = {"dt": 1.0, "risk_bound": 0.05, **more}
-    scenario = Scenario("s", horizon=len(controls[0]), vehicles=fleet, **options)  # type: ignore[arg-type]
+    scenario = Scenario("s", horizon=len(controls[0]), vehicles=fleet, **options)  # type: ignore[arg-type] # keys by name
     return make_plan(scenario, controls)
 
 

@@ -28,9 +28,9 @@ def told_of_endpoints(outlook: Outlook) -> Iterator[tuple[tuple[str, ...], str, 
     if outlook.endpoints is None:
         return
     # These load scipy, see `Outlook`.
-    from radmpc.planners.cures.endpoints import SMALL_SHARE, endpoint_cures  # noqa: PLC0415
-    from radmpc.planners.cures.variants import helps_sentence  # noqa: PLC0415
-    from radmpc.planners.presolve import endpoint_reasons, grouped, hazards_of  # noqa: PLC0415
+    from radmpc.planners.cures.endpoints import SMALL_SHARE, endpoint_cures  # noqa: PLC0415 - loads scipy
+    from radmpc.planners.cures.variants import helps_sentence  # noqa: PLC0415 - loads scipy
+    from radmpc.planners.presolve import endpoint_reasons, grouped, hazards_of  # noqa: PLC0415 - loads scipy
 
     scenario = outlook.scenario
     reasons = endpoint_reasons(scenario, outlook.endpoints)

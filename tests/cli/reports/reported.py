@@ -37,7 +37,7 @@ def make_plan(**changes: object) -> Plan:
         "seconds": {"radmpc": 0.5, "total": 1.0},
         "trajectories": standing(circle(3)),
     }
-    return Plan(**(fields | changes))  # type: ignore[arg-type]
+    return Plan(**(fields | changes))  # type: ignore[arg-type] # fields by name
 
 
 def shown(capsys: pytest.CaptureFixture[str], plan: Plan) -> str:

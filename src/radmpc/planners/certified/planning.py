@@ -145,7 +145,7 @@ def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run)
 def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
     """Turn half-spaces to the plan of the search, and to others where risk was not its limit."""
     # Who is alone costs no more than in empty space, and turns nothing.
-    from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415
+    from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415 - not who meets nobody
 
     state = turn_half_spaces(fleet, state, run.judge)
     if state.incumbent.certified < TUNING.unspent * fleet.scenario.risk_bound:

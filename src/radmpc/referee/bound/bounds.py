@@ -130,7 +130,7 @@ def instant_risks(encounters: Encounters) -> Vector:
     # Integrals are of Gaussians.
     if d == 2 and worth.size and sites.samples is None:
         # Who meets nobody is not integrated.
-        from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415
+        from radmpc.referee.bound.planar import grown_polygon_risks  # noqa: PLC0415 - near pairs alone
 
         risks[worth] = grown_polygon_risks(
             sites.means[worth, 0],
@@ -158,7 +158,7 @@ def _interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     if not worth.size:
         return charged
     # Steps have no parts, and what is far away is not looked at in parts.
-    from radmpc.referee.bound.parts import MANY_PARTS, NUM_PARTS, part_charges  # noqa: PLC0415
+    from radmpc.referee.bound.parts import MANY_PARTS, NUM_PARTS, part_charges  # noqa: PLC0415 - few need it
 
     tried = np.concatenate([encounters.directions[worth], own[worth]], axis=1)
     chosen = (worth[:, None] * num_intervals + np.arange(num_intervals)).ravel()

@@ -61,7 +61,7 @@ class Branch(Solver):
         if np.any(np.diff(program.avoidance_starts) == 0):
             return Solution(Outcome.INFEASIBLE, None, None, float("inf"), float("inf"))
         # Who asks for a policy that has trees of its own never waits for these.
-        from radmpc.solvers.branch.groups import Groups  # noqa: PLC0415
+        from radmpc.solvers.branch.groups import Groups  # noqa: PLC0415 - other policies do without
 
         groups = Groups(program, margins, gap, limits, self.max_nodes, start, guide)
         return groups.solve(begun)
