@@ -134,7 +134,7 @@ def test_a_check_loads_scipy_only_where_something_is_near_a_start_or_a_goal(
     with_rock: Callable[[str], Path],
 ) -> None:
     modules = loaded("check", with_rock("  - {name: rock, min: [0.2, 5.6], max: [1.4, 6]}"))
-    assert {"scipy.special", "radmpc.planners.endpoint_risk"} <= modules
+    assert {"scipy.special", "radmpc.planners.endpoints.floors"} <= modules
     assert modules & (NEVER | {"highspy", "shapely", "radmpc.solvers.lp"}) == set()
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from radmpc.model.scenario import Scenario
 from radmpc.planners.conflicts import cannot_avoid, start_too_risky
 from radmpc.planners.cures.trying import reach_sentence, room_sentence
-from radmpc.planners.endpoint_risk import floors
+from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.planner import Planner
 from radmpc.planners.policies.policy import SolveRequest
 from radmpc.planners.presolve import (

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoint_risk import EndpointHazard, Floors, floors
+from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
 from radmpc.planners.shared_reasons import endpoint_sentences
 from radmpc.planners.wording import endpoints_text, listed
 from radmpc.program.condensed import CondensedModel

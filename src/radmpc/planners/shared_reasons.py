@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoint_risk import EndpointHazard
+from radmpc.planners.endpoints.floors import EndpointHazard
 from radmpc.planners.wording import endpoints_text, is_contact, listed, rounded
 
 __all__ = ["endpoint_sentences"]

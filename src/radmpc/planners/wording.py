@@ -8,7 +8,7 @@ from typing import Literal
 
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
-from radmpc.planners.endpoint_risk import EndpointHazard
+from radmpc.planners.endpoints.floors import EndpointHazard
 from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
 

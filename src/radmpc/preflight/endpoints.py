@@ -12,7 +12,7 @@ from radmpc.model.relations.concerns import is_for
 from radmpc.model.scenario import Scenario
 
 if TYPE_CHECKING:
-    from radmpc.planners.endpoint_risk import Floors
+    from radmpc.planners.endpoints.floors import Floors
 
 __all__ = ["least_risks"]
 
@@ -38,7 +38,7 @@ def least_risks(scenario: Scenario, covariances: list[Tensor]) -> Floors | None:
     if not any(_is_near(scenario, covariances, at_goal=one) for one in (False, True)):
         return None
     # These load scipy, which takes as long as all else of a check.
-    from radmpc.planners.endpoint_risk import floors  # noqa: PLC0415 - only where something is near
+    from radmpc.planners.endpoints.floors import floors  # noqa: PLC0415 - only where something is near
     from radmpc.program.build import condensed_models  # noqa: PLC0415 - only where something is near
 
     return floors(scenario, condensed_models(scenario))

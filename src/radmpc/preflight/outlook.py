@@ -20,7 +20,7 @@ from radmpc.preflight.reserve import Reserve, expected_saturation, reserve_of
 from radmpc.records import dataclass, replace
 
 if TYPE_CHECKING:
-    from radmpc.planners.endpoint_risk import EndpointHazard, Floors
+    from radmpc.planners.endpoints.floors import EndpointHazard, Floors
 
 __all__ = ["Outlook", "VehicleOutlook", "outlook_of"]
 

@@ -9,7 +9,7 @@ from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.endpoint_risk import floors
+from radmpc.planners.endpoints.floors import floor_of, floors
 from radmpc.program.build import condensed_models
 
 SAMPLES = 200_000
@@ -104,6 +104,22 @@ def test_the_least_risk_of_goals_in_space_is_that_of_their_farthest_corners():
     far = vehicle("a", (0, 0, 0), (9, 9, 9), d=3), vehicle("b", (0.6, 0.6, 0.6), (0, 9, 9), d=3)
     [apart] = found(scenario(*far)).starts
     assert danger.risk == pytest.approx(apart.risk, rel=1e-3)
+
+
+@pytest.mark.parametrize("i", range(3))
+def test_of_one_vehicle_everything_counts_that_names_it(i):
+    wall = Obstacle.box("wall", [-3, -3], [-0.6, 3])
+    fleet = (
+        vehicle("a", (0, 0), (9, 9)),
+        vehicle("b", (0.5, 0.5), (0, 8.6)),
+        vehicle("c", (0.9, -0.4), (9.3, 8.8)),
+    )
+    problem = scenario(*fleet, obstacles=(wall,))
+    floor = found(problem)
+    named = [h.risk for h in (*floor.starts, *floor.goals) if i in h.members]
+    assert len(named) > 1
+    risked = floor_of(problem, condensed_models(problem), i)
+    assert risked == pytest.approx(sum(named), rel=1e-12)
 
 
 def test_places_far_from_everything_risk_nothing():

@@ -23,7 +23,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.programs import SetPrograms
 from radmpc.planners.certified.tuning import TUNING
-from radmpc.planners.endpoint_risk import EndpointHazard, start_hazards
+from radmpc.planners.endpoints.floors import EndpointHazard, start_hazards
 from radmpc.planners.planner import Improved, nobody
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards

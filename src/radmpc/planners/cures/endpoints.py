@@ -14,7 +14,7 @@ from radmpc.errors import ScenarioError
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planners.cures.variants import MOST_RISK, rounded_down, rounded_up, with_noise
-from radmpc.planners.endpoint_risk import EndpointHazard, Floors, floors
+from radmpc.planners.endpoints.floors import EndpointHazard, floor_of, floors
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass, replace
@@ -133,8 +133,7 @@ class _Place:
     def risked(self, changed: Scenario) -> float:
         """Return what its start and goal risk, others included."""
         (model,) = condensed_models(changed.subset((0,), changed.risk_bound))
-        found: Floors = floors(changed, (model, *self.models[1:]))
-        return sum(h.risk for h in (*found.starts, *found.goals) if 0 in h.members)
+        return floor_of(changed, (model, *self.models[1:]), 0)
 
     def does(self, offset: Vector) -> bool:
         """Whether moving it is enough."""

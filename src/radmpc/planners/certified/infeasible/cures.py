@@ -10,7 +10,7 @@ from radmpc.planners.certified.infeasible.least_risk import least_risk
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.cures.endpoints import endpoint_cures
 from radmpc.planners.cures.variants import helps_sentence, regulated, with_noise
-from radmpc.planners.endpoint_risk import floors
+from radmpc.planners.endpoints.floors import floors
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import hazards_of, reserve_reason, sure_reasons
 from radmpc.planners.wording import listed

@@ -123,8 +123,8 @@ def _place(
         for number, (length, begin, end) in enumerate(moves):
             reached = cost[begin] + length
             is_better = reached < best[end]
-            best[end] = np.where(is_better, reached, best[end])
-            before[tick][end] = np.where(is_better, number, before[tick][end])
+            np.copyto(best[end], reached, where=is_better)
+            np.copyto(before[tick][end], number, where=is_better)
         best[closed | blocked[tick]] = np.inf
         cost = best
     if not np.isfinite(cost.flat[goal]):

@@ -9,32 +9,22 @@ over the corners of small boxes, summed over hazards, is therefore a bound that 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.gaussian import Tail
-from radmpc.geometry import Polytope
+from radmpc.arrays import Matrix, Vector
 from radmpc.model.plan import Cause
 from radmpc.model.relations.concerns import met_by
 from radmpc.model.scenario import Scenario
 from radmpc.nearby import near_pairs
-from radmpc.planners.boxes import Box, Shapes
+from radmpc.planners.endpoints.boxes import Box, Shapes
+from radmpc.planners.endpoints.charges import border_charges, charges, distances, far_of
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.relative import relative_covariances
 from radmpc.records import dataclass
-from radmpc.referee.bound.bounds import instant_risks
-from radmpc.referee.contact import solid_distances, solid_of
-from radmpc.referee.encounters import Encounters
 
-__all__ = ["EndpointHazard", "Floors", "floors", "start_hazards"]
-
-_FAR = 8.5
-"""Clearance beyond which a hazard counts as nothing (1e-17) [standard deviations]."""
-
-_LEAST = 1e-4
-"""Share of Δ below which a hazard counts as nothing [-]: most of a large fleet's need no look."""
+__all__ = ["EndpointHazard", "Floors", "floor_of", "floors", "start_hazards"]
 
 _TOL = 1e-6
 """What a plan may miss its goal by [m]."""
@@ -121,6 +111,28 @@ def floors(scenario: Scenario, models: Sequence[CondensedModel]) -> Floors:
     return Floors(starts, goals, vehicles, total)
 
 
+def floor_of(scenario: Scenario, models: Sequence[CondensedModel], i: int) -> float:
+    """Return what one vehicle's start and goal risk at least, its pairs with others included.
+
+    Parameters
+    ----------
+    scenario, models
+        As in `floors`.
+    i : int
+        Its number.
+
+    Returns
+    -------
+    float
+        Sum over all that `floors` names for it [-].
+    """
+    return sum(
+        hazard.risk
+        for at_goal in (False, True)
+        for hazard in _hazards(scenario, models, at_goal=at_goal, only=i)[0]
+    )
+
+
 def start_hazards(
     scenario: Scenario, models: Sequence[CondensedModel]
 ) -> tuple[EndpointHazard, ...]:
@@ -142,17 +154,17 @@ def start_hazards(
 
 
 def _hazards(
-    scenario: Scenario, models: Sequence[CondensedModel], *, at_goal: bool
+    scenario: Scenario, models: Sequence[CondensedModel], *, at_goal: bool, only: int | None = None
 ) -> tuple[tuple[EndpointHazard, ...], Vector]:
-    """Return what starts or goals risk, and the sum for each vehicle, others aside."""
+    """Return what starts or goals risk, of all or of one, and of each, other vehicles aside."""
     boxes = [_box(model, at_goal=at_goal) for model in models]
     shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
     found: list[EndpointHazard] = []
     least = np.zeros(len(boxes))
-    for i, box in enumerate(boxes):
-        hazards, least[i] = _of_vehicle(scenario, i, box, shapes, at_goal=at_goal)
+    for i in range(len(boxes)) if only is None else (only,):
+        hazards, least[i] = _of_vehicle(scenario, i, boxes[i], shapes, at_goal=at_goal)
         found += hazards
-    found += _of_pairs(scenario, models, boxes, at_goal=at_goal)
+    found += _of_pairs(scenario, models, boxes, at_goal=at_goal, only=only)
     return tuple(sorted(found, key=lambda hazard: -hazard.risk)), least
 
 
@@ -178,18 +190,18 @@ def _of_vehicle(
     hazards: list[EndpointHazard] = []
     fields: list[Vector] = []
     mine = {obstacle.name for obstacle in met_by(scenario.obstacles, scenario.vehicles[i].name)}
-    for name, near in shapes.near(box, radius, _far(scenario), mine).items():
+    for name, near in shapes.near(box, radius, far_of(scenario), mine).items():
         # Pieces of one obstacle are one hazard: the worst of them is a bound on their union.
         covariance = shapes.covariance(name, box)
-        found = [_risks(scenario, points, covariance, radius, piece) for piece in near]
+        found = [charges(scenario, points, covariance, radius, piece) for piece in near]
         by_piece = [_cells(risks, cells) for risks in found]
         field = np.maximum.reduce(by_piece)
-        distance = min(float(_distances(points, piece).max()) for piece in near)
+        distance = min(float(distances(points, piece).max()) for piece in near)
         fields.append(field)
         hazards.append(
             EndpointHazard("obstacle", (i,), name, at_goal, float(field.min()), distance)
         )
-    borders = list(_borders(scenario, box, points))
+    borders = list(border_charges(scenario, box, points))
     if borders:
         # Opposite faces exclude each other, and the referee adds up all of them.
         field = _cells(np.sum([risks for risks, _ in borders], axis=0), cells)
@@ -203,19 +215,26 @@ def _of_vehicle(
 
 
 def _of_pairs(
-    scenario: Scenario, models: Sequence[CondensedModel], boxes: Sequence[Box], *, at_goal: bool
+    scenario: Scenario,
+    models: Sequence[CondensedModel],
+    boxes: Sequence[Box],
+    *,
+    at_goal: bool,
+    only: int | None,
 ) -> list[EndpointHazard]:
-    """Return what pairs risk at their endpoints."""
+    """Return what pairs risk at their endpoints: all of them, or those of one vehicle."""
     if len(boxes) < 2:
         return []
     radii = np.array([v.radius for v in scenario.vehicles])
     centers = np.array([0.5 * (box.lower + box.upper) for box in boxes])
     halves = np.array([0.5 * np.linalg.norm(box.upper - box.lower) for box in boxes])
     spreads = np.array([box.spread for box in boxes])
-    far = _far(scenario)
+    far = far_of(scenario)
     near = 2.0 * (radii.max() + halves.max() + far * spreads.max()) + 1e-6
     found = []
     for i, j in near_pairs(centers, float(near)).tolist():
+        if only is not None and only not in (i, j):
+            continue
         one, two = boxes[i], boxes[j]
         covariance = relative_covariances(models[i], models[j])[-1 if at_goal else 0]
         box = Box(one.lower - two.upper, one.upper - two.lower, covariance)
@@ -224,16 +243,10 @@ def _of_pairs(
         if most >= radii[i] + radii[j] + far * box.spread + 1e-6:
             continue
         radius = float(radii[i] + radii[j])
-        risks = _risks(scenario, points, box.covariance, radius, None)
+        risks = charges(scenario, points, box.covariance, radius, None)
         if risks.min() > 0.0:
             found.append(EndpointHazard("pair", (i, j), None, at_goal, float(risks.min()), most))
     return found
-
-
-def _far(scenario: Scenario) -> float:
-    """Return the standard deviations beyond which nothing is to be feared."""
-    tail = Tail(scenario.covariance_samples)
-    return min(tail.beyond(_FAR), float(tail.clearance_for(_LEAST * scenario.risk_bound)))
 
 
 def _cells(values: Vector, cells: int) -> Vector:
@@ -245,56 +258,3 @@ def _cells(values: Vector, cells: int) -> Vector:
     for axis in range(dimension):
         grid = np.minimum(grid.take(range(cells), axis), grid.take(range(1, cells + 1), axis))
     return np.asarray(grid.ravel())
-
-
-def _risks(
-    scenario: Scenario, points: Matrix, covariance: Matrix, radius: float, piece: Polytope | None
-) -> Vector:
-    """Return what the referee says of a mean at every point; the origin is what pairs avoid."""
-    count, d = points.shape
-    axes = np.concatenate([np.eye(d), -np.eye(d)])
-    vertices, normals = np.zeros((1, d)), axes
-    edges = np.zeros((0, 2, d))
-    if piece is not None:
-        vertices, normals = piece.vertices, np.vstack([axes, piece.normals])
-        edges = edges if d == 2 else solid_of(piece).edges
-    none: Indices = np.zeros(1, dtype=np.int64)
-    places = Encounters(
-        kind="pair" if piece is None else "obstacle",
-        first=none,
-        other=none,
-        piece=none,
-        means=points[None],
-        covariances=np.broadcast_to(covariance, (1, count, d, d)),
-        bent_covariances=None,
-        sagittas=np.zeros((1, count - 1, d)),
-        radii=np.array([radius]),
-        vertices=vertices[None, None],
-        directions=normals[None],
-        edges=edges[None, None],
-        samples=scenario.covariance_samples,
-    )
-    risks: Vector = instant_risks(places)[0]
-    return risks
-
-
-def _distances(points: Matrix, piece: Polytope) -> Vector:
-    """Return the distance of points from a piece, 0 within it [m]."""
-    return solid_distances(points, points, solid_of(piece))
-
-
-def _borders(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tuple[Vector, float]]:
-    """Yield what points risk of leaving through each face, and their most distance from it."""
-    workspace = scenario.workspace
-    if workspace is None:
-        return
-    tail = Tail(scenario.covariance_samples)
-    for axis in range(scenario.dimension):
-        deviation = float(np.sqrt(max(box.covariance[axis, axis], 0.0)))
-        places = points[:, axis]
-        for slack in (places - workspace.lower[axis], workspace.upper[axis] - places):
-            if slack.min() > _far(scenario) * deviation:
-                continue
-            certain = np.where(slack >= -1e-9, np.inf, -np.inf)
-            clearance = slack / deviation if deviation > 0.0 else certain
-            yield np.asarray(tail.probability(clearance)), float(slack.max())

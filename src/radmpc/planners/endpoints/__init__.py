@@ -1,0 +1,1 @@
+"""What starts and goals risk by themselves, whatever the plan."""

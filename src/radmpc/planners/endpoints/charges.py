@@ -1,0 +1,143 @@
+"""What the referee charges for a mean at a start or in a goal, hazard by hazard."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from radmpc.arrays import Indices, Matrix, Vector
+from radmpc.gaussian import Tail
+from radmpc.geometry import Polytope
+from radmpc.model.scenario import Scenario
+from radmpc.planners.endpoints.boxes import Box
+from radmpc.referee.bound.bounds import instant_risks
+from radmpc.referee.contact import solid_distances, solid_of
+from radmpc.referee.encounters import Encounters
+
+__all__ = ["border_charges", "charges", "distances", "far_of"]
+
+_FAR = 8.5
+"""Clearance beyond which a hazard counts as nothing (1e-17) [standard deviations]."""
+
+_LEAST = 1e-4
+"""Share of Δ below which a hazard counts as nothing [-]: most of a large fleet's need no look."""
+
+
+def far_of(scenario: Scenario) -> float:
+    """Return the standard deviations beyond which nothing is to be feared.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet, for Δ and for how well covariances are known.
+
+    Returns
+    -------
+    float
+        Standard deviations [-].
+    """
+    tail = Tail(scenario.covariance_samples)
+    return min(tail.beyond(_FAR), float(tail.clearance_for(_LEAST * scenario.risk_bound)))
+
+
+def charges(
+    scenario: Scenario, points: Matrix, covariance: Matrix, radius: float, piece: Polytope | None
+) -> Vector:
+    """Return what the referee says of a mean at every point; the origin is what pairs avoid.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet, for how well covariances are known.
+    points : (n, d) array
+        Means [m]: of a vehicle, or of how two are apart.
+    covariance : (d, d) array
+        Of them [m²].
+    radius : float
+        Of the vehicle, or the sum of both [m].
+    piece : Polytope or None
+        What is to be avoided; None for the origin.
+
+    Returns
+    -------
+    (n,) array
+        Probabilities [-].
+    """
+    count, d = points.shape
+    axes = np.concatenate([np.eye(d), -np.eye(d)])
+    vertices, normals = np.zeros((1, d)), axes
+    edges = np.zeros((0, 2, d))
+    if piece is not None:
+        vertices, normals = piece.vertices, np.vstack([axes, piece.normals])
+        edges = edges if d == 2 else solid_of(piece).edges
+    none: Indices = np.zeros(1, dtype=np.int64)
+    places = Encounters(
+        kind="pair" if piece is None else "obstacle",
+        first=none,
+        other=none,
+        piece=none,
+        means=points[None],
+        covariances=np.broadcast_to(covariance, (1, count, d, d)),
+        bent_covariances=None,
+        sagittas=np.zeros((1, count - 1, d)),
+        radii=np.array([radius]),
+        vertices=vertices[None, None],
+        directions=normals[None],
+        edges=edges[None, None],
+        samples=scenario.covariance_samples,
+    )
+    risks: Vector = instant_risks(places)[0]
+    return risks
+
+
+def distances(points: Matrix, piece: Polytope) -> Vector:
+    """Return the distance of points from a piece.
+
+    Parameters
+    ----------
+    points : (n, d) array
+        Places [m].
+    piece : Polytope
+        Of an obstacle.
+
+    Returns
+    -------
+    (n,) array
+        Distances, 0 within it [m].
+    """
+    return solid_distances(points, points, solid_of(piece))
+
+
+def border_charges(scenario: Scenario, box: Box, points: Matrix) -> Iterator[tuple[Vector, float]]:
+    """Yield what points risk of leaving through each face of the workspace that is near.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet, for its workspace.
+    box : Box
+        Where the mean may be, and its covariance.
+    points : (n, d) array
+        Places in it [m].
+
+    Yields
+    ------
+    (n,) array
+        Probabilities [-].
+    float
+        The largest distance of a point from the face [m].
+    """
+    workspace = scenario.workspace
+    if workspace is None:
+        return
+    tail = Tail(scenario.covariance_samples)
+    for axis in range(scenario.dimension):
+        deviation = float(np.sqrt(max(box.covariance[axis, axis], 0.0)))
+        places = points[:, axis]
+        for slack in (places - workspace.lower[axis], workspace.upper[axis] - places):
+            if slack.min() > far_of(scenario) * deviation:
+                continue
+            certain = np.where(slack >= -1e-9, np.inf, -np.inf)
+            clearance = slack / deviation if deviation > 0.0 else certain
+            yield np.asarray(tail.probability(clearance)), float(slack.max())
