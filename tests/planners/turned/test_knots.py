@@ -18,7 +18,7 @@ from radmpc.planners.certified.turned.narrow.knots import joint_ways
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
 from radmpc.planners.certified.turned.narrow.track import track
 from radmpc.planners.certified.turned.narrow.ways import shortest_ways
-from radmpc.planners.certified.turned.prioritized import prioritized
+from radmpc.planners.certified.turned.prioritized import prioritized, prioritized_ticks
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from running import first_plan
@@ -164,6 +164,15 @@ def test_a_joint_search_says_when_there_is_no_way() -> None:
     assert joint_search(neighbors, (0, 3), (3, 0), 10_000, rng, never) == []
     # And no way at all between two parts.
     assert joint_search([[1], [0], [3], [2]], (0,), (3,), 10, rng, never) == []
+
+
+def test_an_order_that_shut_somebody_out_is_not_tried_again(tmp_path: Path) -> None:
+    hazards = hazards_of(corridor_with_a_bay(tmp_path))
+    asked = []
+    placed, ticks = prioritized_ticks(hazards, lambda: bool(asked.append(None)))
+    assert placed == {}
+    # Two have two orders. Either places both, tick by tick.
+    assert len(asked) <= 2 * 2 * (1 + ticks * hazards.horizon)
 
 
 @pytest.mark.slow

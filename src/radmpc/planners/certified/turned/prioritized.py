@@ -80,7 +80,10 @@ def prioritized_ticks(
     starts = np.array([model.drift_position[0] for model in hazards.models])
     goals = np.array([0.5 * (m.vehicle.goal.lower + m.vehicle.goal.upper) for m in hazards.models])
     order = np.argsort(-np.linalg.norm(goals - starts, axis=1), kind="stable").tolist()
-    for _ in range(_TRIES):
+    tried: set[tuple[int, ...]] = set()
+    # An order that comes again ends as it did before: two that shut each other out, for example.
+    while len(tried) < _TRIES and tuple(order) not in tried:
+        tried.add(tuple(order))
         placed: Places = {}
         for i in order:
             if is_stopped():
