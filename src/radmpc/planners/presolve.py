@@ -12,7 +12,7 @@ import numpy as np
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard, Floors, floors
 from radmpc.planners.shared_reasons import endpoint_sentences
-from radmpc.planners.wording import endpoints_text, listed
+from radmpc.planners.wording import endpoints_text, listed, lost_range_text
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
 
@@ -84,7 +84,20 @@ def sure_reasons(scenario: Scenario, models: Sequence[CondensedModel]) -> list[R
         reason = overdrawn_texts(model) or _too_far(scenario, model) or _beyond_reach(model)
         if reason is not None:
             reasons.append(Reason((i,), *reason))
-    return reasons + endpoint_reasons(scenario, floors(scenario, models))
+    reasons += endpoint_reasons(scenario, floors(scenario, models))
+    return reasons + (_lost_ranges(scenario, models) if scenario.keep else [])
+
+
+def _lost_ranges(scenario: Scenario, models: Sequence[CondensedModel]) -> list[Reason]:
+    """Say which vehicles begin or end out of the range that they keep."""
+    from radmpc.planners.endpoints.ranges import lost_ranges  # noqa: PLC0415 - few keep a range
+
+    found = (one for end in (False, True) for one in lost_ranges(scenario, models, at_goal=end))
+    return [
+        Reason(one.members, lost_range_text(scenario, one))
+        for one in found
+        if one.risk > scenario.risk_bound * (1.0 + _ROUNDING)
+    ]
 
 
 def grouped(

@@ -9,6 +9,7 @@ from typing import Literal
 from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.planners.endpoints.floors import EndpointHazard
+from radmpc.planners.endpoints.ranges import LostRange
 from radmpc.program.program import RiskItem
 from radmpc.solvers.solution import Limits
 
@@ -18,6 +19,7 @@ __all__ = [
     "is_contact",
     "limit_clause",
     "listed",
+    "lost_range_text",
     "rounded",
     "rounded_down",
     "rounded_up",
@@ -188,3 +190,27 @@ def hazard_name(risk_item: RiskItem) -> str:
     if cause == "range":
         return f"the range that {risk_item.vehicle!r} and {risk_item.other!r} keep"
     return f"vehicle {risk_item.vehicle!r} and the workspace border"
+
+
+def lost_range_text(scenario: Scenario, lost: LostRange) -> str:
+    """Say that two vehicles begin or end out of the range that they keep.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    lost : LostRange
+        Who, and how far apart.
+
+    Returns
+    -------
+    str
+        A sentence.
+    """
+    one, two = (repr(scenario.vehicles[i].name) for i in lost.members)
+    what, more = ("goals", " or more") if lost.at_goal else ("starts", "")
+    return (
+        f"The {what} of vehicles {one} and {two} are {lost.distance:.4g} m apart{more}: there they "
+        f"lose the range that they keep ({lost.within:g} m) with probability "
+        f"{lost.risk:.3g}{more}, and risk_bound is {scenario.risk_bound:g}."
+    )

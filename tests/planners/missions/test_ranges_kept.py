@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from visiting import vehicle
 
-from radmpc import Keep, Mission, Scenario, ScenarioError, Visit, certify, plan, simulate
+from radmpc import Keep, Mission, Scenario, ScenarioError, Status, Visit, certify, plan, simulate
+from radmpc.planners.endpoints.ranges import lost_ranges
 from radmpc.planners.presets import PRESETS
+from radmpc.program.build import condensed_models
 
 REFUSING = {"dmpc", "radmpc", "multi-vehicle", "rmpc-rrt"}
 
@@ -54,12 +56,31 @@ def test_a_range_is_certified_with_the_noise_of_both() -> None:
     assert flown.rate_low <= certificate.certified
 
 
-def test_goals_out_of_range_are_named() -> None:
-    given = escorted(3.0)
-    found = plan(given)
-    assert found.plan is None
+def test_starts_and_goals_out_of_range_are_named_before_any_search() -> None:
+    found = plan(escorted(3.0))
+    assert found.status is Status.INFEASIBLE
+    assert not found.steps
     assert found.explanation is not None
-    assert "range that" in found.explanation
+    assert "The starts of vehicles 'a' and 'b' are 4 m apart" in found.explanation
+    assert "The goals of vehicles 'a' and 'b' are 3 m apart or more" in found.explanation
+    assert found.explanation.count("the range that they keep (3 m)") == 2
+
+
+@pytest.mark.parametrize("within", [3.6, 4.0, 4.3])
+@pytest.mark.parametrize("at_goal", [False, True])
+def test_a_range_is_lost_at_an_end_no_less_often_than_that_end_alone_says(within, at_goal) -> None:
+    given = escorted(within)
+    models = condensed_models(given)
+    rng = np.random.default_rng(1)
+    places = [v.start_position for v in given.vehicles]
+    if at_goal:
+        # As near as their goals allow.
+        places = [np.array([8.0, 0.5]), np.array([8.0, 3.5])]
+    spread = [model.position_covariances[-1 if at_goal else 0] for model in models]
+    one, two = (rng.multivariate_normal(*law, 100_000) for law in zip(places, spread, strict=True))
+    rate = np.mean(np.linalg.norm(one - two, axis=1) > within)
+    [lost] = lost_ranges(given, models, at_goal=at_goal)
+    assert rate - 0.05 <= lost.risk <= rate + 0.005
 
 
 @pytest.mark.parametrize("name", sorted(REFUSING))

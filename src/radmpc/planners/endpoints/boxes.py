@@ -11,9 +11,13 @@ import numpy as np
 from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import Polytope
 from radmpc.model.scenario import Scenario
+from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass
 
 __all__ = ["Box", "Shapes"]
+
+_TOL = 1e-6
+"""What a plan may miss its goal by [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +35,26 @@ class Box:
     lower: Vector
     upper: Vector
     covariance: Matrix
+
+    @classmethod
+    def at_endpoint(cls, model: CondensedModel, *, at_goal: bool) -> Box:
+        """Return where a vehicle's mean is at the start, or may be at the end.
+
+        Parameters
+        ----------
+        model : CondensedModel
+            The vehicle over the whole horizon.
+        at_goal : bool
+            At the end rather than at the start.
+        """
+        covariance = model.position_covariances[-1 if at_goal else 0]
+        if not at_goal:
+            return cls(model.drift_position[0], model.drift_position[0], covariance)
+        goal = model.vehicle.goal
+        lower = np.maximum(goal.lower, model.reach_lower[-1]) - _TOL
+        upper = np.minimum(goal.upper, model.reach_upper[-1]) + _TOL
+        # Out of reach: which corner is nearer does not matter, as long as it is a box.
+        return cls(np.minimum(lower, upper), np.maximum(lower, upper), covariance)
 
     def corners(self, cells: int) -> Matrix:
         """Return the corners of its cells, ((cells+1)^d, d), the last axis fastest."""

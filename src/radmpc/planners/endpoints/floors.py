@@ -26,9 +26,6 @@ from radmpc.records import dataclass
 
 __all__ = ["EndpointHazard", "Floors", "floor_of", "floors", "start_hazards"]
 
-_TOL = 1e-6
-"""What a plan may miss its goal by [m]."""
-
 _CELLS = {2: 6, 3: 2}
 """Cells per axis into which a goal is cut, by dimension [-]: hazards on opposite sides of it are
 least at different corners, and the fewer cells, the further is the sum of those from the least
@@ -157,7 +154,7 @@ def _hazards(
     scenario: Scenario, models: Sequence[CondensedModel], *, at_goal: bool, only: int | None = None
 ) -> tuple[tuple[EndpointHazard, ...], Vector]:
     """Return what starts or goals risk, of all or of one, and of each, other vehicles aside."""
-    boxes = [_box(model, at_goal=at_goal) for model in models]
+    boxes = [Box.at_endpoint(model, at_goal=at_goal) for model in models]
     shapes = Shapes.of(scenario, scenario.horizon if at_goal else 0)
     found: list[EndpointHazard] = []
     least = np.zeros(len(boxes))
@@ -166,18 +163,6 @@ def _hazards(
         found += hazards
     found += _of_pairs(scenario, models, boxes, at_goal=at_goal, only=only)
     return tuple(sorted(found, key=lambda hazard: -hazard.risk)), least
-
-
-def _box(model: CondensedModel, *, at_goal: bool) -> Box:
-    """Return where a vehicle's mean is at the start, or may be at the end."""
-    covariance = model.position_covariances[-1 if at_goal else 0]
-    if not at_goal:
-        return Box(model.drift_position[0], model.drift_position[0], covariance)
-    goal = model.vehicle.goal
-    lower = np.maximum(goal.lower, model.reach_lower[-1]) - _TOL
-    upper = np.minimum(goal.upper, model.reach_upper[-1]) + _TOL
-    # Out of reach: which corner is nearer does not matter, as long as it is a box.
-    return Box(np.minimum(lower, upper), np.maximum(lower, upper), covariance)
 
 
 def _of_vehicle(
