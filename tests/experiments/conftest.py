@@ -12,7 +12,7 @@ from radmpc.experiments.study import (
 )
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def rows(tmp_path_factory):
     path = tmp_path_factory.mktemp("study") / "rows.jsonl"
     with Journal.opened(path) as journal:

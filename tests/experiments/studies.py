@@ -12,7 +12,7 @@ from radmpc.planners.presets import PRESETS
 from radmpc.solvers.branch.branch import Branch
 
 
-def small(seeds=3, samples=2_000, **changes):
+def small(seeds=2, samples=2_000, **changes):
     methods = (
         Method("ira", replace(PRESETS["ira"].planner, solver=Branch()), seeds, role="reference"),
         Method("multi-vehicle", PRESETS["multi-vehicle"].planner, seeds),
