@@ -103,9 +103,9 @@ class _DyingExecutor(Executor):
 @pytest.mark.slow
 def test_the_plan_does_not_depend_on_who_searches_nor_on_workers_that_die():
     scenario = paper(6, 3)
-    here = plan(scenario, "certified")
+    here = plan(scenario, "certified(0)")
     with ProcessPoolExecutor(2) as pool:
-        others = [plan(scenario, "certified", executor=e) for e in (pool, _DyingExecutor())]
+        others = [plan(scenario, "certified(0)", executor=e) for e in (pool, _DyingExecutor())]
     for other in others:
         assert other.sets == here.sets
         assert other.cost == here.cost

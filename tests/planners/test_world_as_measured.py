@@ -140,7 +140,7 @@ def test_a_proof_is_below_every_certified_plan(world):
 @pytest.mark.parametrize("world", sorted(WORLDS))
 def test_files_keep_the_world_as_it_is(world, tmp_path):
     scenario = fleet(world)
-    plan = radmpc.plan(scenario, "ira", rng=0).require()
+    plan = radmpc.plan(scenario, "uniform", rng=0).require()
     radmpc.save_plan(plan, tmp_path / "fleet.plan.json")
     read = radmpc.load_plan(tmp_path / "fleet.plan.json")
     assert radmpc.to_dict(read) == radmpc.to_dict(plan)

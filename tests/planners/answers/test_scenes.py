@@ -30,7 +30,7 @@ def test_a_peak_that_an_integral_could_step_over_is_not_certified():
 @pytest.mark.slow
 def test_a_plan_whose_controls_mostly_saturate_says_so():
     scenario = load_scenario(SCENES / "saturates.yaml")
-    result = plan(scenario, "certified")
+    result = plan(scenario, "certified(0)")
     assert result.is_certified
     assert result.certificate is not None
     assert result.certificate.saturation > 0.5

@@ -11,6 +11,7 @@ from scipy.optimize import linprog
 from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError
 from radmpc.experiments.families import clutter, paper
+from radmpc.model.plan import Plan
 from radmpc.planners import Branch, Certified, Optimal, Planner
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
@@ -74,11 +75,15 @@ def test_more_time_for_the_proof_never_lowers_the_bound() -> None:
     assert bounds[0] < bounds[1]
 
 
-def relaxed_up_to(most: float) -> tuple[RelaxedSet, Vector]:
-    """A vehicle among boxes, its relaxation up to a value, and the point of a plan."""
-    scenario = replace(clutter(1, 40, 2), avoidance="steps")
-    made = plan(scenario, time_limit=20.0).plan
-    assert made is not None
+@pytest.fixture(scope="module")
+def among_boxes() -> Plan:
+    """A plan of a vehicle among boxes."""
+    return plan(replace(clutter(1, 40, 2), avoidance="steps"), "certified(0)").require()
+
+
+def relaxed_up_to(made: Plan, most: float) -> tuple[RelaxedSet, Vector]:
+    """Its vehicle's relaxation up to a value, and the point of the plan."""
+    scenario = made.scenario
     fleet = Fleet.of(scenario, 1e-3, Limits())
     model, program = fleet.programs.models[0], fleet.programs.problem((0,)).program
     tails = tails_of(scenario.risk_bound, are_integrated=True)
@@ -89,23 +94,23 @@ def relaxed_up_to(most: float) -> tuple[RelaxedSet, Vector]:
 
 
 @pytest.mark.slow
-def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own() -> None:
-    whole, hint = relaxed_up_to(np.inf)
+def test_a_set_searched_up_to_a_value_proves_that_value_or_its_own(among_boxes: Plan) -> None:
+    whole, hint = relaxed_up_to(among_boxes, np.inf)
     price, gap = 2.0, 1e-3
     found = whole.searched(Limits(), price, (), gap, 4000, hint)
     assert found.value - found.bound <= 2.0 * gap * found.value
     assert found.base < 0.98 * found.value
     for share in (0.3, 0.7, 1.5):
         most = found.base + share * (found.value - found.base)
-        narrow = relaxed_up_to(most)[0].searched(Limits(), price, (), gap, 4000, hint)
+        narrow = relaxed_up_to(among_boxes, most)[0].searched(Limits(), price, (), gap, 4000, hint)
         assert narrow.bound <= min(most, found.value) * (1.0 + 1e-9)
         assert narrow.bound >= min(most, found.bound) * (1.0 - 2.0 * gap)
         assert narrow.program.num_avoidances <= found.program.num_avoidances
 
 
 @pytest.mark.slow
-def test_a_set_is_searched_no_further_than_to_the_bound_that_is_enough() -> None:
-    whole, hint = relaxed_up_to(np.inf)
+def test_a_set_is_searched_no_further_than_to_the_bound_that_is_enough(among_boxes: Plan) -> None:
+    whole, hint = relaxed_up_to(among_boxes, np.inf)
     price, gap = 2.0, 1e-3
     found = whole.searched(Limits(), price, (), gap, 4000, hint)
     enough = found.base + 0.6 * (found.bound - found.base)
@@ -118,8 +123,10 @@ def test_a_set_is_searched_no_further_than_to_the_bound_that_is_enough() -> None
 
 
 @pytest.mark.slow
-def test_what_is_proven_at_one_price_is_carried_to_others_within_their_values() -> None:
-    whole, hint = relaxed_up_to(np.inf)
+def test_what_is_proven_at_one_price_is_carried_to_others_within_their_values(
+    among_boxes: Plan,
+) -> None:
+    whole, hint = relaxed_up_to(among_boxes, np.inf)
     before = whole.searched(Limits(), 4.0, (), 1e-3, 4000, hint)
     for price in (1.0, 8.0):
         value = whole.searched(Limits(), price, (), 1e-3, 4000, hint).value
