@@ -80,10 +80,8 @@ class _Search:
         self.models = models
         self.right = program.rows.offsets - margins
         touched = avoidance_blocks(program)
-        self.blocks = [
-            frozenset(int(b) for b in touched.indices[touched.indptr[v] : touched.indptr[v + 1]])
-            for v in range(program.num_avoidances)
-        ]
+        parts: list[Indices] = np.split(touched.indices, touched.indptr[1:-1])
+        self.blocks = [frozenset(part.tolist()) for part in parts]
         self.outputs = program.constant.copy()
 
     def place(self, order: list[int]) -> int | None:

@@ -83,10 +83,11 @@ class Lattice:
         if self.lines is None:
             shift = steps * self.stride
             return [points[:, a][None, :] + shift[:, a][:, None] for a in (0, 1)]
-        return [
-            line[np.clip(place[None, :] + steps[:, a][:, None], 0, len(line) - 1)]
-            for a, (line, place) in enumerate(zip(self.lines, places, strict=True))
-        ]
+        found: list[Matrix] = []
+        for line, place, moved in zip(self.lines, places, steps.T, strict=True):
+            ahead: Indices = np.add.outer(moved, place)
+            found.append(line[np.clip(ahead, 0, len(line) - 1)])
+        return found
 
 
 def coarse_lattice(
