@@ -176,8 +176,8 @@ def test_a_thousand_vehicles_scrub_in_thirty_frames_a_second(screen, server):
             const slider = document.querySelector("input[type=range][aria-label=Time]");
             const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
             let frames = 0;
-            for (let k = 0; k < 40; k += 1) {
-                set.call(slider, String((k / 40) * Number(slider.max)));
+            for (let k = 0; k < 20; k += 1) {
+                set.call(slider, String((k / 20) * Number(slider.max)));
                 slider.dispatchEvent(new Event("input", { bubbles: true }));
                 await new Promise(requestAnimationFrame);
                 frames += 1;
@@ -185,5 +185,5 @@ def test_a_thousand_vehicles_scrub_in_thirty_frames_a_second(screen, server):
             return frames;
         }"""
     )
-    assert frames == 40
+    assert frames == 20
     assert (worked() - before) / frames < 1 / 30
