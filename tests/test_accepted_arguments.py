@@ -16,7 +16,7 @@ from radmpc.arguments import told
 from radmpc.experiments.families import circle
 
 SCENE = circle(2)
-PLAN = radmpc.plan(SCENE, "ira").require()
+PLAN = radmpc.plan(SCENE, "dlp").require()
 ROCK = Obstacle.box("rock", [0.0, 0.0], [1.0, 1.0])
 
 

@@ -30,7 +30,7 @@ from radmpc.plotting import Panel, plot_risk_map, plot_risk_shares, save_axes, s
 Call = Callable[[], object]
 
 SCENE = circle(2)
-RESULT = radmpc.plan(SCENE, "ira")
+RESULT = radmpc.plan(SCENE, "dlp")
 PLAN = RESULT.require()
 SYSTEM = SCENE.vehicles[0].system
 BOAT = SCENE.vehicles[0]

@@ -36,7 +36,7 @@ from radmpc.solvers.rrt.rrt import Rrt
 Call = Callable[[], object]
 
 SCENE = circle(2)
-PLAN = radmpc.plan(SCENE, "ira").require()
+PLAN = radmpc.plan(SCENE, "dlp").require()
 SYSTEM = SCENE.vehicles[0].system
 BOAT = SCENE.vehicles[0]
 ROCK = Obstacle.box("rock", [0.0, 0.0], [1.0, 1.0])
