@@ -6,25 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes_checked import check_of, of_scene, warned, warned_in
 from scipy.special import ndtr
 
 import radmpc
 from radmpc import Goal, Obstacle, Scenario, Vehicle, double_integrator, load_scenario, lqr_gain
 from radmpc.console.files import demo_text
 from radmpc.planners.cures.variants import with_noise
-from radmpc.preflight.concerns import Concern, concerns_of
+from radmpc.preflight.concerns import concerns_of
 from radmpc.preflight.outlook import outlook_of
 from radmpc.preflight.reserve import expected_saturation, reserve_of, tails
-
-SCENES = Path(__file__).parent.parent / "data" / "scenes"
-
-
-def warned(scenario: Scenario, kind: str) -> list[Concern]:
-    return [one for one in concerns_of(outlook_of(scenario)) if one.kind == kind]
-
-
-def of_scene(name: str) -> Scenario:
-    return load_scenario(SCENES / f"{name}.yaml")
 
 
 @pytest.fixture
@@ -57,7 +48,7 @@ def test_a_goal_out_of_reach_is_told_how_far_away_it_is() -> None:
 
 
 def test_a_gain_that_eats_the_control_is_named_with_what_it_keeps_back() -> None:
-    (concern,) = warned(of_scene("soft-gain-is-the-cure"), "control")
+    (concern,) = warned_in("soft-gain-is-the-cure", "control")
     assert "0.276 of 0.3 m/s² (92 % of control_limit) on axis 0 at step 1" in concern.text
     assert "soften the gain" in concern.text
 
@@ -88,8 +79,7 @@ def test_a_goal_that_costs_more_than_the_bound_is_named_with_what_is_near_it(nam
 
 @pytest.mark.slow
 def test_starts_too_close_are_named_and_charged_to_both() -> None:
-    outlook = outlook_of(of_scene("starts-clash"))
-    first, *_ = concerns_of(outlook)
+    outlook, (first, *_) = check_of("starts-clash")
     assert first.vehicles == ("usv1", "usv2")
     assert "they overlap" in first.text
     risks = [vehicle.start_risk for vehicle in outlook.vehicles]
@@ -98,7 +88,7 @@ def test_starts_too_close_are_named_and_charged_to_both() -> None:
 
 
 def test_a_start_that_costs_more_than_the_bound_is_named() -> None:
-    first, *_ = concerns_of(outlook_of(of_scene("start-risk-above-bound")))
+    _, (first, *_) = check_of("start-risk-above-bound")
     assert first.is_fatal
     assert "The start of vehicle 'v1' is too close to obstacle 'post1'" in first.text
 
@@ -132,7 +122,7 @@ def test_what_is_expected_to_saturate_is_what_a_plan_in_empty_space_does() -> No
 
 @pytest.mark.slow
 def test_open_loop_noise_that_grows_beyond_the_hull_asks_for_feedback() -> None:
-    (concern,) = warned(of_scene("starts-clash"), "deviation")
+    (concern,) = warned_in("starts-clash", "deviation")
     assert concern.vehicles == ("usv1", "usv2", "usv6")
     assert concern.text.startswith("Vehicles 'usv1', 'usv2', 'usv6': standard deviation 15.7 m")
     assert "add feedback" in concern.text

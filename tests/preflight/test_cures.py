@@ -4,26 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes_checked import of_scene, warned, warned_in
 
 import radmpc
-from radmpc import Scenario, Vehicle, load_scenario
+from radmpc import Scenario, Vehicle
 from radmpc.planners.cures.variants import with_noise
-from radmpc.preflight.concerns import Concern, concerns_of
-from radmpc.preflight.outlook import outlook_of
-
-SCENES = Path(__file__).parent.parent / "data" / "scenes"
-
-
-def warned(scenario: Scenario, kind: str) -> list[Concern]:
-    return [one for one in concerns_of(outlook_of(scenario)) if one.kind == kind]
-
-
-def of_scene(name: str) -> Scenario:
-    return load_scenario(SCENES / f"{name}.yaml")
 
 
 def number(text: str, before: str) -> float:
@@ -160,7 +148,7 @@ def test_every_cure_of_a_goal_that_risks_too_much_cures_it(risk_bound: float) ->
 @pytest.mark.slow
 def test_starts_that_overlap_are_moved_but_not_better_known() -> None:
     scenario = of_scene("starts-clash")
-    concern = warned(scenario, "endpoint")[0]
+    concern = warned_in("starts-clash", "endpoint")[0]
     told = helps(concern.text)
     assert "move the start of 'usv1' to" in told
     assert "initial_covariance" not in told

@@ -7,30 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lanes import UNIT, path_of, problem_of
 from scipy.special import ndtr
 
 from radmpc.experiments.families import clutter, paper
 from radmpc.model.dynamics import LinearSystem, double_integrator
-from radmpc.model.obstacle import Obstacle
-from radmpc.model.scenario import Scenario, Workspace
+from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
-from radmpc.planners.certified.lattice.half_planes import gap_middles, half_planes_of
 from radmpc.planners.certified.lattice.motion import Motion
-from radmpc.planners.certified.lattice.passage import Passage
-from radmpc.planners.certified.lattice.search import PathSearch
-from radmpc.planners.certified.problem import SetProblem
 from radmpc.program.build import condensed_models, controls_of
 from radmpc.solvers.priced.around import search_around
-from radmpc.solvers.priced.neighborhood import Neighborhood
 from radmpc.solvers.priced.tree import RiskTree
 from radmpc.solvers.solution import Limits
-
-UNIT = 0.49
-
-
-def problem_of(scenario, number=0):
-    scenario = replace(scenario, vehicles=(scenario.vehicles[number],))
-    return SetProblem.of(scenario, (0,), condensed_models(scenario), UNIT)
 
 
 def rows_at(problem, path):
@@ -61,7 +49,7 @@ def risks_along(problem, path):
 @pytest.mark.parametrize("seed", range(5))
 def test_a_way_leads_from_start_to_goal_past_everything(seed):
     problem = problem_of(clutter(1, 80, seed))
-    path = problem.passage.path_search.path(5.0)
+    path = path_of(problem, 5.0)
     model = problem.models[0]
     assert path.shape == (31, 2)
     assert path[0] == pytest.approx(model.drift_position[0])
@@ -101,28 +89,8 @@ def test_a_vehicle_that_lets_itself_be_carried_pays_nothing_on_the_lattice(decay
 @pytest.mark.slow
 def test_dearer_risk_buys_safer_ways():
     problem = problem_of(clutter(10, 100, 0), 6)
-    risks = [
-        risks_along(problem, problem.passage.path_search.path(p)).sum() for p in (0.1, 3.0, 100.0)
-    ]
+    risks = [risks_along(problem, path_of(problem, p)).sum() for p in (0.1, 3.0, 100.0)]
     assert risks[0] > risks[1] > risks[2]
-
-
-@pytest.mark.slow
-def test_where_a_wall_shuts_the_way_there_is_none():
-    scenario = clutter(1, 1, 0)
-    start = scenario.vehicles[0].start[:2]
-    goal = scenario.vehicles[0].goal.center
-    middle = 0.5 * (start + goal)
-    shut = Obstacle.box("wall", (middle[0] - 0.6, -60.0), (middle[0] + 0.6, 90.0))
-    ajar = (
-        Obstacle.box("below", (middle[0] - 0.6, -60.0), (middle[0] + 0.6, middle[1] - 2.0)),
-        Obstacle.box("above", (middle[0] - 0.6, middle[1] + 2.0), (middle[0] + 0.6, 90.0)),
-    )
-    assert abs(start[0] - goal[0]) > 4.0
-    assert problem_of(replace(scenario, obstacles=(shut,))).passage.path_search.path(5.0) is None
-    through = problem_of(replace(scenario, obstacles=ajar)).passage.path_search.path(5.0)
-    inside = through[np.abs(through[:, 0] - middle[0]) < 0.6]
-    assert np.all(np.abs(inside[:, 1] - middle[1]) < 2.0)
 
 
 @pytest.mark.slow
@@ -165,87 +133,7 @@ def test_a_search_around_a_plan_never_makes_it_worse():
 
 def test_a_way_past_steps_is_found_too():
     problem = problem_of(paper(4, 1))
-    assert problem.passage.path_search.path(1.0).shape == (11, 2)
-
-
-def lane(*, gap=(-1.2, 1.2), horizon=24):
-    """Two rooms, a lane between them, and a vehicle in each that must go to the other."""
-    dt, noise = 2.0, np.diag([1e-3, 1e-3, 1e-4, 1e-4])
-    gain = np.kron([[-0.3 / dt**2, -0.9 / dt]], np.eye(2))
-
-    def vehicle(name, start, goal):
-        return Vehicle(
-            name, double_integrator(dt, 2), start, Goal.at(goal, 0.3, 0.1), 0.5, 1.0,
-            noise, noise, speed_limit=1.5, gain=gain,
-        )  # fmt: skip
-
-    walls = (
-        Obstacle.box("north", [8.0, gap[1]], [22.0, 6.0]),
-        Obstacle.box("south", [8.0, -6.0], [22.0, gap[0]]),
-    )
-    vehicles = (vehicle("east", [3.0, 0.0], [27.0, 0.0]), vehicle("west", [27.0, 0.0], [3.0, 0.0]))
-    bounds = Workspace(np.array([0.0, -6.0]), np.array([30.0, 6.0]))
-    return Scenario("lane", dt, horizon, 0.05, vehicles, walls, workspace=bounds)
-
-
-@pytest.mark.parametrize("middle", [0.31, 0.62, 1.27])
-def test_a_way_is_found_through_a_gap_between_the_lattices_lines(middle):
-    problem = problem_of(lane(gap=(middle - 0.75, middle + 0.75)))
-    path = problem.passage.path_search.path(10.0)
-    assert path is not None
-    inside = (path[:, 0] > 8.0) & (path[:, 0] < 22.0)
-    assert np.abs(path[inside, 1] - middle).max() <= 0.25
-
-
-def test_a_vehicle_in_haste_leaves_the_lane_early_and_one_at_its_own_pace_does_not():
-    scenario = lane()
-    problem = problem_of(scenario)
-    east, west = scenario.vehicles
-    free = problem_of(scenario.with_vehicles((replace(east, cost_weight=0.0), west)))
-    limits = Limits(float("inf"), lambda: False)
-    found = (
-        problem.passage.earliest_plan(limits),
-        free.passage.earliest_plan(limits),
-        problem.passage.plan(1.0, 1.0, limits, None),
-    )
-    paths = [problem.means(one.z)[0] for one in found]
-    in_haste, in_haste_for_free, own = (np.flatnonzero(path[:, 0] < 22.5).max() for path in paths)
-    assert in_haste <= 10  # at full speed it is 7
-    assert in_haste_for_free <= 10
-    assert own >= in_haste + 5
-    # Where effort counts for nothing, haste and risk are still weighed against each other.
-    assert max(one.risk for one in found) < 0.05
-
-
-@pytest.mark.slow
-def test_vehicles_placed_in_haste_take_turns_where_none_can_pass():
-    scenario = lane()
-    models = condensed_models(scenario)
-    problem = SetProblem.of(scenario, (0, 1), models, UNIT)
-    limits = Limits(float("inf"), lambda: False)
-
-    def seek(rater, block, is_earliest):
-        assert is_earliest
-        first = block * models[block].drift_position.size
-        path_search = PathSearch(rater.program, models[block], UNIT, first, is_coarse_only=True)
-        return Passage(path_search, rater).earliest_plan(limits)
-
-    around = Neighborhood(problem.program, UNIT, 1.0, 1.0, limits, 3.0, [0.0, 0.0], seek)
-    z = around.place_in_haste(np.zeros(problem.program.num_columns), [0, 1])
-    east, west = problem.means(z)
-    in_lane = [np.flatnonzero((path[:, 0] > 7.5) & (path[:, 0] < 22.5)) for path in (east, west)]
-    assert max(in_lane[0]) < min(in_lane[1]) or max(in_lane[1]) < min(in_lane[0])
-    assert problem.rater.rate(z).risk < 0.05
-
-
-@pytest.mark.parametrize("avoidance", ["steps", "intervals"])
-def test_gaps_are_seen_at_steps_and_along_intervals(avoidance):
-    scenario = replace(lane(gap=(-0.7, 0.8)), avoidance=avoidance)
-    problem = problem_of(scenario)
-    avoidances = half_planes_of(
-        problem.program, scenario.horizon, problem.passage.path_search.places
-    )
-    assert gap_middles(avoidances, 1, 3.0) == [pytest.approx(0.05)]
+    assert path_of(problem, 1.0).shape == (11, 2)
 
 
 @pytest.mark.slow
@@ -253,11 +141,10 @@ def test_where_effort_is_free_a_passage_seeks_the_least_risk():
     scenario = clutter(10, 100, 0)
     scenario = replace(scenario, vehicles=scenario.vehicles[6:7])
     problem = problem_of(scenario)
-    limits = Limits(float("inf"), lambda: False)
     free = problem.without_cost()
-    found = free.passage.plan(1.0, 1.0, limits, None)
+    found = free.passage.plan(1.0, 1.0, Limits(), None)
     assert found.cost == 0.0
-    assert found.risk <= problem.passage.plan(1.0, 1.0, limits, None).risk
+    assert found.risk <= problem.passage.plan(1.0, 1.0, Limits(), None).risk
     # Two thirds of it is what two events per interval leave, the rest what feedback does between.
     [controls] = controls_of(problem.models, found.z)
     by_hand = [least_of_way(scenario, controls, is_bent=bent) for bent in (False, True)]

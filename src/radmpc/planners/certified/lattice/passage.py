@@ -65,7 +65,7 @@ class Passage:
             No worse than the plan given.
         """
         best, pace = incumbent, _Pace(unit_price, scale, limits, TUNING.nodes)
-        path = self.path_search.path(unit_price / self.path_search.unit)
+        path = self.path_search.path(unit_price / self.path_search.unit, limits)
         if path is not None:
             best = _better(
                 best, self._along(self.rater, path, pace), unit_price / self.path_search.unit
@@ -85,7 +85,7 @@ class Passage:
         delay_cost = path_search.motion.start_cost or 1.0
         # A step is worth about a hundredth of the bound.
         price = delay_cost / (TUNING.step_share * self.rater.program.risk_bound)
-        path = path_search.path(price, delay_cost)
+        path = path_search.path(price, limits, delay_cost)
         if path is None:
             return None
         room = np.tile(TUNING.earliest_tube * path_search.motion.longest, len(path))

@@ -31,6 +31,7 @@ from radmpc.planners.certified.lattice.tables import INFEASIBLE, Float32, change
 from radmpc.planners.certified.lattice.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
+from radmpc.solvers.solution import Limits
 
 __all__ = ["PathSearch"]
 
@@ -83,20 +84,22 @@ class PathSearch:
         """The outputs that are the vehicle's positions, step by step."""
         return slice(self.first, self.first + 2 * (self.model.horizon + 1))
 
-    def path(self, price: float, delay_cost: float = 0.0) -> Matrix | None:
+    def path(self, price: float, limits: Limits, delay_cost: float = 0.0) -> Matrix | None:
         """Return the best positions at each step.
 
         Parameters
         ----------
         price : float
             Cost of risk, per unit of probability.
+        limits : Limits
+            When to stop early.
         delay_cost : float
             Cost of every step at whose end the vehicle is not in its goal.
 
         Returns
         -------
         (T+1, 2) array or None
-            Positions [m]; None where the lattice has no path.
+            Positions [m]; None where the lattice has no path, or none was found in time.
         """
         if not self._avoidances:
             self._avoidances = half_planes_of(self.program, self.model.horizon, self.places)
@@ -104,10 +107,13 @@ class PathSearch:
                 largest = self._deviations.get(avoidance.key, 0.0)
                 self._deviations[avoidance.key] = max(largest, avoidance.deviation)
         if (price, delay_cost) not in self._paths:
-            self._paths[price, delay_cost] = self._refined_path(price, delay_cost)
+            path = self._refined_path(price, delay_cost, limits)
+            if limits.reached:
+                return path
+            self._paths[price, delay_cost] = path
         return self._paths[price, delay_cost]
 
-    def _refined_path(self, price: float, delay_cost: float) -> Matrix | None:
+    def _refined_path(self, price: float, delay_cost: float, limits: Limits) -> Matrix | None:
         """Seek a path, on finer lattices where coarser ones have none, from then on there alone."""
         while True:
             moves = TUNING.moves[min(self.level, len(TUNING.moves) - 1)]
@@ -115,19 +121,21 @@ class PathSearch:
             if self.level == len(TUNING.moves):
                 # Narrow passages may lie between the lines.
                 lattice = snapped_lattice(lattice, self._avoidances)
-            cells = self._search(lattice, price, delay_cost)
+            cells = self._search(lattice, price, delay_cost, limits)
             if cells is not None:
                 break
-            if self.is_coarse_only or self.level == len(TUNING.moves):
+            if limits.reached or self.is_coarse_only or self.level == len(TUNING.moves):
                 return None
             self.level += 1
         if lattice.lines is None:
             finer = finer_lattice(lattice, cells)
-            found = self._search(finer, price, delay_cost)
+            found = self._search(finer, price, delay_cost, limits)
             lattice, cells = finer, 2 * cells if found is None else found
         return lattice.positions(cells)
 
-    def _search(self, lattice: Lattice, price: float, delay_cost: float) -> Indices | None:
+    def _search(
+        self, lattice: Lattice, price: float, delay_cost: float, limits: Limits
+    ) -> Indices | None:
         """Return the cheapest path over a lattice, (T+1, 2) cells from the start."""
         motion, horizon = self.motion, self.model.horizon
         moves = np.diff(lattice.reference, axis=0)
@@ -141,6 +149,8 @@ class PathSearch:
         late = np.float32(delay_cost)
         arrivals: list[Float32] = []
         for k in range(horizon):
+            if limits.reached:
+                return None
             if k > 0:
                 tables = motion.change_costs(moves[k - 1], moves[k], lattice.stride, lattice.moves)
                 values = changed(values, tables)
