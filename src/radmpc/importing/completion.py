@@ -16,7 +16,6 @@ from radmpc.importing.noise import (
     choose_noise,
     describe_feedback,
     describe_noise,
-    rounded_down,
 )
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignProblem, ForeignVehicle
@@ -29,6 +28,7 @@ from radmpc.model.relations.concerns import among
 from radmpc.model.scenario import Scenario, Workspace
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.records import dataclass, replace
+from radmpc.rounding import rounded_down
 
 __all__ = ["ImportedScenario", "overlay"]
 

@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.importing.noise import Noise, choose_noise, rounded_down
+from radmpc.importing.noise import Noise, choose_noise
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignVehicle
 from radmpc.nearby import near_pairs
+from radmpc.rounding import rounded_down
 
 __all__ = ["fit_ends"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,8 +12,9 @@ from radmpc.importing.problem import ForeignVehicle
 from radmpc.importing.rounding import rounded
 from radmpc.model.dynamics import covariances, double_integrator
 from radmpc.records import dataclass
+from radmpc.rounding import rounded_up
 
-__all__ = ["Noise", "choose_noise", "describe_feedback", "describe_noise", "rounded_up"]
+__all__ = ["Noise", "choose_noise", "describe_feedback", "describe_noise"]
 
 _LONG_HORIZON = 12
 """Steps up to which the noise stays small enough without feedback."""
@@ -125,31 +125,3 @@ def describe_feedback(noises: Sequence[Noise], horizon: int) -> str:
     if horizon <= _LONG_HORIZON:
         return "none: the horizon is short"
     return f"none: it would need more than {_MOST_RESERVE:g} of the control limit in reserve"
-
-
-def rounded_up(value: float, num_digits: int = 2) -> float:
-    """Return the next larger number of so many digits; the value is > 0.
-
-    Parameters
-    ----------
-    value : float
-        What is rounded, > 0.
-    num_digits : int
-        Significant digits that are kept.
-    """
-    digits = num_digits - 1 - math.floor(math.log10(value))
-    return round(math.ceil(value * 10.0**digits - 1e-9) / 10.0**digits, digits)
-
-
-def rounded_down(value: float, num_digits: int = 2) -> float:
-    """Return the next smaller number of so many digits; the value is > 0.
-
-    Parameters
-    ----------
-    value : float
-        What is rounded, > 0.
-    num_digits : int
-        Significant digits that are kept.
-    """
-    digits = num_digits - 1 - math.floor(math.log10(value))
-    return round(math.floor(value * 10.0**digits + 1e-9) / 10.0**digits, digits)

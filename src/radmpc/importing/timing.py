@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from radmpc.importing.clearance import is_narrow
 from radmpc.importing.free_space import FreePath
-from radmpc.importing.noise import rounded_up
 from radmpc.importing.options import ImportOptions
 from radmpc.importing.problem import ForeignVehicle
+from radmpc.rounding import rounded_up
 
 __all__ = ["choose_steps"]
 

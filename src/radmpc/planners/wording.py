@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, floor, log10
 from typing import Literal
 
 from radmpc.model.plan import Cause
@@ -21,8 +20,6 @@ __all__ = [
     "listed",
     "lost_range_text",
     "rounded",
-    "rounded_down",
-    "rounded_up",
 ]
 
 _NAMED = 3
@@ -65,18 +62,6 @@ def rounded(risk: float, bound: float) -> str:
         if (float(text) > bound) == (risk > bound) and float(text) != bound:
             break
     return text
-
-
-def rounded_up(risk: float) -> str:
-    """Return a risk in two digits, not below it."""
-    unit = 10.0 ** (floor(log10(max(risk, 1e-300))) - 1)
-    return f"{ceil(risk / unit * (1.0 - 1e-9)) * unit:.2g}"
-
-
-def rounded_down(risk: float) -> str:
-    """Return a risk in two digits, not above it."""
-    unit = 10.0 ** (floor(log10(max(risk, 1e-300))) - 1)
-    return f"{floor(risk / unit * (1.0 + 1e-9)) * unit:.2g}"
 
 
 def is_contact(scenario: Scenario, hazard: EndpointHazard) -> bool:

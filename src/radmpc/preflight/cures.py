@@ -16,12 +16,11 @@ from radmpc.planners.cures.variants import (
     WEIGHTS,
     longer_horizons,
     regulated,
-    rounded_down,
-    rounded_up,
     vehicle_with_noise,
 )
 from radmpc.preflight.pace import Pace
 from radmpc.preflight.reserve import expected_saturation, reserve_of
+from radmpc.rounding import rounded_down, rounded_up
 
 __all__ = [
     "control_cures",
@@ -241,7 +240,7 @@ def _raised(
     if value is None:
         return
     for factor in factors:
-        raised = np.array([rounded_up(factor * x) for x in np.atleast_1d(value).tolist()])
+        raised = np.array([rounded_up(factor * x, 3) for x in np.atleast_1d(value).tolist()])
         if limit == "control_limit":
             candidate = replace(vehicle, control_limit=raised)
         else:

@@ -13,14 +13,13 @@ from radmpc.model.workspace import Workspace
 from radmpc.planners.cures.variants import (
     longer_horizons,
     regulated,
-    rounded_down,
-    rounded_up,
     with_horizon,
     with_noise,
 )
 from radmpc.preflight.outlook import VehicleOutlook, outlook_of
 from radmpc.preflight.places import Narrowest, Passage
 from radmpc.preflight.reserve import tails
+from radmpc.rounding import rounded_down, rounded_up
 
 __all__ = ["narrow_cures", "told_of_narrow"]
 
@@ -126,7 +125,7 @@ def _wider(alone: Scenario, place: Narrowest, does: _Test) -> Iterator[str]:
     (vehicle,) = alone.vehicles
     lacking = max(_enough(alone) * place.deviation, 0.0) - place.clearance
     count = len(place.beside)
-    told = rounded_up(count * lacking) if lacking > 0.0 else 0.0
+    told = rounded_up(count * lacking, 3) if lacking > 0.0 else 0.0
     aside = told / count
     if not 0.0 < aside < vehicle.radius:
         return

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Literal
 
 from radmpc.model.scenario import Scenario
-from radmpc.planners.cures.variants import rounded_down
+from radmpc.rounding import rounded_down
 
 __all__ = ["NoiseKind", "noise_warnings"]
 

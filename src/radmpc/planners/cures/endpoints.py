@@ -13,11 +13,12 @@ from radmpc.arrays import Vector
 from radmpc.errors import ScenarioError
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.planners.cures.variants import MOST_RISK, rounded_down, rounded_up, with_noise
+from radmpc.planners.cures.variants import MOST_RISK, with_noise
 from radmpc.planners.endpoints.floors import EndpointHazard, floor_of, floors
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
 from radmpc.records import dataclass, replace
+from radmpc.rounding import rounded_down, rounded_up
 
 __all__ = ["SMALL_SHARE", "endpoint_cures"]
 
@@ -250,7 +251,7 @@ def _bolder(part: Scenario, accepts: Accepts | None) -> Iterator[str]:
     """Yield a bound of which starts and goals take little, or with which there is a plan."""
     total = _total(part)
     tried = [total / SMALL_SHARE] if accepts is None else [factor * total for factor in _RISKS]
-    for bound in (rounded_up(value) for value in tried if value > 0.0):
+    for bound in (rounded_up(value, 3) for value in tried if value > 0.0):
         if not part.risk_bound < bound <= MOST_RISK:
             continue
         bolder = replace(part, risk_bound=bound)

@@ -14,10 +14,10 @@ from radmpc.planners.cures.variants import (
     helps_sentence,
     longer_horizons,
     regulated,
-    rounded_up,
     with_horizon,
     with_noise,
 )
+from radmpc.rounding import rounded_up
 from radmpc.solvers.solution import Limits
 
 __all__ = ["reach_sentence", "room_sentence"]
@@ -117,7 +117,7 @@ def _longer(scenario: Scenario, does: Does, limits: Limits) -> Iterator[str]:
 
 def _bolder(scenario: Scenario, does: Does, limits: Limits) -> Iterator[str]:
     """Yield the smallest bound that does, of those tried."""
-    bounds = [rounded_up(factor * scenario.risk_bound) for factor in _RISKS]
+    bounds = [rounded_up(factor * scenario.risk_bound, 3) for factor in _RISKS]
     bolder = ((f"{b:g}", replace(scenario, risk_bound=b)) for b in bounds if b <= MOST_RISK)
     for told in _first(bolder, does, limits):
         yield f"raise risk_bound to {told}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import floor, log10
 
 import numpy as np
 
@@ -21,8 +20,6 @@ __all__ = [
     "helps_sentence",
     "longer_horizons",
     "regulated",
-    "rounded_down",
-    "rounded_up",
     "vehicle_with_noise",
     "with_horizon",
     "with_noise",
@@ -158,15 +155,3 @@ def helps_sentence(found: Sequence[str]) -> str:
         Each in the imperative, without a full stop.
     """
     return f"What helps, as tried: {'; or '.join(found)}." if found else ""
-
-
-def rounded_up(value: float) -> float:
-    """Return a number > 0 of three digits, no smaller."""
-    digits = 2 - floor(log10(value))
-    return round(-floor(-value * 10.0**digits + 1e-9) / 10.0**digits, max(digits, 0))
-
-
-def rounded_down(value: float) -> float:
-    """Return a number > 0 of two digits, no larger."""
-    digits = 1 - floor(log10(value))
-    return round(floor(value * 10.0**digits + 1e-9) / 10.0**digits, max(digits, 0))

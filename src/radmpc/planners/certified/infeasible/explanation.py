@@ -12,8 +12,9 @@ from radmpc.planners.certified.infeasible.stuck import stuck_reason
 from radmpc.planners.certified.infeasible.tuning import TUNING
 from radmpc.planners.explain import unable_alone
 from radmpc.planners.presolve import Reason, grouped, reserve_reason
-from radmpc.planners.wording import hazard_name, limit_clause, rounded_down, rounded_up
+from radmpc.planners.wording import hazard_name, limit_clause
 from radmpc.program.build import condensed_models
+from radmpc.rounding import rounded_down, rounded_up
 from radmpc.solvers.solution import Limits
 
 __all__ = ["ended", "told_for_certain", "why_not"]
@@ -180,11 +181,13 @@ def _too_much(scenario: Scenario, found: LeastRisk, limits: Limits) -> str:
     if found.bound > scenario.risk_bound:
         head = (
             f"No plan is within {bound} by union bounds with the faces of this scenario: every "
-            f"such plan runs at least {rounded_down(found.bound)}."
+            f"such plan runs at least {rounded_down(found.bound):.2g}."
         )
     else:
         head = f"No plan within {bound} was found, and none was ruled out: {limit_clause(limits)}"
     advice = ""
     if found.risk < 0.5:
-        advice = f" Raise risk_bound to {rounded_up(found.risk)}, at which there is one."
-    return f"{head} The safest found runs {rounded_up(found.risk)}, most of it {takers}.{advice}"
+        advice = f" Raise risk_bound to {rounded_up(found.risk):.2g}, at which there is one."
+    return (
+        f"{head} The safest found runs {rounded_up(found.risk):.2g}, most of it {takers}.{advice}"
+    )
