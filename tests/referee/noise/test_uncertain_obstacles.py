@@ -7,9 +7,9 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from fleets import permuted
-from physical import fly
-from physical_scenes import DI, KINDS, craft, pd, pushed, still, unclipped
-from scipy.stats import binomtest, fisher_exact, norm
+from physical_scenes import DI, KINDS, craft, pd, pushed, still
+from scipy.stats import norm
+from second_opinion import check_certificate, check_counts
 
 from radmpc.errors import ScenarioError
 from radmpc.flying.mission import Mission
@@ -68,27 +68,14 @@ FALSE_ALARM = 1e-4 / (len(SCENES) * len(KINDS))
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 def test_simulation_counts_what_the_second_simulator_counts(scene):
-    plan = scene()
-    expected = fly(plan, MISSIONS, seed=1)
-    found = simulate(plan, MISSIONS, rng=2)
-    assert 0.01 * MISSIONS < expected.obstacle_collisions < 0.9 * MISSIONS
-    for kind in KINDS:
-        counts = [getattr(expected, kind), getattr(found, kind)]
-        table = [counts, [MISSIONS - count for count in counts]]
-        assert fisher_exact(table).pvalue > FALSE_ALARM, (kind, counts)
+    check_counts(scene(), MISSIONS, FALSE_ALARM, "obstacle_collisions")
 
 
 @pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
 def test_the_certificate_is_just_above_the_second_simulator(scene):
-    plan = unclipped(scene())
-    flown = fly(plan, MISSIONS, seed=3)
-    interval = binomtest(flown.collisions, MISSIONS).proportion_ci(1 - 2e-4, "exact")
-    certificate = certify(plan)
-    assert flown.saturated == 0
-    assert not certificate.problems
-    assert interval.low <= certificate.certified <= 2.5 * interval.high
+    check_certificate(scene(), MISSIONS)
 
 
 def test_at_steps_the_certificate_is_the_exact_probability_of_the_sum_of_both_noises():
