@@ -64,7 +64,7 @@ def spans_the_plane(points: np.ndarray) -> bool:
 @pytest.mark.slow
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("shape", SHAPES)
-def test_the_outline_reaches_as_far_as_that_of_qhull(shape) -> None:  # type: ignore[no-untyped-def] # arrays of hypothesis
+def test_the_outline_reaches_as_far_as_that_of_qhull(shape) -> None:
     rng = np.random.default_rng(5)
     directions = rng.normal(size=(50, 2))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
@@ -87,7 +87,7 @@ def test_the_outline_reaches_as_far_as_that_of_qhull(shape) -> None:  # type: ig
 
 
 @pytest.mark.parametrize("shape", [scattered, on_a_grid, beside_the_edges, on_a_circle])
-def test_the_outline_has_the_corners_of_qhull(shape) -> None:  # type: ignore[no-untyped-def] # arrays of hypothesis
+def test_the_outline_has_the_corners_of_qhull(shape) -> None:
     rng = np.random.default_rng(6)
     for _ in range(700):
         points = shape(rng)
@@ -98,7 +98,7 @@ def test_the_outline_has_the_corners_of_qhull(shape) -> None:  # type: ignore[no
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_faces_hold_all_points_and_touch_them(shape) -> None:  # type: ignore[no-untyped-def] # arrays of hypothesis
+def test_faces_hold_all_points_and_touch_them(shape) -> None:
     rng = np.random.default_rng(7)
     for _ in range(300):
         points = shape(rng)

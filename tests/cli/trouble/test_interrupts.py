@@ -155,6 +155,7 @@ def children(pid: int) -> list[int]:
     "words",
     [
         ("planners",),
+        ("plan", "a.yaml"),
         ("verify", "a.json", "--json", "--samples", "1000"),
         COMMANDS["import"],
         COMMANDS["export"],
