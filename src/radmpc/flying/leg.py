@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector, as_matrix, unchecked
-from radmpc.flying.knowing import known_loop, remembers
+from radmpc.flying.knowing import expected_start, known_loop, remembers
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
@@ -84,7 +84,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,) or (2 n + s,) array
             What is known there: see `radmpc.flying.knowing`.
         scale : Scale or None
             What is known of the factor of covariances, beside those stated first; None where they
@@ -100,7 +100,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,) or (2 n + s,) array
             What is known there: see `radmpc.flying.knowing`.
         """
         k = step - self.began
@@ -121,7 +121,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,) or (2 n + s,) array
             What is known there: see `radmpc.flying.knowing`.
         controls : sequence of (m,) array
             What is flown over the step.
@@ -143,7 +143,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,) or (2 n + s,) array
             What is known there: see `radmpc.flying.knowing`.
         """
         effort = miss = 0.0
@@ -154,12 +154,15 @@ class Leg:
         return Outlook(effort, miss)
 
     def _nominal(self, number: int) -> Matrix:
-        """Return what is known of a vehicle that flies as planned, (T+1, n) or (T+1, 2 n)."""
+        """Return what is known of a vehicle that flies as planned, (T+1, n) or (T+1, 2 n + s)."""
         motion = self.witnesses.motion
         path, lasting = motion.states[number], motion.lasting[number]
         if not remembers(self.plan.scenario.vehicles[number]):
             return path
-        return np.hstack([path, np.zeros_like(path) if lasting is None else lasting])
+        if lasting is None:
+            rest = expected_start(self.plan.scenario.vehicles[number]).size - path.shape[1]
+            lasting = np.zeros((len(path), rest))
+        return np.hstack([path, lasting])
 
     def mean_controls(self, step: int, states: Sequence[Vector]) -> tuple[Matrix, ...]:
         """Return the controls still to come on average, feedback included, (T - k, m) each.
@@ -168,7 +171,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,) or (2 n + s,) array
             What is known there: see `radmpc.flying.knowing`.
         """
         return tuple(pushed for pushed, _ in self._means(step, states))

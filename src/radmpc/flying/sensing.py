@@ -81,5 +81,5 @@ class Sensing:
         known, told = self.observer.known(step, expected, states), self.observer.told(step)
         seen = step, expected, states, told
         alarms = self.watcher.look(*seen, self.evidence.scale) if is_certain else []
-        self.evidence = self.evidence.after(*seen)
+        self.evidence = self.evidence.after(*seen, self.observer.told_together(step))
         return known, alarms

@@ -140,9 +140,8 @@ def test_vehicles_that_know_one_source_agree_about_it():
     assert caught.value.path == ("vehicles", 1, "shared", 0)
 
 
-@pytest.mark.parametrize("scene", [against_each_other, measured])
-def test_what_is_left_of_a_plan_is_not_valued_under_shared_noise_that_lasts_or_is_measured(scene):
-    plan = scene()
+def test_what_is_left_of_a_plan_is_not_valued_under_shared_noise_where_states_are_estimated():
+    plan = measured()
     motion = propagate(plan.scenario, [t.controls for t in plan.trajectories])
-    with pytest.raises(ScenarioError, match="shared noise that is new at every step"):
-        loops_of(motion)
+    with pytest.raises(ScenarioError, match="shared noise where states are known exactly"):
+        loops_of(motion, plan.scenario.vehicles)

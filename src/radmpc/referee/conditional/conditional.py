@@ -255,13 +255,15 @@ def _deviations(
     motion = witnesses.motion
     for i, (measured, path) in enumerate(zip(given, nominal, strict=True)):
         n, seen = path.shape[1], motion.seen_rows[i]
-        unknown, lasting = motion.unknown[i], motion.lasting[i]
+        lasting = motion.lasting[i]
         result[:, i, :n] = measured[:, :n] - path[step]
-        if unknown is None:
+        if measured.shape[1] == n:
             continue
-        if witnesses.plan.scenario.vehicles[i].disturbance_correlation > 0.0:
-            expected = 0.0 if lasting is None else lasting[step]
-            result[:, i, n : 2 * n] = measured[:, n:] - expected
+        begins = n if witnesses.plan.scenario.vehicles[i].disturbance_correlation > 0.0 else 2 * n
+        if measured.shape[1] > begins:
+            expected = 0.0 if lasting is None else lasting[step][begins - n :]
+            rest = measured[:, begins:] - expected
+            result[:, i, n : n + rest.shape[1]] = rest
         if seen:
             # What is expected of all there is, is what the filter says.
             result[:, i, seen : 2 * seen] = result[:, i, :seen]
@@ -270,6 +272,9 @@ def _deviations(
 
 def _sizes(witnesses: Witnesses) -> list[int]:
     """Return how many numbers tell what is known of each vehicle."""
-    motion = witnesses.motion
-    pairs = zip(motion.states, motion.unknown, strict=True)
-    return [path.shape[1] * (1 if unknown is None else 2) for path, unknown in pairs]
+    sizes = []
+    for vehicle in witnesses.plan.scenario.vehicles:
+        shared = [part.size for part in vehicle.shared if part.correlation > 0.0]
+        lasts = vehicle.disturbance_correlation > 0.0 or vehicle.measurement is not None or shared
+        sizes.append(vehicle.start.size * (2 if lasts else 1) + sum(shared))
+    return sizes
