@@ -76,6 +76,27 @@ def blown_as_another_sees() -> Scenario:
     return replace(scenario, vehicles=(blind, replace(seeing, goal=goal)))
 
 
+def blown_and_estimated() -> Scenario:
+    return blown(measurement=SENSOR)
+
+
+def estimated_as_another_sees() -> Scenario:
+    """Three that one wind blows, of which two estimate where they are."""
+    scenario = blown_as_another_sees()
+    blind, seeing = scenario.vehicles
+    third = replace(seeing, name="x", start=[900.0, 900.0], disturbance_correlation=0.5)
+    third = replace(third, goal=Goal.at([900.0, 900.0], 1e3, None), measurement=SENSOR)
+    return replace(scenario, vehicles=(replace(blind, measurement=SENSOR), seeing, third))
+
+
+def estimated_in_a_new_wind_and_unsure() -> Scenario:
+    scenario = estimated_as_another_sees()
+    vehicles = tuple(
+        replace(v, shared=(replace(v.shared[0], correlation=0.0),)) for v in scenario.vehicles
+    )
+    return replace(scenario, vehicles=vehicles, covariance_samples=6)
+
+
 def blown_and_unsure() -> Scenario:
     return replace(blown_as_another_sees(), covariance_samples=6)
 
@@ -98,6 +119,9 @@ SCENES = [
     blown_and_gusty,
     blown_as_another_sees,
     blown_and_unsure,
+    blown_and_estimated,
+    estimated_as_another_sees,
+    estimated_in_a_new_wind_and_unsure,
     unsure,
     estimated_and_unsure_beside_a_berg,
 ]

@@ -10,9 +10,7 @@ from adversary import AWAY
 from noisy_scenes import (
     BOUND,
     SCENES,
-    SENSOR,
     STEPS,
-    beside,
     beside_a_berg,
     blown,
     estimated,
@@ -25,17 +23,17 @@ import radmpc
 from radmpc.errors import ScenarioError
 from radmpc.flying import knowing, remainder
 from radmpc.flying.backends import BACKENDS
-from radmpc.flying.knowing import Observer, expected_start
+from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.observing import Observer
 from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
 from radmpc.gaussian import Tail
 from radmpc.model.noise.filtering import Learning
 from radmpc.model.noise.fleet import FleetLearning
-from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.referee import certify
@@ -179,7 +177,7 @@ def test_a_leg_from_what_is_known_is_worth_its_certificate(scene):
         scale = mission._sensing.evidence.scale
         left = left_of(plan.scenario, step, known, 0.4, scale)
         leg = leg_of(left, [path.controls[step:] for path in plan.trajectories], step, scale)
-        now = leg.value(step, known, scale)
+        now = leg.value(step, leg.begun(known), scale)
         # At step 0 of what is left nothing is charged that has been flown.
         assert leg.price == pytest.approx(certify(leg.plan).certified, rel=1e-6)
         assert now.total == pytest.approx(leg.price - leg_start(leg), rel=1e-6, abs=1e-12)
@@ -248,19 +246,6 @@ def test_states_tell_of_gusts_what_a_filter_of_both_tells():
         A, _, _ = knowing.known_loop(scenario.vehicles[0])
         expected = [A @ known[0]]
         states, _ = model.advance(radmpc.flying.tick.segments(scenario, known, [np.zeros(2)]))
-
-
-def test_what_others_tell_of_an_estimate_is_not_accounted_for_and_a_mission_says_so():
-    wind = SharedDisturbance("wind", np.eye(2), 0.01)
-    for correlation in (0.0, 0.5):
-        shared = (replace(wind, correlation=correlation),)
-        scenario = beside(shared=shared, measurement=SENSOR)
-        plan = replace(waiting(beside()), scenario=scenario)
-        for made in (lambda: Mission(plan), lambda: Model(scenario, 0)):  # noqa: B023 - called at once
-            with pytest.raises(ScenarioError, match="states are known exactly") as caught:
-                made()
-            assert caught.value.path == ("vehicles", 0, "shared")
-            assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["boat", "rotorpy", "irsim"])

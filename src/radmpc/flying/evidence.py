@@ -59,7 +59,7 @@ class Evidence:
         expected: Sequence[Vector],
         states: Sequence[Vector],
         told: Sequence[Matrix | None],
-        together: Matrix | None = None,
+        together: tuple[Matrix, Vector] | None = None,
     ) -> Evidence:
         """Return what is known after a measurement.
 
@@ -73,8 +73,9 @@ class Evidence:
             Measured states, or estimates.
         told : sequence of (n, n) array or None
             By how much estimates were to move; None where states are told.
-        together : (p, p) array or None
-            By how much the states of all who tell of each other were to move; None of none.
+        together : tuple of (p, p) and (p,) array, or None
+            What was told of all who tell of each other about what was expected, its covariance
+            first; None of none.
         """
         if self.scale.samples is None:
             return self
@@ -86,11 +87,11 @@ class Evidence:
             if missed and any(remembers(vehicle) for vehicle in chosen):
                 continue  # what estimates then move by is no longer known
             if together is not None and chosen[0].shared:
-                covariance = together
+                covariance, apart = together
             else:
                 covariance = _covariance(chosen, [told[i] for i in members], self.measured, at)
-            apart = np.concatenate([deviations[i] for i in members])[None]
-            squares, components = squares_of(covariance, apart)
+                apart = np.concatenate([deviations[i] for i in members])
+            squares, components = squares_of(covariance, apart[None])
             scale = scale.learned(float(squares[0]), components)
         return replace(self, scale=scale, measured=at)
 

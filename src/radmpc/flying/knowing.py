@@ -6,33 +6,42 @@ its own disturbance and of those it shares and that last, n + n + s numbers. The
 is not known goes with the step alone. It is called *known* in what follows; of all other vehicles
 it is the measured state.
 
-Where vehicles share disturbances and any of these or of their own last, all of them are learned of
-together (`radmpc.model.noise.fleet`).
+Where vehicles share disturbances and any of these or of their own last, or one of them measures
+with noise, all of them are learned of together (`radmpc.model.noise.fleet`). Of one that measures
+with noise and shares three such vectors are known, one after the other: what its own filter tells,
+which is all that is heard of it; what the filter tells whose estimate the leg in the air acts upon,
+and which began with that leg; and what all that was measured tells.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ScenarioError
 from radmpc.model.noise.filtering import Learning, learning_of
-from radmpc.model.noise.fleet import FleetLearning, fleet_learning
+from radmpc.model.noise.fleet import fleet_learning
 from radmpc.model.noise.known import Known
 from radmpc.model.noise.shared import lasting_parts
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.records import dataclass
 
 __all__ = [
-    "Observer",
+    "acted_on",
+    "best_of",
+    "estimates_together",
     "expected_anew",
     "expected_start",
+    "kept_learning",
     "known_after",
     "known_loop",
     "moved",
     "remembers",
+    "renewed",
+    "starting",
     "unknown_after",
 ]
 
@@ -50,6 +59,96 @@ def remembers(vehicle: Vehicle) -> bool:
     return bool(vehicle.shared and lasting_parts(vehicle.shared))
 
 
+def estimates_together(vehicle: Vehicle) -> bool:
+    """Whether what others measure tells of the error of a vehicle's own estimate.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    """
+    return bool(vehicle.shared) and vehicle.measurement is not None
+
+
+def _copies(vehicle: Vehicle) -> int:
+    """Return how many vectors are known of a vehicle."""
+    return 3 if estimates_together(vehicle) else 1
+
+
+def acted_on(vehicle: Vehicle, known: Vector) -> Vector:
+    """Return the state that feedback acts on, (n,).
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    known : (n,) or (2 n + s,) or (3 (2 n + s),) array
+        What is known of it.
+    """
+    begins = known.size // 3 if estimates_together(vehicle) else 0
+    return known[begins : begins + vehicle.start.size]
+
+
+def best_of(vehicle: Vehicle, known: Vector) -> Vector:
+    """Return what all that was measured tells, (n,) or (2 n + s,).
+
+    Parameters
+    ----------
+    vehicle, known
+        As in `acted_on`.
+    """
+    return known[2 * known.size // 3 :] if estimates_together(vehicle) else known
+
+
+def renewed(vehicles: Sequence[Vehicle], known: Sequence[Vector]) -> tuple[Vector, ...]:
+    """Return what is known where another leg begins: its filters know what all tell.
+
+    Parameters
+    ----------
+    vehicles : sequence of Vehicle
+        The fleet.
+    known : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
+        What is known.
+    """
+    found = []
+    for vehicle, each in zip(vehicles, known, strict=True):
+        if estimates_together(vehicle):
+            own, _, best = np.split(each, 3)
+            found.append(np.concatenate([own, best, best]))
+        else:
+            found.append(each)
+    return tuple(found)
+
+
+def starting(vehicle: Vehicle, known: Vector, start: Vector) -> Vector:
+    """Return what is known with another state, that at which a leg begins.
+
+    Parameters
+    ----------
+    vehicle, known
+        As in `acted_on`.
+    start : (n,) array
+        The state.
+    """
+    found = known.copy()
+    best_of(vehicle, found)[: start.size] = start
+    return found
+
+
+@lru_cache(maxsize=128)
+def kept_learning(vehicle: Vehicle, horizon: int) -> Learning:
+    """Return what a vehicle's own measurements tell, the same again for the same value.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    horizon : int
+        Number of steps T.
+    """
+    return learning_of(vehicle.system, vehicle.noise, horizon)
+
+
 def expected_start(vehicle: Vehicle) -> Vector:
     """Return what is known of a vehicle before anything is measured.
 
@@ -65,7 +164,7 @@ def expected_start(vehicle: Vehicle) -> Vector:
     if vehicle.known is not None:
         own = vehicle.known.disturbance
         shared = shared if vehicle.known.lasting is None else vehicle.known.lasting
-    return np.concatenate([vehicle.start, own, shared])
+    return np.tile(np.concatenate([vehicle.start, own, shared]), _copies(vehicle))
 
 
 def expected_anew(scenario: Scenario, expected: Sequence[Vector]) -> tuple[Vector, ...]:
@@ -77,7 +176,16 @@ def expected_anew(scenario: Scenario, expected: Sequence[Vector]) -> tuple[Vecto
         Of the steps that are left.
     expected : sequence of (n,) or (2 n + s,) array
         What was.
+
+    Raises
+    ------
+    ScenarioError
+        If a vehicle that shares disturbances measures its state with noise: what its own filter
+        tells goes on from where it began.
     """
+    if any(estimates_together(vehicle) for vehicle in scenario.vehicles):
+        message = "a mission of estimates under shared disturbances cannot be started again"
+        raise ScenarioError(message, ("vehicles",))
     pairs = zip(scenario.vehicles, expected, strict=True)
     return tuple(expected_start(v) if remembers(v) else x for v, x in pairs)
 
@@ -90,6 +198,15 @@ def known_loop(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix | None]:
     vehicle : Vehicle
         The vehicle.
     """
+    A, B, gain = _own_loop(vehicle)
+    if not estimates_together(vehicle):
+        return A, B, gain
+    held = None if gain is None else np.pad(gain, ((0, 0), (len(A), len(A))))
+    return np.asarray(np.kron(np.eye(3), A), float), np.vstack([B, B, B]), held
+
+
+def _own_loop(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix | None]:
+    """Return that of one of the vectors that are known."""
     A, B, gain = vehicle.system.A, vehicle.system.B, vehicle.gain
     if not remembers(vehicle):
         return A, B, gain
@@ -111,16 +228,17 @@ def moved(vehicle: Vehicle, known: Vector, control: Vector) -> Vector:
     ----------
     vehicle : Vehicle
         The vehicle.
-    known : (n,) or (2 n + s,) array
-        What is known.
+    known : (n,), (2 n + s,) or (3 (2 n + s),) array
+        What is known; of who estimates together with others, one of its parts will do.
     control : (m,) array
         What is flown over the step.
     """
-    A, B, _ = known_loop(vehicle)
-    later = np.asarray(A @ known + B @ control)
+    A, B, _ = _own_loop(vehicle)
+    parts = [A @ part + B @ control for part in np.split(known, known.size // len(A))]
     if vehicle.drift is not None:
-        later[: vehicle.drift.size] += vehicle.drift
-    return later
+        for part in parts:
+            part[: vehicle.drift.size] += vehicle.drift
+    return np.concatenate(parts)
 
 
 def unknown_after(vehicle: Vehicle, passed: int) -> Matrix:
@@ -157,10 +275,11 @@ def known_after(
         Of all steps.
     passed : int
         Steps from its first.
-    known : sequence of (n,) or (2 n + s,) array
+    known : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
         What is known there.
     """
     vehicles = scenario.vehicles
+    known = [best_of(v, each) for v, each in zip(vehicles, known, strict=True)]
     fleet = fleet_learning(vehicles, scenario.horizon)
     found: list[Known | None] = [None] * len(vehicles)
     if fleet is not None:
@@ -169,105 +288,9 @@ def known_after(
             [known[i] for i in fleet.members],
         )
         for i, each in zip(fleet.members, fleet.known(passed, noises, means), strict=True):
-            found[i] = each if remembers(vehicles[i]) else None
+            found[i] = each
     for i, vehicle in enumerate(vehicles):
         if remembers(vehicle) and found[i] is None:
             n = vehicle.start.size
             found[i] = Known(known[i][n:], unknown_after(vehicle, passed))
     return tuple(found)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Observer:
-    """Makes of measured states, or estimates, what is known of vehicles.
-
-    Attributes
-    ----------
-    began : int
-        The mission's step at which its scenario begins.
-    learning : tuple of Learning or None
-        Of each vehicle that remembers, and of which no others tell; None of all others.
-    fleet : FleetLearning or None
-        Of the vehicles that tell of each other; None where none do.
-    """
-
-    began: int
-    learning: tuple[Learning | None, ...]
-    fleet: FleetLearning | None = None
-
-    @classmethod
-    def of(cls, scenario: Scenario, began: int = 0) -> Observer:
-        """Return the observer of a mission.
-
-        Parameters
-        ----------
-        scenario : Scenario
-            Of the steps from one on.
-        began : int
-            The mission's step at which it begins.
-        """
-        fleet = fleet_learning(scenario.vehicles, scenario.horizon)
-        tied = () if fleet is None else fleet.members
-        alone = (
-            learning_of(v.system, v.noise, scenario.horizon)
-            if remembers(v) and i not in tied
-            else None
-            for i, v in enumerate(scenario.vehicles)
-        )
-        return cls(began, tuple(alone), fleet)
-
-    def known(
-        self, step: int, expected: Sequence[Vector], states: Sequence[Vector]
-    ) -> tuple[Vector, ...]:
-        """Return what is known after a measurement.
-
-        Parameters
-        ----------
-        step : int
-            Of the mission.
-        expected : sequence of (n,) or (2 n + s,) array
-            What was expected to be known.
-        states : sequence of (n,) array
-            Measured states, or estimates.
-        """
-        made = []
-        for learning, hoped, state in zip(self.learning, expected, states, strict=True):
-            if learning is None:
-                made.append(state)
-                continue
-            before, lasting = np.split(hoped, 2)
-            carried = learning.carried(step - self.began, state - before)
-            made.append(np.concatenate([state, lasting + carried]))
-        if self.fleet is not None:
-            tied = self.fleet.members
-            seen = [states[i] - expected[i][: states[i].size] for i in tied]
-            for i, change in zip(tied, self.fleet.learned(step - self.began, seen), strict=True):
-                n = states[i].size
-                rest = expected[i][n:]
-                made[i] = np.concatenate([states[i], rest + change[n : n + rest.size]])
-        return tuple(made)
-
-    def told(self, step: int) -> tuple[Matrix | None, ...]:
-        """Return by how much estimates move at a step, (n, n) each; None where states are told.
-
-        Parameters
-        ----------
-        step : int
-            Of the mission.
-        """
-        at = step - self.began
-        found = [None if one is None else one.told[at] for one in self.learning]
-        if self.fleet is not None:
-            for i, each in zip(self.fleet.members, self.fleet.told_of(at), strict=True):
-                found[i] = each
-        return tuple(found)
-
-    def told_together(self, step: int) -> Matrix | None:
-        """Return by how much the states of all who tell of each other were to move; None of none.
-
-        Parameters
-        ----------
-        step : int
-            Of the mission.
-        """
-        return None if self.fleet is None else self.fleet.told[step - self.began]

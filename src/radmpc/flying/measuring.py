@@ -116,19 +116,12 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If a vehicle shares disturbances and measures its state with noise; if ranges are kept or
-        norms limited.
+        If ranges are kept or norms limited.
     """
     if scenario.keep:
         message = "cannot be kept under way: a mission accounts for collisions and the workspace"
         raise ScenarioError(message, ("keep",))
     for i, vehicle in enumerate(scenario.vehicles):
-        if vehicle.shared and vehicle.measurement is not None:
-            message = (
-                f"{vehicle.name!r} cannot be flown under way: a mission takes shared disturbances "
-                "where states are known exactly: what others measure tells of an estimate's error"
-            )
-            raise ScenarioError(message, ("vehicles", i, "shared"))
         if vehicle.control_norm is not None or vehicle.speed_norm is not None:
             key = "speed_limit" if vehicle.control_norm is None else "control_limit"
             message = "limits a norm: a mission under way takes limits per axis"

@@ -44,8 +44,8 @@ class Estimator:
         Its gains.
     step : int
         The next one at which something is measured.
-    known : (2 n,) array
-        What is expected then: of the state, and of the disturbance over the step that follows.
+    known : (2 n + s,) array
+        What is expected then: of the state, and of the disturbances over the step that follows.
     """
 
     vehicle: Vehicle
@@ -60,12 +60,12 @@ class Estimator:
         Parameters
         ----------
         vehicle : Vehicle
-            With a measurement; it shares no disturbance.
+            With a measurement.
         horizon : int
             Number of steps T.
         """
         learning = learning_of(vehicle.system, vehicle.noise, horizon)
-        return cls(vehicle, learning, 0, expected_start(vehicle))
+        return cls(vehicle, learning, 0, expected_start(vehicle)[: len(learning.gains[0])])
 
     def measured(self, found: Vector) -> Vector:
         """Return the estimate of the state after a measurement, (n,).

@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.arrays import Vector, field_names, frozen
 from radmpc.errors import ScenarioError
-from radmpc.flying.knowing import known_after
+from radmpc.flying.knowing import best_of, known_after
 from radmpc.model.noise.known import Known
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.scenario import Scenario
@@ -77,9 +77,11 @@ def _begun(vehicle: Vehicle, state: Vector, known: Known | None) -> Vehicle:
     """Return a vehicle that begins with what is known of it after some steps."""
     if known is None:
         return changed(vehicle, start=state, initial_covariance=0.0 * vehicle.initial_covariance)
-    n = vehicle.start.size
+    n, best = vehicle.start.size, best_of(vehicle, state)
     unknown = known.covariance[:n, :n].copy()
-    return changed(vehicle, start=state[:n].copy(), initial_covariance=unknown, known=known)
+    if known.common is not None:
+        unknown += known.common[:n] @ known.common[:n].T
+    return changed(vehicle, start=best[:n].copy(), initial_covariance=unknown, known=known)
 
 
 def _scaled(scenario: Scenario, scale: Scale) -> Scenario:

@@ -16,15 +16,20 @@ from gusty_missions import (
 )
 from noisy_missions import Known, check_charges
 
-from radmpc.flying.knowing import Observer, expected_start, known_after, moved
+from radmpc.flying.knowing import expected_start, known_after, moved
+from radmpc.flying.observing import Observer
 from radmpc.model.noise.fleet import fleet_learning
 from radmpc.referee import certify
 from radmpc.referee.conditional import loops
 from radmpc.referee.conditional.conditional import conditional, witnesses_of
 from radmpc.referee.conditional.gusts import Gusts, gusts_of
 from radmpc.referee.conditional.rows import Witnesses
+from sampling import IS_THOROUGH
 
 KINDS = ("steps", "intervals")
+
+FEW = 20_000 if IS_THOROUGH else 1_500
+"""Missions: nightly those that tell small mistakes, too."""
 STEPS = range(5)
 
 
@@ -95,7 +100,7 @@ def test_before_anything_is_measured_the_value_is_the_certificate(scene, kind):
 @pytest.mark.parametrize("scene", SCENES)
 def test_rows_fail_as_often_as_they_are_charged_for_given_what_all_know(scene, kind):
     witnesses = witnesses_of(SCENES[scene](kind))
-    check_charges(witnesses, flown_gustily(witnesses, 4_000, seed=7), (0, 1, 2, 3))
+    check_charges(witnesses, flown_gustily(witnesses, FEW, seed=7), (1, 3))
 
 
 def as_another_sees(flown: Known) -> list[np.ndarray]:
@@ -108,7 +113,7 @@ def as_another_sees(flown: Known) -> list[np.ndarray]:
 def test_rows_fail_as_often_as_they_are_charged_for_whatever_another_sees_of_the_wind(kind):
     witnesses = witnesses_of(seen_by_another(kind))
     flown = flown_gustily(witnesses, 4_000, seed=7)
-    check_charges(witnesses, flown, (0, 1, 2, 3), as_another_sees(flown))
+    check_charges(witnesses, flown, (1, 2), as_another_sees(flown))
 
 
 # Mutants: each is a mistake that is easily made.
@@ -118,6 +123,7 @@ class Alone:
     """A filter for each vehicle, which hears of no others."""
 
     def __init__(self, vehicles, size):
+        self.members = tuple(i for i, vehicle in enumerate(vehicles) if vehicle.shared)
         self.each = [gusts_of([vehicle], size) for vehicle in vehicles]
 
     def left_open(self, step):

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Protocol
 
 import numpy as np
 
 from radmpc.arrays import Indices, Matrix, Vector
-from radmpc.model.dynamics import LinearSystem
+from radmpc.model.noise.filtering import Learning, learning_of
+from radmpc.model.noise.fleet_chain import Shaken, fleet_chain
 from radmpc.model.noise.known import Known
-from radmpc.model.noise.shared import SharedDisturbance, lasting_parts
+from radmpc.model.noise.shared import lasting_parts
 from radmpc.model.noise.spread import Noise
 from radmpc.records import dataclass
 
@@ -25,18 +25,6 @@ __all__ = ["FleetLearning", "fleet_learning", "tied"]
 
 _SINGULAR = 1e-12
 """Eigenvalue of the correlations of what is measured up to which there is nothing to learn [-]."""
-
-
-class Shaken(Protocol):
-    """A vehicle, as far as its noise goes."""
-
-    @property
-    def system(self) -> LinearSystem:
-        """Its dynamics."""
-
-    @property
-    def noise(self) -> Noise:
-        """What shakes it."""
 
 
 def tied(noises: Sequence[Noise]) -> tuple[int, ...]:
@@ -50,11 +38,14 @@ def tied(noises: Sequence[Noise]) -> tuple[int, ...]:
     Returns
     -------
     tuple of int
-        All that share a disturbance, if anything of theirs lasts; else none.
+        All that share a disturbance, if anything of theirs lasts, or one does not know its state
+        exactly; else none.
     """
     sharing = [i for i, noise in enumerate(noises) if noise.shared]
-    lasts = any(noises[i].correlation > 0.0 or lasting_parts(noises[i].shared) for i in sharing)
-    return tuple(sharing) if lasts else ()
+    for noise in (noises[i] for i in sharing):
+        if noise.correlation > 0.0 or noise.measurement is not None or lasting_parts(noise.shared):
+            return tuple(sharing)
+    return ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,11 +60,12 @@ class FleetLearning:
         Of each: where in η its deviation, its own disturbance and those it shares and that last
         stand, in this order; −1 is a disturbance that is new at every step.
     gains : tuple of (q, p) array
-        What the filter makes of the difference between measured and expected states.
+        What the filter makes of the difference between what is told and what was expected.
     unknown : tuple of (q, q) array
         Covariance of η, once measured.
     told : tuple of (p, p) array
-        Covariance of what is measured about what was expected.
+        Covariance of what is told about what was expected: of states that are known exactly, and of
+        what a vehicle's own filter makes of its measurement.
     """
 
     members: tuple[int, ...]
@@ -90,13 +82,14 @@ class FleetLearning:
         step : int
             0..T.
         moved : sequence of (n,) array
-            By how much each one's state differs from what was expected.
+            By how much each one's state differs from what was expected; of who measures with noise,
+            what its own filter's gain makes of how much its measurement does.
         """
         change = self.gains[step] @ np.concatenate(moved)
         return [np.where(rows < 0, 0.0, change[rows]) for rows in self.rows]
 
     def told_of(self, step: int) -> list[Matrix]:
-        """Return by how much each one's state was to differ from what was expected, (n, n) each."""
+        """Return that covariance of each one alone, (n, n) each."""
         found, start = [], 0
         for size in self._sizes():
             block = slice(start, start + size)
@@ -120,8 +113,10 @@ class FleetLearning:
         root = vectors[:, kept] * np.sqrt(values[kept])
         return [np.where(rows[:, None] < 0, 0.0, root[rows]) for rows in self.rows]
 
-    def known(self, step: int, noises: Sequence[Noise], means: Sequence[Vector]) -> list[Known]:
-        """Return what is known of members at a step, for plans that begin there.
+    def known(
+        self, step: int, noises: Sequence[Noise], means: Sequence[Vector]
+    ) -> list[Known | None]:
+        """Return what is known of members at a step, for plans that begin there; None is the state.
 
         Parameters
         ----------
@@ -129,12 +124,15 @@ class FleetLearning:
             0..T.
         noises : sequence of Noise
             Of the members.
-        means : sequence of (2 n + s,) array
+        means : sequence of (n,) or (2 n + s,) array
             What is known of each.
         """
-        found = []
+        found: list[Known | None] = []
         for noise, mean, root in zip(noises, means, self.root(step), strict=True):
             n = len(noise.initial)
+            if mean.size == n:
+                found.append(None)
+                continue
             alone = np.zeros((2 * n, 2 * n))
             if noise.correlation == 0.0:
                 alone[n:, n:] = noise.disturbance
@@ -147,21 +145,9 @@ class FleetLearning:
         return [b - a for a, b in zip(ends, [*ends[1:], len(self.told[0])], strict=True)]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chain:
-    """The members as one system: η⁺ = free η + fresh; `rows` as in `FleetLearning`."""
-
-    rows: tuple[Indices, ...]
-    free: Matrix
-    initial: Matrix
-    fresh: Matrix
-
-
 @lru_cache(maxsize=16)
 def fleet_learning(vehicles: tuple[Shaken, ...], horizon: int) -> FleetLearning | None:
-    """Return what the states of a fleet tell of what it shares; None where none is tied to others.
-
-    States are measured exactly.
+    """Return what measurements tell of a fleet that shares; None where none is tied to others.
 
     Parameters
     ----------
@@ -174,109 +160,47 @@ def fleet_learning(vehicles: tuple[Shaken, ...], horizon: int) -> FleetLearning 
     if not members:
         return None
     chosen = [vehicles[i] for i in members]
-    chain = _chain_of(chosen)
-    seen = sum(vehicle.system.num_states for vehicle in chosen)
+    chain, own = fleet_chain(chosen), [_own_filter(vehicle, horizon) for vehicle in chosen]
+    sizes = [vehicle.system.num_states for vehicle in chosen]
+    seen = sum(sizes)
+    exact = np.repeat([learning is None for learning in own], sizes).nonzero()[0]
     ahead = chain.initial
     gains, unknown, told = [], [], []
-    for _ in range(horizon + 1):
-        gain = ahead[:, :seen] @ _inverse(ahead[:seen, :seen])
-        left = ahead - gain @ ahead[:seen]
+    for k in range(horizon + 1):
+        sees, errors = _told(chosen, own, k)
+        crossed = ahead[:, :seen] @ sees.T
+        told.append(sees @ crossed[:seen] + errors)
+        gain = crossed @ _inverse(told[-1])
+        left = ahead - gain @ crossed.T
         # To the last digit: rounding is not learned of.
-        left[:seen] = left[:, :seen] = 0.0
+        left[exact] = left[:, exact] = 0.0
         gains.append(gain)
-        told.append(ahead[:seen, :seen])
         unknown.append(0.5 * (left + left.T))
         ahead = chain.free @ unknown[-1] @ chain.free.T + chain.fresh
         ahead = 0.5 * (ahead + ahead.T)
     return FleetLearning(members, chain.rows, tuple(gains), tuple(unknown), tuple(told))
 
 
-def _chain_of(vehicles: Sequence[Shaken]) -> _Chain:
-    """Return vehicles that share disturbances as one system."""
-    places, size = _places(vehicles)
-    free, initial, fresh = np.zeros((3, size, size))
-    rows = []
-    for vehicle, (state, own, shared) in zip(vehicles, places, strict=True):
-        system, noise = vehicle.system, vehicle.noise
-        free[np.ix_(state, state)] = system.A
-        initial[np.ix_(state, state)] = noise.initial
-        if noise.correlation == 0.0:
-            fresh[np.ix_(state, state)] = noise.disturbance
-        else:
-            free[state, own] = 1.0
-            _lasts((free, initial, fresh), own, noise.disturbance, noise.correlation)
-        for part, at in zip(lasting_parts(noise.shared), shared, strict=True):
-            free[np.ix_(state, at)] = part.matrix
-            _lasts((free, initial, fresh), at, part.covariance, part.correlation)
-        rows.append(np.concatenate([state, own, *shared]))
-    fresh += _shared_and_new(vehicles, [state for state, _, _ in places], size)
-    _begin((vehicles, rows), initial)
-    return _Chain(tuple(rows), free, initial, fresh)
+def _own_filter(vehicle: Shaken, horizon: int) -> Learning | None:
+    """Return what a vehicle's own measurements tell it; None where it knows its state."""
+    if vehicle.noise.measurement is None:
+        return None
+    return learning_of(vehicle.system, vehicle.noise, horizon)
 
 
-def _places(
-    vehicles: Sequence[Shaken],
-) -> tuple[list[tuple[Indices, Indices, list[Indices]]], int]:
-    """Return where states, own and shared disturbances that last stand in η, and its length."""
-    states, end = [], 0
-    for vehicle in vehicles:
-        states.append(np.arange(end, end + vehicle.system.num_states))
-        end = int(states[-1][-1]) + 1
-    found, sources = [], dict[str, Indices]()
-    for vehicle, state in zip(vehicles, states, strict=True):
-        own = np.full(state.size, -1)
-        if vehicle.noise.correlation > 0.0:
-            own, end = np.arange(end, end + state.size), end + state.size
-        shared = []
-        for part in lasting_parts(vehicle.noise.shared):
-            if part.name not in sources:
-                sources[part.name], end = np.arange(end, end + part.size), end + part.size
-            shared.append(sources[part.name])
-        found.append((state, own, shared))
-    return found, end
-
-
-def _lasts(
-    system: tuple[Matrix, Matrix, Matrix], at: Indices, covariance: Matrix, rho: float
-) -> None:
-    """Write down a disturbance that lasts."""
-    free, initial, fresh = system
-    free[at, at] = rho
-    initial[np.ix_(at, at)] = covariance
-    fresh[np.ix_(at, at)] = (1.0 - rho**2) * covariance
-
-
-def _shared_and_new(vehicles: Sequence[Shaken], states: Sequence[Indices], size: int) -> Matrix:
-    """Return what shared disturbances that are new at every step add to η."""
-    acts: dict[str, tuple[SharedDisturbance, Matrix]] = {}
-    for vehicle, state in zip(vehicles, states, strict=True):
-        for part in vehicle.noise.shared:
-            if part.correlation == 0.0:
-                _, effect = acts.setdefault(part.name, (part, np.zeros((size, part.size))))
-                effect[state] = part.matrix
-    total = np.zeros((size, size))
-    for part, effect in acts.values():
-        total += effect @ part.covariance @ effect.T
-    return total
-
-
-def _begin(fleet: tuple[Sequence[Shaken], Sequence[Indices]], initial: Matrix) -> None:
-    """Put what was learned before into the covariance of η at k = 0."""
-    vehicles, rows = fleet
-    root = np.zeros((len(initial), 0))
-    for vehicle, at in zip(vehicles, rows, strict=True):
-        known = vehicle.noise.known
-        if known is None:
-            continue
-        alone = 2 * vehicle.system.num_states
-        own = at[:alone] >= 0
-        initial[np.ix_(at[:alone][own], at[:alone][own])] = known.covariance[np.ix_(own, own)]
-        if known.common is not None:
-            if not root.size:
-                root = np.zeros((len(initial), known.common.shape[1]))
-            initial[np.ix_(at[alone:], at[alone:])] = 0.0
-            root[at[at >= 0]] = known.common[at >= 0]
-    initial += root @ root.T
+def _told(
+    vehicles: Sequence[Shaken], own: Sequence[Learning | None], step: int
+) -> tuple[Matrix, Matrix]:
+    """Return what is told of all states at a step, and the covariance of what is wrong with it."""
+    ends = np.cumsum([0, *(vehicle.system.num_states for vehicle in vehicles)])
+    sees, errors = np.eye(ends[-1]), np.zeros((ends[-1], ends[-1]))
+    for vehicle, learning, start, end in zip(vehicles, own, ends[:-1], ends[1:], strict=True):
+        sensor = vehicle.noise.measurement
+        if learning is not None and sensor is not None:
+            mine, gain = slice(start, end), learning.gains[step][: end - start]
+            sees[mine, mine] = gain @ sensor.matrix
+            errors[mine, mine] = gain @ sensor.covariance @ gain.T
+    return sees, errors
 
 
 def _inverse(covariance: Matrix) -> Matrix:

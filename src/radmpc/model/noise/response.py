@@ -134,8 +134,10 @@ def _learned(chain: Chain, noise: Noise, horizon: int) -> list[Matrix]:
         return []
     n = noise.measurement.matrix.shape[1]
     ahead, found = chain.initial, []
-    for _ in range(horizon + 1):
+    for k in range(horizon + 1):
         seen, gained = learning(noise.measurement, ahead)
+        if k == 0 and noise.known is not None:
+            gained = np.zeros_like(gained)
         whole = np.zeros_like(ahead)
         whole[:, :n] = gained @ noise.measurement.matrix
         found.append(whole)

@@ -61,8 +61,7 @@ def witnesses_of(plan: Plan) -> Witnesses:
     NoPlanError
         If the plan holds no trajectories.
     ScenarioError
-        If its vehicles or arrays do not fit its scenario, or overflow, or what is left of it could
-        not be valued under way: noise that is shared by who does not know its state exactly.
+        If its vehicles or arrays do not fit its scenario, or overflow.
     """
     check_plan(plan)
     problems = shape_problems(plan)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor
-from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.errors import ArgumentError
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
 from radmpc.referee.conditional.gusts import Gusts, gusts_of
@@ -37,12 +37,13 @@ class Loops:
         ``G = B_p K`` where feedback bends the path between steps, else 0.
     unknown : (T+1, N, n, n) array or None
         Covariances given all that is measured up to each step; None is nothing left open.
-    pushes : (N, n, R) array or None
-        What standard normals that several vehicles meet add at every step; None is nothing.
+    pushes : (N, S, n, R) array or None
+        What standard normals that several vehicles meet add at every step, one for all where S is
+        1; None is nothing.
     first : (N, n, R) array or None
         What those behind first values make of loops at k = 0; None is nothing.
     gusts : Gusts or None
-        What lasts of vehicles that share disturbances; None is nothing.
+        What measurements leave open of vehicles that share disturbances; None is nothing.
     """
 
     transitions: Tensor
@@ -95,11 +96,6 @@ def loops_of(motion: FleetMotion, vehicles: Sequence[Vehicle]) -> Loops:
         Of the fleet.
     vehicles : sequence of Vehicle
         The fleet.
-
-    Raises
-    ------
-    ScenarioError
-        If a vehicle shares noise that does not know its state exactly.
     """
     count, _, d = motion.positions.shape
     n = max(group.transitions.shape[-1] for group in motion.groups)
@@ -118,38 +114,34 @@ def loops_of(motion: FleetMotion, vehicles: Sequence[Vehicle]) -> Loops:
             bend = motion.bends[member]
             if bend is not None:
                 bends[member, :, :size] = bend
-    pushes, first = _pushes(motion, vehicles, n)
-    met = pushes, first, None if pushes is None else gusts_of(vehicles, n)
-    return Loops(transitions, initial, disturbance, picks, bends, _unknown(motion, n), *met)
+    pushes, first = _pushes(motion, n)
+    gusts = None if pushes is None else gusts_of(vehicles, n)
+    unknown = _unknown(motion, n, () if gusts is None else gusts.members)
+    return Loops(transitions, initial, disturbance, picks, bends, unknown, pushes, first, gusts)
 
 
-def _unknown(motion: FleetMotion, n: int) -> Tensor | None:
-    """Return what measurements leave open of loops at every step, (T+1, N, n, n)."""
+def _unknown(motion: FleetMotion, n: int, tied: tuple[int, ...]) -> Tensor | None:
+    """Return what their own measurements leave open of loops at every step, (T+1, N, n, n)."""
     if all(each is None for each in motion.unknown):
         return None
     result = np.zeros((motion.positions.shape[1], len(motion.unknown), n, n))
     for i, each in enumerate(motion.unknown):
-        if each is not None:
+        if each is not None and i not in tied:
             result[:, i, : each.shape[1], : each.shape[1]] = each
     return result
 
 
-def _pushes(
-    motion: FleetMotion, vehicles: Sequence[Vehicle], n: int
-) -> tuple[Tensor | None, Tensor | None]:
-    """Return what noise that several meet adds at every step, and made of k = 0, (N, n, R)."""
+def _pushes(motion: FleetMotion, n: int) -> tuple[Tensor | None, Tensor | None]:
+    """Return what noise that several meet adds at every step, and what it made of k = 0."""
     common = motion.common
     if common is None:
         return None, None
-    if any(vehicle.shared and vehicle.measurement is not None for vehicle in vehicles):
-        raise ScenarioError(
-            "what is left of a plan is valued under shared noise where states are known exactly"
-        )
-    pushes = np.zeros((len(common.pushes), n, common.pushes.shape[-1]))
-    pushes[:, : common.pushes.shape[2]] = common.pushes[:, 0]
+    count, steps, size, width = common.pushes.shape
+    pushes = np.zeros((count, steps, n, width))
+    pushes[:, :, :size] = common.pushes
     if not common.first.any():
         return pushes, None
-    first = np.zeros_like(pushes)
+    first = np.zeros((count, n, width))
     first[:, : common.first.shape[1]] = common.first
     return pushes, first
 
@@ -168,13 +160,19 @@ def together(noise: Since, loops: Loops, first: Indices, other: Indices) -> Sinc
     """
     if loops.pushes is None:
         return noise
-    met = loops.pushes[first] @ loops.pushes[other].transpose(0, 2, 1)
-    mine, theirs = loops.transitions[first, 0], loops.transitions[other, 0].transpose(0, 2, 1)
-    crossed = np.zeros((len(noise.powers), *met.shape))
+    size = loops.transitions.shape[-1]
+    crossed = np.zeros((len(noise.powers), len(first), size, size))
     if noise.roots is not None:
         crossed[0] = noise.roots[first] @ noise.roots[other].transpose(0, 2, 1)
+    # One for all steps, or one each: what is the same at all of them is made once.
+    last = loops.transitions.shape[1] - 1
     for k in range(len(crossed) - 1):
-        crossed[k + 1] = mine @ crossed[k] @ theirs + met
+        if k == 0 or noise.step + k <= last:
+            at = min(noise.step + k, last)
+            mine, theirs = loops.transitions[first, at], loops.transitions[other, at]
+            pushed, others = loops.pushes[first, at], loops.pushes[other, at]
+            met = pushed @ others.transpose(0, 2, 1)
+        crossed[k + 1] = mine @ crossed[k] @ theirs.transpose(0, 2, 1) + met
     return replace(noise, crossed=crossed)
 
 
