@@ -85,6 +85,9 @@ class Sensing:
         acting = None if leg is None else (leg.began, leg.plan.scenario)
         known = self.observer.known(step, expected, states, acting)
         seen = step, expected, states, self.observer.told(step)
-        alarms = self.watcher.look(*seen, self.evidence.scale) if is_certain else []
-        self.evidence = self.evidence.after(*seen, self.observer.told_together(*seen[:3]))
+        together = self.observer.told_together(*seen[:3])
+        alarms = []
+        if is_certain:
+            alarms = self.watcher.look(*seen, self.evidence.scale, together)
+        self.evidence = self.evidence.after(*seen, together)
         return known, alarms
