@@ -88,8 +88,8 @@ class Gusts:
         scaled = told[np.ix_(moves, moves)] / np.outer(units[moves], units[moves])
         values, vectors = np.linalg.eigh(scaled)
         tells = values > _NOTHING
-        towards = crossed[moves, :q] / units[moves, None]
-        root = (vectors[:, tells] / np.sqrt(values[tells])).T @ towards
+        of_rest = crossed[moves, :q] / units[moves, None]
+        root = (vectors[:, tells] / np.sqrt(values[tells])).T @ of_rest
         left = joint[:q, :q] - root.T @ root
         return np.asarray(0.5 * (left + left.T))
 
