@@ -67,9 +67,9 @@ def against_what_is_expected(scenario: Scenario, controls: np.ndarray) -> list[n
     return [u if push is None else u - push for u, push in zip(wanted, pushes, strict=True)]
 
 
-def waiting(scenario: Scenario) -> Plan:
+def waiting(scenario: Scenario, wasted: float = 1e2) -> Plan:
     controls = np.zeros((scenario.horizon, 2))
-    controls[-1, 0] = 1e2
+    controls[-1, 0] = wasted
     return leg_of(scenario, [controls, *(0.0 * controls for _ in scenario.vehicles[1:])], 0).plan
 
 

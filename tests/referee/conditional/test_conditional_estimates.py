@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from estimating_missions import flown_estimating, told_at, wanted_rows, world_of
 from estimating_scenes import SCENES
+from gusty_missions import SCENES as GUSTY_SCENES
 from noisy_missions import check_charges
 
 from radmpc.flying.knowing import expected_start, known_after
@@ -15,11 +16,15 @@ from radmpc.flying.leg import leg_of
 from radmpc.flying.observing import Observer
 from radmpc.flying.remainder import left_of
 from radmpc.model.plan import Plan
+from radmpc.program.build import condensed_models
+from radmpc.program.relative import relative_bent_covariances, relative_covariances
 from radmpc.referee import certify
 from radmpc.referee.conditional import conditional as module
 from radmpc.referee.conditional import loops
 from radmpc.referee.conditional.conditional import conditional, witnesses_of
 from radmpc.referee.conditional.gusts import Gusts
+from radmpc.referee.gather import gather_pairs
+from radmpc.referee.motion import propagate
 from sampling import IS_THOROUGH
 
 KINDS = ("steps", "intervals")
@@ -76,6 +81,22 @@ def test_an_observer_makes_of_what_is_told_what_brute_force_conditioning_says(sc
             np.testing.assert_allclose(one, other, atol=1e-8)
         if step < 4:
             expected = leg.expected(step, known, leg.controls(step, known))
+
+
+@pytest.mark.parametrize("scene", [*SCENES, *GUSTY_SCENES])
+def test_planners_and_referee_agree_about_pairs_of_a_leg_that_began_under_way(scene):
+    plan = left_after({**SCENES, **GUSTY_SCENES}[scene]("intervals"), 1)
+    models = condensed_models(plan.scenario)
+    motion = propagate(plan.scenario, [path.controls for path in plan.trajectories])
+    for path, covariances in zip(plan.trajectories, motion.covariances, strict=True):
+        np.testing.assert_allclose(path.covariances, covariances, atol=1e-13)
+    (batch,) = gather_pairs(plan.scenario, motion, intervals=True).batches
+    for pair, (i, j) in enumerate(zip(batch.first, batch.other, strict=True)):
+        due = relative_covariances(models[i], models[j])
+        np.testing.assert_allclose(batch.covariances[pair], due, rtol=1e-8, atol=1e-13)
+        bent = relative_bent_covariances(models[i], models[j])
+        if batch.bent_covariances is not None and bent is not None:
+            np.testing.assert_allclose(batch.bent_covariances[pair], bent, rtol=1e-8, atol=1e-13)
 
 
 @pytest.mark.slow

@@ -145,7 +145,7 @@ class FleetLearning:
         return [b - a for a, b in zip(ends, [*ends[1:], len(self.told[0])], strict=True)]
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=4)
 def fleet_learning(vehicles: tuple[Shaken, ...], horizon: int) -> FleetLearning | None:
     """Return what measurements tell of a fleet that shares; None where none is tied to others.
 
