@@ -164,7 +164,7 @@ def expected_start(vehicle: Vehicle) -> Vector:
     if vehicle.known is not None:
         own = vehicle.known.disturbance
         shared = shared if vehicle.known.lasting is None else vehicle.known.lasting
-    return np.tile(np.concatenate([vehicle.start, own, shared]), _copies(vehicle))
+    return np.concatenate([vehicle.start, own, shared] * _copies(vehicle))
 
 
 def expected_anew(scenario: Scenario, expected: Sequence[Vector]) -> tuple[Vector, ...]:
@@ -216,9 +216,9 @@ def _own_loop(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix | None]:
         acts = np.vstack([part.matrix, np.zeros((len(longer) - len(A), part.size))])
         keeps = part.correlation * np.eye(part.size)
         longer = np.block([[longer, acts], [np.zeros_like(acts.T), keeps]])
-    more = len(longer) - len(A)
-    held = None if gain is None else np.pad(gain, ((0, 0), (0, more)))
-    return longer, np.pad(B, ((0, more), (0, 0))), held
+    none = np.zeros((len(longer) - len(A), B.shape[1]))
+    held = None if gain is None else np.hstack([gain, none.T])
+    return longer, np.vstack([B, none]), held
 
 
 def moved(vehicle: Vehicle, known: Vector, control: Vector) -> Vector:
@@ -234,11 +234,11 @@ def moved(vehicle: Vehicle, known: Vector, control: Vector) -> Vector:
         What is flown over the step.
     """
     A, B, _ = _own_loop(vehicle)
-    parts = [A @ part + B @ control for part in np.split(known, known.size // len(A))]
+    parts = [A @ part + B @ control for part in known.reshape(-1, len(A))]
     if vehicle.drift is not None:
         for part in parts:
             part[: vehicle.drift.size] += vehicle.drift
-    return np.concatenate(parts)
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def unknown_after(vehicle: Vehicle, passed: int) -> Matrix:

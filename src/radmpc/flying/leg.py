@@ -179,7 +179,7 @@ class Leg:
         if size == path.shape[1]:
             return path
         rest = np.zeros((len(path), size // copies - path.shape[1])) if lasting is None else lasting
-        return np.tile(np.hstack([path, rest]), copies)
+        return np.hstack([path, rest] * copies)
 
     def mean_controls(self, step: int, states: Sequence[Vector]) -> tuple[Matrix, ...]:
         """Return the controls still to come on average, feedback included, (T - k, m) each.
