@@ -9,6 +9,7 @@ from adversary import AWAY, SIGMA
 
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.measurement import Measurement
+from radmpc.model.noise.shared import SharedDisturbance
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
@@ -53,6 +54,53 @@ def beside_a_berg() -> Scenario:
     return beside(Obstacle.tracked("berg", outline, [0.0, 0.0, 0.0, 0.0], spread))
 
 
+def blown(**noise: object) -> Scenario:
+    """In a wind that lasts, which shakes more than what is new."""
+    wind = SharedDisturbance("wind", np.eye(2), 3.0 * SIGMA**2, 0.9)
+    return beside(shared=(wind,), **noise)
+
+
+def blown_and_gusty() -> Scenario:
+    return blown(disturbance_correlation=0.6)
+
+
+def blown_as_another_sees() -> Scenario:
+    """In a wind that only somebody far away can tell from noise."""
+    scenario = blown()
+    [vehicle] = scenario.vehicles
+    blind = replace(vehicle, disturbance_covariance=4.0 * SIGMA**2)
+    seeing = replace(
+        vehicle, name="w", start=[500.0, 500.0], disturbance_covariance=1e-4 * SIGMA**2
+    )
+    goal = Goal.at([500.0, 500.0], 1e3, None)
+    return replace(scenario, vehicles=(blind, replace(seeing, goal=goal)))
+
+
+def blown_and_estimated() -> Scenario:
+    return blown(measurement=SENSOR)
+
+
+def estimated_as_another_sees() -> Scenario:
+    """Three that one wind blows, of which two estimate where they are."""
+    scenario = blown_as_another_sees()
+    blind, seeing = scenario.vehicles
+    third = replace(seeing, name="x", start=[900.0, 900.0], disturbance_correlation=0.5)
+    third = replace(third, goal=Goal.at([900.0, 900.0], 1e3, None), measurement=SENSOR)
+    return replace(scenario, vehicles=(replace(blind, measurement=SENSOR), seeing, third))
+
+
+def estimated_in_a_new_wind_and_unsure() -> Scenario:
+    scenario = estimated_as_another_sees()
+    vehicles = tuple(
+        replace(v, shared=(replace(v.shared[0], correlation=0.0),)) for v in scenario.vehicles
+    )
+    return replace(scenario, vehicles=vehicles, covariance_samples=6)
+
+
+def blown_and_unsure() -> Scenario:
+    return replace(blown_as_another_sees(), covariance_samples=6)
+
+
 def unsure() -> Scenario:
     return replace(beside(), covariance_samples=6)
 
@@ -67,6 +115,13 @@ SCENES = [
     gusty,
     gusty_and_estimated,
     beside_a_berg,
+    blown,
+    blown_and_gusty,
+    blown_as_another_sees,
+    blown_and_unsure,
+    blown_and_estimated,
+    estimated_as_another_sees,
+    estimated_in_a_new_wind_and_unsure,
     unsure,
     estimated_and_unsure_beside_a_berg,
 ]

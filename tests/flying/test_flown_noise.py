@@ -10,10 +10,9 @@ from adversary import AWAY
 from noisy_scenes import (
     BOUND,
     SCENES,
-    SENSOR,
     STEPS,
-    beside,
     beside_a_berg,
+    blown,
     estimated,
     gusty,
     gusty_and_estimated,
@@ -24,16 +23,17 @@ import radmpc
 from radmpc.errors import ScenarioError
 from radmpc.flying import knowing, remainder
 from radmpc.flying.backends import BACKENDS
-from radmpc.flying.knowing import Observer, expected_start
+from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
+from radmpc.flying.observing import Observer
 from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
 from radmpc.gaussian import Tail
 from radmpc.model.noise.filtering import Learning
-from radmpc.model.noise.shared import SharedDisturbance
+from radmpc.model.noise.fleet import FleetLearning
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.referee import certify
@@ -57,14 +57,20 @@ def staking(scenario: Scenario, seconds: float | None = None) -> Plan:
     path[0] = [x, clearance]
     path[-1, 0] += 3.0 * (horizon - 1)
     controls = np.diff(np.vstack([[x, y], path]), axis=0)
-    pushes = vehicle.pushes(horizon)
-    return leg_of(scenario, [controls if pushes is None else controls - pushes], 0).plan
+    return leg_of(scenario, against_what_is_expected(scenario, controls), 0).plan
 
 
-def waiting(scenario: Scenario) -> Plan:
+def against_what_is_expected(scenario: Scenario, controls: np.ndarray) -> list[np.ndarray]:
+    """Return the first vehicle's controls and those of who stays, without what pushes them."""
+    wanted = [controls, *(0.0 * controls for _ in scenario.vehicles[1:])]
+    pushes = [vehicle.pushes(scenario.horizon) for vehicle in scenario.vehicles]
+    return [u if push is None else u - push for u, push in zip(wanted, pushes, strict=True)]
+
+
+def waiting(scenario: Scenario, wasted: float = 1e2) -> Plan:
     controls = np.zeros((scenario.horizon, 2))
-    controls[-1, 0] = 1e2
-    return leg_of(scenario, [controls], 0).plan
+    controls[-1, 0] = wasted
+    return leg_of(scenario, [controls, *(0.0 * controls for _ in scenario.vehicles[1:])], 0).plan
 
 
 def staked(scenario: Scenario, missions: int) -> tuple[int, float]:
@@ -126,7 +132,15 @@ def tracks_taken_for_known(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(remainder, "later", wrong)
 
 
+def winds_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = FleetLearning.learned
+    monkeypatch.setattr(
+        FleetLearning, "learned", lambda *given: [0.0 * change for change in right(*given)]
+    )
+
+
 MUTANTS = [
+    (blown, winds_forgotten),
     (estimated, all_taken_for_known),
     (gusty, gusts_forgotten),
     (beside_a_berg, tracks_taken_for_known),
@@ -146,8 +160,9 @@ def test_who_takes_for_known_what_is_not_is_found_out(scene, mutant, monkeypatch
 def by_hand(scenario: Scenario) -> Plan:
     """Return a plan under way in the scene, with controls that nobody chose."""
     controls = np.random.default_rng(4).normal(0.0, 0.3, (scenario.horizon, 2))
-    controls[0, 1] -= AWAY - 0.35
-    return leg_of(replace(scenario, risk_bound=0.49), [controls], 0).plan
+    controls[0, 1] -= AWAY - 0.45
+    others = [0.0 * controls for _ in scenario.vehicles[1:]]
+    return leg_of(replace(scenario, risk_bound=0.49), [controls, *others], 0).plan
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -162,7 +177,7 @@ def test_a_leg_from_what_is_known_is_worth_its_certificate(scene):
         scale = mission._sensing.evidence.scale
         left = left_of(plan.scenario, step, known, 0.4, scale)
         leg = leg_of(left, [path.controls[step:] for path in plan.trajectories], step, scale)
-        now = leg.value(step, known, scale)
+        now = leg.value(step, leg.begun(known), scale)
         # At step 0 of what is left nothing is charged that has been flown.
         assert leg.price == pytest.approx(certify(leg.plan).certified, rel=1e-6)
         assert now.total == pytest.approx(leg.price - leg_start(leg), rel=1e-6, abs=1e-12)
@@ -231,27 +246,6 @@ def test_states_tell_of_gusts_what_a_filter_of_both_tells():
         A, _, _ = knowing.known_loop(scenario.vehicles[0])
         expected = [A @ known[0]]
         states, _ = model.advance(radmpc.flying.tick.segments(scenario, known, [np.zeros(2)]))
-
-
-def test_what_is_measured_does_not_tell_all_of_some_noise_and_a_mission_says_so():
-    wind = SharedDisturbance("wind", np.eye(2), 0.01)
-    lasting = replace(wind, correlation=0.5)
-    cases = [
-        (beside(shared=(lasting,)), ("vehicles", 0, "shared"), "new at every step"),
-        (beside(shared=(wind,), measurement=SENSOR), ("vehicles", 0, "shared"), "known exactly"),
-        (
-            beside(shared=(wind,), disturbance_correlation=0.5),
-            ("vehicles", 0, "shared"),
-            "noise of its own",
-        ),
-    ]
-    for scenario, path, text in cases:
-        plan = replace(waiting(beside()), scenario=scenario)
-        for made in (lambda: Mission(plan), lambda: Model(scenario, 0)):  # noqa: B023 - called at once
-            with pytest.raises(ScenarioError, match=text) as caught:
-                made()
-            assert caught.value.path == path
-            assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["boat", "rotorpy", "irsim"])

@@ -137,13 +137,18 @@ def _flown(
     return np.array(states), np.array(seen), np.array(known)
 
 
-def check_charges(witnesses: Witnesses, flown: Known, steps: tuple[int, ...]) -> None:
-    """Assert that rows fail as often as they are charged for, whatever is known: much or little."""
+def check_charges(
+    witnesses: Witnesses, flown: Known, steps: tuple[int, ...], by: list[np.ndarray] | None = None
+) -> None:
+    """Assert that rows fail as often as they are charged for, whatever is known: much or little.
+
+    Missions are told apart by what is charged, or at each step by something else that is known.
+    """
     for step in steps:
-        _check_charges(witnesses, flown, step)
+        _check_charges(witnesses, flown, step, None if by is None else by[step])
 
 
-def _check_charges(witnesses: Witnesses, flown: Known, step: int) -> None:
+def _check_charges(witnesses: Witnesses, flown: Known, step: int, by: np.ndarray | None) -> None:
     """Assert it at one step."""
     missions = flown.missions
     found = conditionals(witnesses, step, [known[step] for known in flown.known])
@@ -157,9 +162,10 @@ def _check_charges(witnesses: Witnesses, flown: Known, step: int) -> None:
     happened = (failed & ~before)[coming].sum(axis=0) + hit[later].sum(axis=0)
     above = found.halfspaces.above[coming].sum(axis=0) + found.integrals.above[later].sum(axis=0)
     below = found.halfspaces.below[coming].sum(axis=0) + found.integrals.below[later].sum(axis=0)
-    level = np.quantile(above, [0.0, 0.5, 0.9, 1.0])
+    by = above if by is None else by
+    level = np.quantile(by, [0.0, 0.5, 0.9, 1.0])
     for low, high in pairwise(level):
-        some = (above >= low) & (above <= high)
+        some = (by >= low) & (by <= high)
         for value, sign in ((above, 1.0), (below, -1.0)):
             excess = happened[some] - value[some]
             # Where next to nothing fails it is counts that vary, and a few may be missing.

@@ -12,7 +12,7 @@ from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, field
-from radmpc.referee.conditional.scales import Scale
+from radmpc.referee.conditional.scales import Scale, squares_of
 
 __all__ = ["Watcher"]
 
@@ -56,6 +56,7 @@ class Watcher:
         measured: Sequence[Vector],
         told: Sequence[Matrix | None],
         scale: Scale,
+        together: tuple[Matrix, Vector] | None = None,
     ) -> list[str]:
         """Return the alarms of a measurement, one sentence each.
 
@@ -69,6 +70,9 @@ class Watcher:
             Covariance by which each was to move; None is that of the noise of a step.
         scale : Scale
             What was known before of the factor of covariances.
+        together : tuple of (p, p) and (p,) array, or None
+            What was told of all who tell of each other about what was expected, its covariance
+            first: what moves all of them counts once. None is of none.
         """
         alarms = []
         larger, far = float(np.sqrt(scale.factor)), Tail(scale.samples).beyond(_FAR)
@@ -78,7 +82,8 @@ class Watcher:
             hoped = longer[: found.size]
             axes = _directions(noise) if noise is not None else self._axes(vehicle, step)
             scores, rest = _scores(axes, found - hoped)
-            total, components = total + float(scores @ scores), components + scores.size
+            if together is None or not vehicle.shared:
+                total, components = total + float(scores @ scores), components + scores.size
             largest = float(np.abs(scores).max(initial=0.0)) / larger
             if largest > far:
                 alarms.append(
@@ -88,6 +93,9 @@ class Watcher:
                 alarms.append(
                     f"vehicle {vehicle.name!r}: moved by {rest:.3g} where the model has no noise"
                 )
+        if together is not None:
+            squares, directions = squares_of(together[0], together[1][None])
+            total, components = total + float(squares[0]), components + directions
         self.squares.append((total, components, scale))
         return alarms + self._unlikely()
 

@@ -202,7 +202,7 @@ def leg_judged(
     """
     try:
         leg = leg_of(order.left, controls, order.began, order.scale)
-        value, problems = leg.value(step, states, scale), leg.problems(order.asked)
+        value, problems = leg.value(step, leg.begun(states), scale), leg.problems(order.asked)
     except RadmpcError as error:
         return Candidate(None, None, f"the plan cannot be flown: {_line(error)}")
     if problems:

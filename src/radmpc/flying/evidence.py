@@ -10,6 +10,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.flying.knowing import remembers
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
+from radmpc.model.noise.fleet import tied
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
@@ -58,6 +59,7 @@ class Evidence:
         expected: Sequence[Vector],
         states: Sequence[Vector],
         told: Sequence[Matrix | None],
+        together: tuple[Matrix, Vector] | None = None,
     ) -> Evidence:
         """Return what is known after a measurement.
 
@@ -71,6 +73,9 @@ class Evidence:
             Measured states, or estimates.
         told : sequence of (n, n) array or None
             By how much estimates were to move; None where states are told.
+        together : tuple of (p, p) and (p,) array, or None
+            What was told of all who tell of each other about what was expected, its covariance
+            first; None of none.
         """
         if self.scale.samples is None:
             return self
@@ -81,9 +86,12 @@ class Evidence:
             chosen = [self.scenario.vehicles[i] for i in members]
             if missed and any(remembers(vehicle) for vehicle in chosen):
                 continue  # what estimates then move by is no longer known
-            covariance = _covariance(chosen, [told[i] for i in members], self.measured, at)
-            apart = np.concatenate([deviations[i] for i in members])[None]
-            squares, components = squares_of(covariance, apart)
+            if together is not None and chosen[0].shared:
+                covariance, apart = together
+            else:
+                covariance = _covariance(chosen, [told[i] for i in members], self.measured, at)
+                apart = np.concatenate([deviations[i] for i in members])
+            squares, components = squares_of(covariance, apart[None])
             scale = scale.learned(float(squares[0]), components)
         return replace(self, scale=scale, measured=at)
 
@@ -101,7 +109,8 @@ class Evidence:
         risk_bound : float
             What the rest may risk [-].
         """
-        if self.scale.samples is None:
+        is_tied = tied([vehicle.noise for vehicle in self.scenario.vehicles])
+        if self.scale.samples is None and not is_tied:
             return left_of(leg.plan.scenario, step - leg.began, states, risk_bound)
         # From the covariances as stated: the same digits, whatever legs were flown before.
         return left_of(self.scenario, step - self.began, states, risk_bound, self.scale)

@@ -1,30 +1,47 @@
 """What is known of vehicles under way: their states, and what will go on of their disturbances.
 
 Of a vehicle whose disturbances last, or that measures its state with noise, what is known is longer
-than its state: the state (or the filter's estimate), and the mean of the disturbance over the step
-that follows. The covariance of what is not known goes with the step alone. It is called *known* in
-what follows; of all other vehicles it is the measured state.
+than its state: the state (or the filter's estimate), and the means over the step that follows of
+its own disturbance and of those it shares and that last, n + n + s numbers. The covariance of what
+is not known goes with the step alone. It is called *known* in what follows; of all other vehicles
+it is the measured state.
+
+Where vehicles share disturbances and any of these or of their own last, or one of them measures
+with noise, all of them are learned of together (`radmpc.model.noise.fleet`). Of one that measures
+with noise and shares three such vectors are known, one after the other: what its own filter tells,
+which is all that is heard of it; what the filter tells whose estimate the leg in the air acts upon,
+and which began with that leg; and what all that was measured tells.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.errors import ScenarioError
 from radmpc.model.noise.filtering import Learning, learning_of
+from radmpc.model.noise.fleet import fleet_learning
+from radmpc.model.noise.known import Known
+from radmpc.model.noise.shared import lasting_parts
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.records import dataclass
 
 __all__ = [
-    "Observer",
+    "acted_on",
+    "best_of",
+    "estimates_together",
     "expected_anew",
     "expected_start",
+    "kept_learning",
+    "known_after",
     "known_loop",
     "moved",
     "remembers",
+    "renewed",
+    "starting",
     "unknown_after",
 ]
 
@@ -35,9 +52,101 @@ def remembers(vehicle: Vehicle) -> bool:
     Parameters
     ----------
     vehicle : Vehicle
-        That shares no noise that lasts.
+        The vehicle.
     """
-    return vehicle.disturbance_correlation > 0.0 or vehicle.measurement is not None
+    if vehicle.disturbance_correlation > 0.0 or vehicle.measurement is not None:
+        return True
+    return bool(vehicle.shared and lasting_parts(vehicle.shared))
+
+
+def estimates_together(vehicle: Vehicle) -> bool:
+    """Whether what others measure tells of the error of a vehicle's own estimate.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    """
+    return bool(vehicle.shared) and vehicle.measurement is not None
+
+
+def _copies(vehicle: Vehicle) -> int:
+    """Return how many vectors are known of a vehicle."""
+    return 3 if estimates_together(vehicle) else 1
+
+
+def acted_on(vehicle: Vehicle, known: Vector) -> Vector:
+    """Return the state that feedback acts on, (n,).
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    known : (n,) or (2 n + s,) or (3 (2 n + s),) array
+        What is known of it.
+    """
+    begins = known.size // 3 if estimates_together(vehicle) else 0
+    return known[begins : begins + vehicle.start.size]
+
+
+def best_of(vehicle: Vehicle, known: Vector) -> Vector:
+    """Return what all that was measured tells, (n,) or (2 n + s,).
+
+    Parameters
+    ----------
+    vehicle, known
+        As in `acted_on`.
+    """
+    return known[2 * known.size // 3 :] if estimates_together(vehicle) else known
+
+
+def renewed(vehicles: Sequence[Vehicle], known: Sequence[Vector]) -> tuple[Vector, ...]:
+    """Return what is known where another leg begins: its filters know what all tell.
+
+    Parameters
+    ----------
+    vehicles : sequence of Vehicle
+        The fleet.
+    known : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
+        What is known.
+    """
+    found = []
+    for vehicle, each in zip(vehicles, known, strict=True):
+        if estimates_together(vehicle):
+            own, _, best = np.split(each, 3)
+            found.append(np.concatenate([own, best, best]))
+        else:
+            found.append(each)
+    return tuple(found)
+
+
+def starting(vehicle: Vehicle, known: Vector, start: Vector) -> Vector:
+    """Return what is known with another state, that at which a leg begins.
+
+    Parameters
+    ----------
+    vehicle, known
+        As in `acted_on`.
+    start : (n,) array
+        The state.
+    """
+    found = known.copy()
+    best_of(vehicle, found)[: start.size] = start
+    return found
+
+
+@lru_cache(maxsize=128)
+def kept_learning(vehicle: Vehicle, horizon: int) -> Learning:
+    """Return what a vehicle's own measurements tell, the same again for the same value.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    horizon : int
+        Number of steps T.
+    """
+    return learning_of(vehicle.system, vehicle.noise, horizon)
 
 
 def expected_start(vehicle: Vehicle) -> Vector:
@@ -50,10 +159,12 @@ def expected_start(vehicle: Vehicle) -> Vector:
     """
     if not remembers(vehicle):
         return vehicle.start
-    lasting = np.zeros(vehicle.start.size)
+    own = np.zeros(vehicle.start.size)
+    shared = np.zeros(sum(part.size for part in lasting_parts(vehicle.shared)))
     if vehicle.known is not None:
-        lasting = vehicle.known.disturbance
-    return np.concatenate([vehicle.start, lasting])
+        own = vehicle.known.disturbance
+        shared = shared if vehicle.known.lasting is None else vehicle.known.lasting
+    return np.concatenate([vehicle.start, own, shared] * _copies(vehicle))
 
 
 def expected_anew(scenario: Scenario, expected: Sequence[Vector]) -> tuple[Vector, ...]:
@@ -63,9 +174,18 @@ def expected_anew(scenario: Scenario, expected: Sequence[Vector]) -> tuple[Vecto
     ----------
     scenario : Scenario
         Of the steps that are left.
-    expected : sequence of (n,) or (2 n,) array
+    expected : sequence of (n,) or (2 n + s,) array
         What was.
+
+    Raises
+    ------
+    ScenarioError
+        If a vehicle that shares disturbances measures its state with noise: what its own filter
+        tells goes on from where it began.
     """
+    if any(estimates_together(vehicle) for vehicle in scenario.vehicles):
+        message = "a mission of estimates under shared disturbances cannot be started again"
+        raise ScenarioError(message, ("vehicles",))
     pairs = zip(scenario.vehicles, expected, strict=True)
     return tuple(expected_start(v) if remembers(v) else x for v, x in pairs)
 
@@ -78,13 +198,27 @@ def known_loop(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix | None]:
     vehicle : Vehicle
         The vehicle.
     """
+    A, B, gain = _own_loop(vehicle)
+    if not estimates_together(vehicle):
+        return A, B, gain
+    held = None if gain is None else np.pad(gain, ((0, 0), (len(A), len(A))))
+    return np.asarray(np.kron(np.eye(3), A), float), np.vstack([B, B, B]), held
+
+
+def _own_loop(vehicle: Vehicle) -> tuple[Matrix, Matrix, Matrix | None]:
+    """Return that of one of the vectors that are known."""
     A, B, gain = vehicle.system.A, vehicle.system.B, vehicle.gain
     if not remembers(vehicle):
         return A, B, gain
     one, none = np.eye(len(A)), np.zeros_like(A)
     longer = np.block([[A, one], [none, vehicle.disturbance_correlation * one]])
-    held = None if gain is None else np.hstack([gain, np.zeros_like(gain)])
-    return longer, np.vstack([B, np.zeros_like(B)]), held
+    for part in lasting_parts(vehicle.shared):
+        acts = np.vstack([part.matrix, np.zeros((len(longer) - len(A), part.size))])
+        keeps = part.correlation * np.eye(part.size)
+        longer = np.block([[longer, acts], [np.zeros_like(acts.T), keeps]])
+    none = np.zeros((len(longer) - len(A), B.shape[1]))
+    held = None if gain is None else np.hstack([gain, none.T])
+    return longer, np.vstack([B, none]), held
 
 
 def moved(vehicle: Vehicle, known: Vector, control: Vector) -> Vector:
@@ -94,16 +228,17 @@ def moved(vehicle: Vehicle, known: Vector, control: Vector) -> Vector:
     ----------
     vehicle : Vehicle
         The vehicle.
-    known : (n,) or (2 n,) array
-        What is known.
+    known : (n,), (2 n + s,) or (3 (2 n + s),) array
+        What is known; of who estimates together with others, one of its parts will do.
     control : (m,) array
         What is flown over the step.
     """
-    A, B, _ = known_loop(vehicle)
-    later = np.asarray(A @ known + B @ control)
+    A, B, _ = _own_loop(vehicle)
+    parts = [A @ part + B @ control for part in known.reshape(-1, len(A))]
     if vehicle.drift is not None:
-        later[: vehicle.drift.size] += vehicle.drift
-    return later
+        for part in parts:
+            part[: vehicle.drift.size] += vehicle.drift
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def unknown_after(vehicle: Vehicle, passed: int) -> Matrix:
@@ -112,7 +247,7 @@ def unknown_after(vehicle: Vehicle, passed: int) -> Matrix:
     Parameters
     ----------
     vehicle : Vehicle
-        Whose disturbances last, or that measures with noise.
+        Whose disturbances last, or that measures with noise; of which no others tell.
     passed : int
         Steps from its scenario's first.
     """
@@ -129,71 +264,33 @@ def unknown_after(vehicle: Vehicle, passed: int) -> Matrix:
     return result
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Observer:
-    """Makes of measured states, or estimates, what is known of vehicles.
+def known_after(
+    scenario: Scenario, passed: int, known: Sequence[Vector]
+) -> tuple[Known | None, ...]:
+    """Return what plans begin with once a step was measured; None is the state, exactly.
 
-    Attributes
+    Parameters
     ----------
-    began : int
-        The mission's step at which its scenario begins.
-    learning : tuple of Learning or None
-        Of each vehicle that remembers; None of all others.
+    scenario : Scenario
+        Of all steps.
+    passed : int
+        Steps from its first.
+    known : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
+        What is known there.
     """
-
-    began: int
-    learning: tuple[Learning | None, ...]
-
-    @classmethod
-    def of(cls, scenario: Scenario, began: int = 0) -> Observer:
-        """Return the observer of a mission.
-
-        Parameters
-        ----------
-        scenario : Scenario
-            Of the steps from one on.
-        began : int
-            The mission's step at which it begins.
-        """
-        return cls(
-            began,
-            tuple(
-                learning_of(v.system, v.noise, scenario.horizon) if remembers(v) else None
-                for v in scenario.vehicles
-            ),
+    vehicles = scenario.vehicles
+    known = [best_of(v, each) for v, each in zip(vehicles, known, strict=True)]
+    fleet = fleet_learning(vehicles, scenario.horizon)
+    found: list[Known | None] = [None] * len(vehicles)
+    if fleet is not None:
+        noises, means = (
+            [vehicles[i].noise for i in fleet.members],
+            [known[i] for i in fleet.members],
         )
-
-    def known(
-        self, step: int, expected: Sequence[Vector], states: Sequence[Vector]
-    ) -> tuple[Vector, ...]:
-        """Return what is known after a measurement.
-
-        Parameters
-        ----------
-        step : int
-            Of the mission.
-        expected : sequence of (n,) or (2 n,) array
-            What was expected to be known.
-        states : sequence of (n,) array
-            Measured states, or estimates.
-        """
-        made = []
-        for learning, hoped, state in zip(self.learning, expected, states, strict=True):
-            if learning is None:
-                made.append(state)
-                continue
-            before, lasting = np.split(hoped, 2)
-            carried = learning.carried(step - self.began, state - before)
-            made.append(np.concatenate([state, lasting + carried]))
-        return tuple(made)
-
-    def told(self, step: int) -> tuple[Matrix | None, ...]:
-        """Return by how much estimates move at a step, (n, n) each; None where states are told.
-
-        Parameters
-        ----------
-        step : int
-            Of the mission.
-        """
-        at = step - self.began
-        return tuple(None if one is None else one.told[at] for one in self.learning)
+        for i, each in zip(fleet.members, fleet.known(passed, noises, means), strict=True):
+            found[i] = each
+    for i, vehicle in enumerate(vehicles):
+        if remembers(vehicle) and found[i] is None:
+            n = vehicle.start.size
+            found[i] = Known(known[i][n:], unknown_after(vehicle, passed))
+    return tuple(found)

@@ -8,7 +8,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from radmpc.arrays import Matrix, Tensor, Vector, as_matrix, unchecked
-from radmpc.flying.knowing import known_loop, remembers
+from radmpc.flying.knowing import (
+    acted_on,
+    best_of,
+    estimates_together,
+    expected_start,
+    known_loop,
+    renewed,
+)
 from radmpc.model.dynamics import rollout
 from radmpc.model.plan import Plan, Risk, Status, Trajectory
 from radmpc.model.scenario import Scenario
@@ -84,7 +91,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
             What is known there: see `radmpc.flying.knowing`.
         scale : Scale or None
             What is known of the factor of covariances, beside those stated first; None where they
@@ -93,6 +100,16 @@ class Leg:
         now = None if scale is None else scale.since(self.scale)
         return conditional(self.witnesses, step - self.began, states, now)
 
+    def begun(self, states: Sequence[Vector]) -> tuple[Vector, ...]:
+        """Return what is known where it is adopted: see `radmpc.flying.knowing.renewed`.
+
+        Parameters
+        ----------
+        states : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
+            What is known there.
+        """
+        return renewed(self.plan.scenario.vehicles, states)
+
     def controls(self, step: int, states: Sequence[Vector]) -> tuple[Vector, ...]:
         """Return ``ū + K (x − x̄)`` of all vehicles, whatever the limits.
 
@@ -100,7 +117,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
             What is known there: see `radmpc.flying.knowing`.
         """
         k = step - self.began
@@ -108,7 +125,8 @@ class Leg:
         for i, path in enumerate(self.plan.trajectories):
             control, nominal = path.controls[k], self.witnesses.motion.states[i][k]
             if path.gain is not None:
-                control = control + path.gain @ (states[i][: nominal.size] - nominal)
+                state = acted_on(self.plan.scenario.vehicles[i], states[i])
+                control = control + path.gain @ (state - nominal)
             asked.append(control)
         return tuple(asked)
 
@@ -121,7 +139,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
             What is known there: see `radmpc.flying.knowing`.
         controls : sequence of (m,) array
             What is flown over the step.
@@ -143,7 +161,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
             What is known there: see `radmpc.flying.knowing`.
         """
         effort = miss = 0.0
@@ -154,12 +172,14 @@ class Leg:
         return Outlook(effort, miss)
 
     def _nominal(self, number: int) -> Matrix:
-        """Return what is known of a vehicle that flies as planned, (T+1, n) or (T+1, 2 n)."""
-        motion = self.witnesses.motion
+        """Return what is known of a vehicle that flies as planned, (T+1, n) or (T+1, 2 n + s)."""
+        motion, vehicle = self.witnesses.motion, self.plan.scenario.vehicles[number]
         path, lasting = motion.states[number], motion.lasting[number]
-        if not remembers(self.plan.scenario.vehicles[number]):
+        size, copies = expected_start(vehicle).size, 3 if estimates_together(vehicle) else 1
+        if size == path.shape[1]:
             return path
-        return np.hstack([path, np.zeros_like(path) if lasting is None else lasting])
+        rest = np.zeros((len(path), size // copies - path.shape[1])) if lasting is None else lasting
+        return np.hstack([path, rest] * copies)
 
     def mean_controls(self, step: int, states: Sequence[Vector]) -> tuple[Matrix, ...]:
         """Return the controls still to come on average, feedback included, (T - k, m) each.
@@ -168,7 +188,7 @@ class Leg:
         ----------
         step : int
             Of the mission.
-        states : sequence of (n,) or (2 n,) array
+        states : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
             What is known there: see `radmpc.flying.knowing`.
         """
         return tuple(pushed for pushed, _ in self._means(step, states))
@@ -176,12 +196,14 @@ class Leg:
     def _means(self, step: int, states: Sequence[Vector]) -> Iterator[tuple[Matrix, Vector]]:
         """Yield every vehicle's mean controls to come, and where its mean ends."""
         k = step - self.began
+        # On average a leg's filters come to know what all tell: here they do at once.
+        states = self.begun(states)
         for i, vehicle in enumerate(self.plan.scenario.vehicles):
             nominal = self._nominal(i)
             pushed = self.plan.trajectories[i].controls[k:].copy()
             deviation = states[i] - nominal[k]
             if not deviation.any():
-                yield pushed, nominal[-1]
+                yield pushed, best_of(vehicle, nominal[-1])
                 continue
             A, B, gain = known_loop(vehicle)
             loop = A if gain is None else A + B @ gain
@@ -189,7 +211,7 @@ class Leg:
                 if gain is not None:
                     pushed[number] += gain @ deviation
                 deviation = loop @ deviation
-            yield pushed, nominal[-1] + deviation
+            yield pushed, best_of(vehicle, nominal[-1] + deviation)
 
 
 def leg_of(

@@ -116,21 +116,12 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If a vehicle shares disturbances that last, or shares any while its own last or it measures
-        its state with noise; if ranges are kept or norms limited.
+        If ranges are kept or norms limited.
     """
     if scenario.keep:
         message = "cannot be kept under way: a mission accounts for collisions and the workspace"
         raise ScenarioError(message, ("keep",))
     for i, vehicle in enumerate(scenario.vehicles):
-        is_new = all(part.correlation == 0.0 for part in vehicle.shared)
-        if vehicle.shared and not (is_new and not remembers(vehicle)):
-            message = (
-                f"{vehicle.name!r} cannot be flown under way: a mission takes shared disturbances "
-                "that are new at every step, with noise of its own that is, too, and its state "
-                "known exactly: what others measure tells of what lasts"
-            )
-            raise ScenarioError(message, ("vehicles", i, "shared"))
         if vehicle.control_norm is not None or vehicle.speed_norm is not None:
             key = "speed_limit" if vehicle.control_norm is None else "control_limit"
             message = "limits a norm: a mission under way takes limits per axis"
@@ -167,7 +158,8 @@ def check_forgetful(scenario: Scenario) -> None:
             raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
     for i, vehicle in enumerate(scenario.vehicles):
         if remembers(vehicle):
-            key = "disturbance_correlation" if vehicle.measurement is None else "measurement"
+            key = "disturbance_correlation" if vehicle.disturbance_correlation else "shared"
+            key = key if vehicle.measurement is None else "measurement"
             message = (
                 f"{vehicle.name!r} cannot be flown in windows: a long mission takes states known "
                 "exactly and noise that is new at every step"

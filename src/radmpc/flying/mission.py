@@ -189,7 +189,7 @@ class Mission:
         alarms, decision = ["no measurement: the tail flies on as expected"], UNKNOWN
         if given is not None:
             is_certain = not self._ticks or self._ticks[-1].value is not None
-            seen = self._step, self._expected, given
+            seen = self._step, self._expected, given, self._leg
             known, alarms = self._sensing.look(*seen, is_certain=is_certain)
             end = float("inf") if deadline is None else begun + deadline
             decision = self._decided(known, alarms, Timer(self._clock, end))
@@ -286,6 +286,7 @@ class Mission:
         else:
             self._account, self._leg = self._account.adopted(decision.price), decision.leg
             self._enter("adopted", decision.price)
+            self._known = states = self._leg.begun(states)
         found = commanded(self._leg, self._step, states, alarms)
         told = alarms, self._clock() - begun
         tick = decision.tick(self._step, found.segments, wealth, told)

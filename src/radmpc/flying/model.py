@@ -55,7 +55,7 @@ class Model:
     ArgumentError
         If the seed is negative.
     ScenarioError
-        If shared disturbances outlast a step or meet who measures with noise.
+        If a mission does not take what it is about.
     """
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator | int | None = None) -> None:

@@ -44,8 +44,8 @@ class Estimator:
         Its gains.
     step : int
         The next one at which something is measured.
-    known : (2 n,) array
-        What is expected then: of the state, and of the disturbance over the step that follows.
+    known : (2 n + s,) array
+        What is expected then: of the state, and of the disturbances over the step that follows.
     """
 
     vehicle: Vehicle
@@ -60,12 +60,12 @@ class Estimator:
         Parameters
         ----------
         vehicle : Vehicle
-            With a measurement; it shares no disturbance.
+            With a measurement.
         horizon : int
             Number of steps T.
         """
         learning = learning_of(vehicle.system, vehicle.noise, horizon)
-        return cls(vehicle, learning, 0, expected_start(vehicle))
+        return cls(vehicle, learning, 0, expected_start(vehicle)[: len(learning.gains[0])])
 
     def measured(self, found: Vector) -> Vector:
         """Return the estimate of the state after a measurement, (n,).
@@ -110,8 +110,11 @@ class Nature:
         self._filters: dict[int, Estimator] = {}
         self._places: dict[int, Vector] = {}
         self._sources = {
-            part.name: root_of(part.covariance) for v in scenario.vehicles for part in v.shared
+            part.name: (root_of(part.covariance), part.correlation)
+            for v in scenario.vehicles
+            for part in v.shared
         }
+        self._blowing: dict[str, Vector] = {}
         self._tracks = {
             i: o.shape
             for i, o in enumerate(scenario.obstacles)
@@ -134,6 +137,11 @@ class Nature:
                 self._lasting[i] = self._drawn(vehicle.disturbance_covariance)
             if vehicle.measurement is not None:
                 self._filters[i] = Estimator.of(vehicle, self._scenario.horizon)
+        self._blowing = {
+            name: self._larger * (root @ self._rng.standard_normal(len(root)))
+            for name, (root, rho) in self._sources.items()
+            if rho > 0.0
+        }
         self._places = {i: self._drawn(shape.covariance) for i, shape in self._tracks.items()}
         return self._larger
 
@@ -151,8 +159,12 @@ class Nature:
             added[i], self._lasting[i] = now, rho * now + np.sqrt(1.0 - rho * rho) * fresh[i]
         drawn = {
             name: self._larger * (root @ self._rng.standard_normal(len(root)))
-            for name, root in self._sources.items()
+            for name, (root, _) in self._sources.items()
         }
+        for name, now in self._blowing.items():
+            rho = self._sources[name][1]
+            self._blowing[name] = rho * now + np.sqrt(1.0 - rho * rho) * drawn[name]
+            drawn[name] = now
         for i, vehicle in enumerate(self._scenario.vehicles):
             for part in vehicle.shared:
                 added[i] = added[i] + part.matrix @ drawn[part.name]

@@ -10,7 +10,7 @@ import numpy as np
 
 from radmpc.arrays import Vector, field_names, frozen
 from radmpc.errors import ScenarioError
-from radmpc.flying.knowing import remembers, unknown_after
+from radmpc.flying.knowing import best_of, known_after
 from radmpc.model.noise.known import Known
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
 from radmpc.model.scenario import Scenario
@@ -37,7 +37,7 @@ def left_of(
         Of all steps.
     passed : int
         Steps that have been flown, below its horizon.
-    states : sequence of (n,) or (2 n,) array
+    states : sequence of (n,) or (2 n + s,) array
         What is known: measured states, known without error, or see `radmpc.flying.knowing`.
     risk_bound : float
         What the rest may risk [-].
@@ -60,9 +60,9 @@ def left_of(
             "a mission with visits or windows of arrival is not planned anew under way",
             ("vehicles",),
         )
-    vehicles = tuple(
-        _begun(v, state, passed) for v, state in zip(scenario.vehicles, states, strict=True)
-    )
+    known = known_after(scenario, passed, states)
+    triples = zip(scenario.vehicles, states, known, strict=True)
+    vehicles = tuple(_begun(*each) for each in triples)
     left = changed(
         scenario,
         horizon=scenario.horizon - passed,
@@ -73,18 +73,15 @@ def left_of(
     return left if scale is None or scale.samples is None else _scaled(left, scale)
 
 
-def _begun(vehicle: Vehicle, state: Vector, passed: int) -> Vehicle:
+def _begun(vehicle: Vehicle, state: Vector, known: Known | None) -> Vehicle:
     """Return a vehicle that begins with what is known of it after some steps."""
-    if not remembers(vehicle):
+    if known is None:
         return changed(vehicle, start=state, initial_covariance=0.0 * vehicle.initial_covariance)
-    n = vehicle.start.size
-    unknown = unknown_after(vehicle, passed)
-    return changed(
-        vehicle,
-        start=state[:n].copy(),
-        initial_covariance=unknown[:n, :n].copy(),
-        known=Known(state[n:], unknown),
-    )
+    n, best = vehicle.start.size, best_of(vehicle, state)
+    unknown = known.covariance[:n, :n].copy()
+    if known.common is not None:
+        unknown += known.common[:n] @ known.common[:n].T
+    return changed(vehicle, start=best[:n].copy(), initial_covariance=unknown, known=known)
 
 
 def _scaled(scenario: Scenario, scale: Scale) -> Scenario:
@@ -104,7 +101,8 @@ def _scaled_vehicle(vehicle: Vehicle, times: float) -> Vehicle:
     if sensor is not None:
         sensor = changed(sensor, covariance=times * sensor.covariance)
     if known is not None:
-        known = changed(known, covariance=times * known.covariance)
+        common = None if known.common is None else np.sqrt(times) * known.common
+        known = changed(known, covariance=times * known.covariance, common=common)
     return changed(
         vehicle,
         initial_covariance=times * vehicle.initial_covariance,

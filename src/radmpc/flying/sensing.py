@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from radmpc.arrays import Vector
 from radmpc.flying.alarms import Watcher
 from radmpc.flying.evidence import Evidence
-from radmpc.flying.knowing import Observer
+from radmpc.flying.leg import Leg
+from radmpc.flying.observing import Observer
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
 
@@ -61,6 +62,7 @@ class Sensing:
         step: int,
         expected: Sequence[Vector],
         states: Sequence[Vector],
+        leg: Leg | None = None,
         *,
         is_certain: bool,
     ) -> tuple[tuple[Vector, ...], list[str]]:
@@ -74,12 +76,18 @@ class Sensing:
             What was expected to be known.
         states : sequence of (n,) array
             Measured states, or estimates.
+        leg : Leg or None
+            In the air; None is the first one.
         is_certain : bool
             Whether it was known at the step before where vehicles were: what was not measured may
             be off by twice the noise.
         """
-        known, told = self.observer.known(step, expected, states), self.observer.told(step)
-        seen = step, expected, states, told
-        alarms = self.watcher.look(*seen, self.evidence.scale) if is_certain else []
-        self.evidence = self.evidence.after(*seen)
+        acting = None if leg is None else (leg.began, leg.plan.scenario)
+        known = self.observer.known(step, expected, states, acting)
+        seen = step, expected, states, self.observer.told(step)
+        together = self.observer.told_together(*seen[:3])
+        alarms = []
+        if is_certain:
+            alarms = self.watcher.look(*seen, self.evidence.scale, together)
+        self.evidence = self.evidence.after(*seen, together)
         return known, alarms

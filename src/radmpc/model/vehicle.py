@@ -227,8 +227,8 @@ class Vehicle(Frozen):
         (n,) or (T, n) array or None
             The same at every step, or one row each; None is nothing.
         """
-        known, correlation = self.known, self.disturbance_correlation
-        return self.drift if known is None else known.pushes(correlation, self.drift, horizon)
+        known, noise = self.known, (self.disturbance_correlation, self.shared)
+        return self.drift if known is None else known.pushes(noise, self.drift, horizon)
 
     @property
     def has_memory(self) -> bool:

@@ -13,11 +13,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from radmpc.arrays import Indices, Matrix, Tensor
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass
 from radmpc.referee.loop import Loop
 
-__all__ = ["FleetCommon", "fleet_common", "relative"]
+__all__ = ["FleetCommon", "fleet_common", "lasting_added", "lasting_means", "relative"]
 
 _BLOCK = 4_000_000
 """Numbers in the largest array of one block of pairs: memory against the overhead per block."""
@@ -180,3 +181,52 @@ def fleet_common(
             first[i, :q, there] = common.first[:, columns]
             pushes[i, :, :q, there] = common.pushes[:, :, columns]
     return FleetCommon(transitions, first, pushes, straight, turned, horizon)
+
+
+def lasting_means(vehicle: Vehicle, horizon: int) -> Matrix | None:
+    """Return what is expected over each step of disturbances that last, None where nothing.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With what is known of it at k = 0.
+    horizon : int
+        Number of steps T.
+
+    Returns
+    -------
+    (T+1, n + s) array or None
+        Of its own disturbance, and of those it shares and that last, stacked.
+    """
+    parts = [part for part in vehicle.shared if part.correlation > 0.0]
+    rho, known = vehicle.disturbance_correlation, vehicle.known
+    if known is None or not (rho > 0.0 or parts):
+        return None
+    shared = np.zeros(0) if known.lasting is None else known.lasting
+    means = [np.concatenate([known.disturbance, shared])]
+    keeps = np.repeat(
+        [rho, *(part.correlation for part in parts)],
+        [known.disturbance.size, *(part.size for part in parts)],
+    )
+    for _ in range(horizon):
+        means.append(keeps * means[-1])
+    return np.array(means)
+
+
+def lasting_added(vehicle: Vehicle, lasting: Vector) -> Vector:
+    """Return what disturbances that last add to a state, (n,).
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    lasting : (n + s,) array
+        Its own disturbance, and those it shares and that last.
+    """
+    start = vehicle.start.size
+    added = lasting[:start]
+    for part in vehicle.shared:
+        if part.correlation > 0.0:
+            added = added + part.matrix @ lasting[start : start + part.size]
+            start += part.size
+    return added

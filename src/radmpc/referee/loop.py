@@ -32,6 +32,9 @@ from radmpc.records import dataclass, field, replace
 
 __all__ = ["Common", "Loop", "loop_of"]
 
+_LEARNED = "\0"
+"""Stands for no source but for what all vehicles learned before k = 0."""
+
 _NOTHING = 1e-12
 """Share of the largest eigenvalue of what a sensor sees below which one is rounding [-]."""
 
@@ -151,12 +154,14 @@ def loop_of(vehicle: Vehicle, horizon: int) -> Loop:
     xi = _Open(free, pushed, initial, fresh, nothing, nothing)
     for part in vehicle.shared:
         xi = _widened(xi, part)
+    if vehicle.known is not None and vehicle.known.common is not None:
+        xi = _learned(xi, vehicle, vehicle.known.common)
     if vehicle.measurement is not None:
         return _filtered(vehicle, xi, horizon)
     closed = xi.free if vehicle.gain is None else xi.free + xi.pushed
     initial, fresh = xi.total()
     unknown = None
-    if rho > 0.0:
+    if rho > 0.0 and all(part.correlation == 0.0 for part in vehicle.shared):
         # A state tells of disturbances that have come in, never of the one that follows it.
         unknown = np.zeros((horizon + 1, *initial.shape))
         unknown[0, n:, n:], unknown[1:] = initial[n:, n:], fresh
@@ -191,6 +196,18 @@ def _widened(xi: _Open, part: SharedDisturbance) -> _Open:
         np.block([[xi.pushes, none], list(below)]),
         columns,
     )
+
+
+def _learned(xi: _Open, vehicle: Vehicle, common: Matrix) -> _Open:
+    """Return what there is with what lasts as it is known, together with other vehicles."""
+    n = vehicle.system.num_states
+    state, own, lasting = np.split(common, [n, 2 * n])
+    start = xi.first.shape[1]
+    columns = {**xi.columns, _LEARNED: slice(start, start + common.shape[1])}
+    rows = [state, own, lasting] if vehicle.disturbance_correlation > 0.0 else [state, lasting]
+    first = np.hstack([np.zeros_like(xi.first), np.vstack(rows)])
+    pushes = np.pad(xi.pushes, ((0, 0), (0, common.shape[1])))
+    return _Open(xi.free, xi.pushed, xi.initial, xi.fresh, first, pushes, columns)
 
 
 def _stacked(first: Matrix, second: Matrix, last: Matrix) -> Matrix:

@@ -10,7 +10,7 @@ from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass
-from radmpc.referee.common import FleetCommon, fleet_common
+from radmpc.referee.common import FleetCommon, fleet_common, lasting_added, lasting_means
 from radmpc.referee.loop import Loop, loop_of
 from radmpc.referee.tracks import Tracks, tracks_of
 
@@ -88,8 +88,9 @@ class FleetMotion:
         Independent steps that covariances were estimated from; None is that they are known.
     unknown : tuple of (T+1, p, p) array or None
         Of each vehicle: see `Loop.unknown`.
-    lasting : tuple of (T+1, n) array or None
-        Of each vehicle: what is expected of its disturbance over every step; None is nothing.
+    lasting : tuple of (T+1, n + s) array or None
+        Of each vehicle: what is expected over every step of its own disturbance, and of the shared
+        ones that last, stacked; None is nothing.
     """
 
     names: tuple[str, ...]
@@ -148,7 +149,7 @@ def propagate(scenario: Scenario, controls: Sequence[Matrix]) -> FleetMotion:
         Per vehicle, and positions stacked.
     """
     vehicles, horizon, d = scenario.vehicles, scenario.horizon, scenario.dimension
-    lasting = [_lasting(v, horizon) for v in vehicles]
+    lasting = [lasting_means(v, horizon) for v in vehicles]
     states = [
         _mean_states(v, u, mean) for v, u, mean in zip(vehicles, controls, lasting, strict=True)
     ]
@@ -212,19 +213,9 @@ def _mean_states(vehicle: Vehicle, controls: Matrix, lasting: Matrix | None) -> 
         for k, push in enumerate(controls @ vehicle.system.B.T):
             moved = A @ states[-1] + push
             if lasting is not None:
-                moved = moved + lasting[k]
+                moved = moved + lasting_added(vehicle, lasting[k])
             states.append(moved if vehicle.drift is None else moved + vehicle.drift)
     return np.array(states)
-
-
-def _lasting(vehicle: Vehicle, horizon: int) -> Matrix | None:
-    """Return the mean of a disturbance that lasts over each step; None where it is zero."""
-    if vehicle.known is None or vehicle.disturbance_correlation == 0.0:
-        return None
-    means = [vehicle.known.disturbance]
-    for _ in range(horizon):
-        means.append(vehicle.disturbance_correlation * means[-1])
-    return np.array(means)
 
 
 def _grouped(vehicles: Sequence[Vehicle], loops: Sequence[Loop]) -> tuple[Group, ...]:

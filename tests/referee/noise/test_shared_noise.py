@@ -21,7 +21,6 @@ from radmpc.program.relative import relative_bent_covariances, relative_covarian
 from radmpc.program.relaxed.instants import Instants, Part
 from radmpc.referee import certify, simulate
 from radmpc.referee.bound.parts import part_sites
-from radmpc.referee.conditional.loops import loops_of
 from radmpc.referee.gather import gather_pairs
 from radmpc.referee.motion import propagate
 
@@ -138,11 +137,3 @@ def test_vehicles_that_know_one_source_agree_about_it():
     with pytest.raises(ScenarioError, match="another covariance or correlation") as caught:
         still(a, b)
     assert caught.value.path == ("vehicles", 1, "shared", 0)
-
-
-@pytest.mark.parametrize("scene", [against_each_other, measured])
-def test_what_is_left_of_a_plan_is_not_valued_under_shared_noise_that_lasts_or_is_measured(scene):
-    plan = scene()
-    motion = propagate(plan.scenario, [t.controls for t in plan.trajectories])
-    with pytest.raises(ScenarioError, match="shared noise that is new at every step"):
-        loops_of(motion)

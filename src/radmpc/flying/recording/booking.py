@@ -15,7 +15,7 @@ from radmpc.errors import RadmpcError, RiskError
 from radmpc.flying.account import Account
 from radmpc.flying.deciding import opened
 from radmpc.flying.evidence import Evidence
-from radmpc.flying.knowing import expected_start
+from radmpc.flying.knowing import best_of, expected_start, starting
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.remainder import left_of
 from radmpc.flying.sensing import Sensing
@@ -123,7 +123,7 @@ def _book(book: Booking, row: TickRow, where: str) -> None:
     book.contacts += [Contact(t.step, t.cause, t.vehicle, t.other) for t in row.contacts]
     if row.states is not None:
         is_certain = not book.ticks or book.ticks[-1].value is not None
-        seen = row.step, book.expected, row.states
+        seen = row.step, book.expected, row.states, book.leg
         known, _ = book.sensing.look(*seen, is_certain=is_certain)
         worth = book.leg.value(row.step, known, book.sensing.evidence.scale)
         value, book.account = worth.total, book.account.kept(worth.least)
@@ -141,6 +141,7 @@ def _book(book: Booking, row: TickRow, where: str) -> None:
         book.enter(row.step, "kept", None)
     else:
         _adopt(book, row, (known, before), where)
+        known = book.leg.begun(known)
     now = book.account
     _compare(book, where, {"tail": (row.tail, now.tail), "bank": (row.bank, now.bank)})
     flown = _flown(book, row, known, where)
@@ -164,11 +165,12 @@ def _adopt(book: Booking, row: TickRow, at: tuple[Sequence[Vector], Evidence], w
     if book.contacts:
         book.problems.append(f"{where}: a leg was adopted after something was hit")
     starts, begins, is_now = [], True, True
-    for start, now, hoped in zip(row.leg.starts, known, book.expected, strict=True):
-        at_known = np.array_equal(start, now[: start.size])
+    vehicles = book.plan.scenario.vehicles
+    for v, start, now, hoped in zip(vehicles, row.leg.starts, known, book.expected, strict=True):
+        at_known = np.array_equal(start, best_of(v, now)[: start.size])
         begins, is_now = begins and at_known and start.size == now.size, is_now and at_known
         # What was planned ahead begins with what was expected.
-        starts.append(np.concatenate([start, (now if at_known else hoped)[start.size :]]))
+        starts.append(starting(v, now if at_known else hoped, start))
     learned = book.sensing.evidence.scale
     scale = learned if is_now else before.scale
     rest = left_of(book.plan.scenario, row.step, starts, row.leg.risk_bound, scale)
@@ -176,7 +178,7 @@ def _adopt(book: Booking, row: TickRow, at: tuple[Sequence[Vector], Evidence], w
     # Where it begins beside the measured state, the deviation is part of what it costs; and where
     # obstacles' places are not known, what was met before was paid for by the leg before.
     begins &= not leg.witnesses.parties.are_hidden.any()
-    price = leg.price if begins else leg.value(row.step, known, learned).total
+    price = leg.price if begins else leg.value(row.step, leg.begun(known), learned).total
     _compare(book, where, {"price": (row.price, price)})
     try:
         book.account = book.account.adopted(price)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from radmpc.flying.knowing import remembers, unknown_after
+from radmpc.flying.knowing import expected_start, known_after
 from radmpc.flying.remainder import changed
 from radmpc.gaussian import Tail
 from radmpc.model.goal import Goal
@@ -50,8 +50,10 @@ class Ahead:
         scenario : Scenario
             Of all its steps.
         """
-        known = tuple(_known(v, scenario.horizon) for v in scenario.vehicles)
-        scenario = replace(scenario, vehicles=known)
+        means = [0.0 * expected_start(v) for v in scenario.vehicles]
+        known = known_after(scenario, scenario.horizon, means)
+        begun = tuple(_begun(v, one) for v, one in zip(scenario.vehicles, known, strict=True))
+        scenario = replace(scenario, vehicles=begun)
         return cls(Hazards.of(scenario, condensed_models(scenario)), prediction_matrices(scenario))
 
     def left(
@@ -133,16 +135,15 @@ def _scaled_model(model: CondensedModel, times: float) -> CondensedModel:
     )
 
 
-def _known(vehicle: Vehicle, horizon: int) -> Vehicle:
+def _begun(vehicle: Vehicle, known: Known | None) -> Vehicle:
     """Return a vehicle of which all is known that is under way.
 
     A filter knows about as much at every step as at the last one.
     """
-    if not remembers(vehicle):
+    if known is None:
         return replace(vehicle, initial_covariance=0.0 * vehicle.initial_covariance)
-    n, unknown = vehicle.start.size, unknown_after(vehicle, horizon)
-    known = Known(np.zeros(n), unknown)
-    return replace(vehicle, initial_covariance=unknown[:n, :n], known=known)
+    n = vehicle.start.size
+    return replace(vehicle, initial_covariance=known.covariance[:n, :n], known=known)
 
 
 def _cut(

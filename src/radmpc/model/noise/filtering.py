@@ -6,7 +6,7 @@ import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.model.dynamics import LinearSystem
-from radmpc.model.noise.spread import Noise, chain_of, learning
+from radmpc.model.noise.spread import Noise, chain_of, known_rows, learning
 from radmpc.records import dataclass
 
 __all__ = ["Learning", "learning_of"]
@@ -18,10 +18,11 @@ class Learning:
 
     Attributes
     ----------
-    gains : tuple of (2 n, p) array
-        The filter's: what it makes of the difference between measured and expected.
-    unknown : tuple of (2 n, 2 n) array
-        Covariance of what is not known, once measured.
+    gains : tuple of (2 n + s, p) array
+        The filter's: what it makes of the difference between measured and expected, for the state,
+        the vehicle's own disturbance and those it shares and that last.
+    unknown : tuple of (q, q) array
+        Covariance of what is not known, once measured; of all that is shared, too.
     told : tuple of (n, n) array
         Covariance of what a measurement adds to the estimate of the state.
     """
@@ -31,7 +32,7 @@ class Learning:
     told: tuple[Matrix, ...]
 
     def carried(self, step: int, moved: Vector) -> Vector:
-        """Return what an estimate that moved tells of the disturbance that follows, (n,).
+        """Return what an estimate that moved tells of the disturbances that follow, (n + s,).
 
         Parameters
         ----------
@@ -40,10 +41,21 @@ class Learning:
         moved : (n,) array
             By how much the estimate of the state differs from what was expected.
         """
-        gain = self.gains[step]
-        of_state, of_rest = np.split(gain, 2)
-        found, *_ = np.linalg.lstsq(of_state, moved, rcond=1e-10)
-        return np.asarray(of_rest @ found)
+        return np.asarray(self.gains[step][moved.size :] @ self.surprise(step, moved))
+
+    def surprise(self, step: int, moved: Vector) -> Vector:
+        """Return by how much what was measured differed from what was expected, (p,).
+
+        Parameters
+        ----------
+        step : int
+            0..T.
+        moved : (n,) array
+            By how much the estimate of the state differs from what was expected. What does not move
+            it tells nothing: of that the least is taken.
+        """
+        found, *_ = np.linalg.lstsq(self.gains[step][: moved.size], moved, rcond=1e-10)
+        return np.asarray(found)
 
 
 def learning_of(system: LinearSystem, noise: Noise, horizon: int) -> Learning:
@@ -54,7 +66,7 @@ def learning_of(system: LinearSystem, noise: Noise, horizon: int) -> Learning:
     system : LinearSystem
         The dynamics.
     noise : Noise
-        What shakes it; nothing shared.
+        What shakes it.
     horizon : int
         Number of steps T.
     """
@@ -65,7 +77,7 @@ def learning_of(system: LinearSystem, noise: Noise, horizon: int) -> Learning:
     exact = sensor is None
     if sensor is None:
         sensor = Measurement(np.eye(n), np.zeros((n, n)))
-    chain = chain_of(system, noise, None)
+    chain, rows = chain_of(system, noise, None), known_rows(noise)
     ahead = chain.initial
     gains, unknown, told = [], [], []
     for k in range(horizon + 1):
@@ -79,7 +91,7 @@ def learning_of(system: LinearSystem, noise: Noise, horizon: int) -> Learning:
         if exact:
             # To the last digit: rounding is not learned of.
             left[:n] = left[:, :n] = 0.0
-        gains.append(gained)
+        gains.append(gained[rows])
         told.append(learned[:n, :n])
         unknown.append(0.5 * (left + left.T))
         ahead = chain.free @ unknown[-1] @ chain.free.T + chain.fresh

@@ -18,10 +18,13 @@ import numpy as np
 from radmpc.arrays import Indices, Matrix, Tensor
 from radmpc.model.dynamics import LinearSystem
 from radmpc.model.noise.shared import SharedDisturbance
-from radmpc.model.noise.spread import Chain, Noise, chain_of, learning, stacked
+from radmpc.model.noise.spread import Chain, Noise, chain_of, known_rows, learning, stacked
 from radmpc.records import dataclass
 
 __all__ = ["Response", "response_of"]
+
+_LEARNED = "\0"
+"""Name of what was learned by all vehicles before k = 0: sources are never called that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +36,8 @@ class Response:
     mixing : (n, p) array
         See `Spread.mixing`.
     columns : mapping of str to slice
-        Those of each source, r (T + 1) of them, the first values' before the steps'.
+        Those of each source, r (T + 1) of them, the first values' before the steps'; and those by
+        which first values are known together.
     known : (T+1, n + p, E) array
         What they make of the estimate of deviation and disturbances, stacked.
     unknown : (T+1, n + p, E) array or None
@@ -79,7 +83,7 @@ def response_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon
         Number of steps T.
     """
     chain = chain_of(system, noise, gain)
-    pushes, columns = _pushes(noise.shared, len(chain.free), horizon)
+    pushes, columns = _pushes(noise, len(chain.free), horizon)
     known = np.empty((horizon + 1, *pushes.shape[1:]))
     if noise.measurement is None:
         known[0] = pushes[0]
@@ -97,12 +101,13 @@ def response_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon
     return Response(chain.mixing, columns, known, unknown)
 
 
-def _pushes(
-    shared: tuple[SharedDisturbance, ...], size: int, horizon: int
-) -> tuple[Tensor, dict[str, slice]]:
+def _pushes(noise: Noise, size: int, horizon: int) -> tuple[Tensor, dict[str, slice]]:
     """Return what the normals add to everything at k = 0 and in each step, (T+1, size, E)."""
+    shared: tuple[SharedDisturbance, ...] = noise.shared
+    learned = None if noise.known is None else noise.known.common
     total = sum(part.size for part in shared) * (horizon + 1)
-    pushes = np.zeros((horizon + 1, size, total))
+    more = 0 if learned is None else learned.shape[1]
+    pushes = np.zeros((horizon + 1, size, total + more))
     columns: dict[str, slice] = {}
     row, column = size - sum(part.size for part in shared), 0
     for part in shared:
@@ -113,8 +118,13 @@ def _pushes(
         for k in range(horizon + 1):
             pushes[k, rows, column : column + part.size] = fresh if k else root
             column += part.size
+        if learned is not None and part.correlation > 0.0:
+            pushes[0, rows] = 0.0
         columns[part.name] = slice(begin, column)
         row += part.size
+    if learned is not None:
+        columns[_LEARNED] = slice(total, total + more)
+        pushes[0, known_rows(noise), total:] = learned
     return pushes, columns
 
 
@@ -124,8 +134,10 @@ def _learned(chain: Chain, noise: Noise, horizon: int) -> list[Matrix]:
         return []
     n = noise.measurement.matrix.shape[1]
     ahead, found = chain.initial, []
-    for _ in range(horizon + 1):
+    for k in range(horizon + 1):
         seen, gained = learning(noise.measurement, ahead)
+        if k == 0 and noise.known is not None:
+            gained = np.zeros_like(gained)
         whole = np.zeros_like(ahead)
         whole[:, :n] = gained @ noise.measurement.matrix
         found.append(whole)

@@ -14,7 +14,7 @@ from radmpc.errors import ScenarioError
 from radmpc.model.numbers import check_correlation
 from radmpc.records import dataclass
 
-__all__ = ["SharedDisturbance", "as_shared", "check_sources"]
+__all__ = ["SharedDisturbance", "as_shared", "check_sources", "lasting_parts"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,6 +116,17 @@ def as_shared(given: object, num_states: int) -> tuple[SharedDisturbance, ...]:
         names.add(part.name)
         found.append(part)
     return tuple(found)
+
+
+def lasting_parts(shared: Iterable[SharedDisturbance]) -> tuple[SharedDisturbance, ...]:
+    """Return those parts in shared disturbances that outlast a step.
+
+    Parameters
+    ----------
+    shared : iterable of SharedDisturbance
+        Those of a vehicle.
+    """
+    return tuple(part for part in shared if part.correlation > 0.0)
 
 
 def check_sources(shared_by_vehicle: Iterable[tuple[SharedDisturbance, ...]]) -> None:

@@ -30,7 +30,8 @@ from radmpc.records import dataclass
 if TYPE_CHECKING:
     from radmpc.model.noise.known import Known
 
-__all__ = ["Chain", "Noise", "Spread", "chain_of", "learning", "spread_of", "stacked"]
+__all__ = ["Chain", "Noise", "Spread"]
+__all__ += ["chain_of", "known_rows", "learning", "spread_of", "stacked"]
 
 _SINGULAR = 1e-12
 """Share of the largest eigenvalue of a measurement's covariance below which one counts as 0 [-]:
@@ -197,10 +198,31 @@ def chain_of(system: LinearSystem, noise: Noise, gain: Matrix | None) -> Chain:
         at = own.stop
     if noise.known is not None:
         initial[: 2 * n, : 2 * n] = noise.known.covariance
+        if noise.known.common is not None:
+            rows, root = known_rows(noise), noise.known.common
+            initial[np.ix_(rows[2 * n :], rows[2 * n :])] = 0.0
+            initial[np.ix_(rows, rows)] += root @ root.T
     loop = free.copy()
     if gain is not None:
         loop[:n, :n] += system.B @ gain
     return Chain(mixing, free, loop, initial, fresh)
+
+
+def known_rows(noise: Noise) -> Indices:
+    """Return where in ξ stands what is known together with others, (2 n + s,).
+
+    Parameters
+    ----------
+    noise : Noise
+        What shakes a vehicle.
+    """
+    end = 2 * len(noise.initial)
+    rows = [np.arange(end)]
+    for part in noise.shared:
+        if part.correlation > 0.0:
+            rows.append(np.arange(end, end + part.size))
+        end += part.size
+    return np.concatenate(rows)
 
 
 def spread_of(system: LinearSystem, noise: Noise, gain: Matrix | None, horizon: int) -> Spread:

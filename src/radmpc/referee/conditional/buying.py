@@ -61,8 +61,7 @@ def witnesses_of(plan: Plan) -> Witnesses:
     NoPlanError
         If the plan holds no trajectories.
     ScenarioError
-        If its vehicles or arrays do not fit its scenario, or overflow, or what is left of it could
-        not be valued under way: shared noise that lasts.
+        If its vehicles or arrays do not fit its scenario, or overflow.
     """
     check_plan(plan)
     problems = shape_problems(plan)
@@ -167,7 +166,7 @@ class _Purchase:
         first, other = np.concatenate([none, *self.first]), np.concatenate([none, *self.other])
         parties = Parties(tuple(self.causes), first, other, self._are_hidden(first, other))
         d = self.motion.positions.shape[2]
-        loops = loops_of(self.motion)
+        loops = loops_of(self.motion, plan.scenario.vehicles)
         tracks = self.motion.tracks
         rows = compiled(joined(self.tables, d), parties, loops, tracks)
         widths = np.concatenate([np.zeros(0), *self.widths])

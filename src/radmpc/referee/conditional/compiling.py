@@ -86,7 +86,7 @@ def _spread(loops: Loops, first: Indices, other: Indices, are_pairs: Flags) -> T
     pairs = are_pairs[:, None, None]
     spread = fresh_of_all[first] + np.where(pairs, fresh_of_all[other], 0.0)
     if loops.pushes is not None:
-        met = loops.picks @ loops.pushes
+        met = loops.picks @ loops.pushes[:, 0]
         both = met[first] @ met[other].transpose(0, 2, 1)
         spread -= np.where(pairs, both + both.transpose(0, 2, 1), 0.0)
     return np.asarray(spread)

@@ -103,10 +103,12 @@ def conditional(
         Of the leg, by `witnesses_of`.
     step : int
         Of the leg, 0..T.
-    states : sequence of (n,) or (2 n,) array or None
+    states : sequence of (n,) or (2 n + s,) or (3 (2 n + s),) array or None
         What is known of all vehicles, in the scenario's order: measured states; of those whose
-        disturbances last or who measure with noise the expected state and the expected disturbance
-        over the step that follows. None before anything is measured at step 0.
+        disturbances last or who measure with noise the expected state and the expected
+        disturbances over the step that follows, their own and shared ones that last; of those who
+        measure with noise and share, that by its own filter, by the leg's, and by all that was
+        measured. None before anything is measured at step 0.
     scale : Scale or None
         What all that was measured tells of the factor up to which the leg's covariances are known;
         None where they are known, or before anything is measured.
@@ -158,7 +160,7 @@ def conditionals(
         Of the leg.
     step : int
         Of the leg, 0..T.
-    states : sequence of (S, n) or (S, 2 n) array or None
+    states : sequence of (S, n), (S, 2 n + s) or (S, 3 (2 n + s)) array or None
         What is known of each vehicle, as in `conditional`; None before anything is measured at
         step 0.
     scale : Scale or None
@@ -255,21 +257,29 @@ def _deviations(
     motion = witnesses.motion
     for i, (measured, path) in enumerate(zip(given, nominal, strict=True)):
         n, seen = path.shape[1], motion.seen_rows[i]
-        unknown, lasting = motion.unknown[i], motion.lasting[i]
+        lasting = motion.lasting[i]
         result[:, i, :n] = measured[:, :n] - path[step]
-        if unknown is None:
+        if measured.shape[1] == n:
             continue
-        if witnesses.plan.scenario.vehicles[i].disturbance_correlation > 0.0:
-            expected = 0.0 if lasting is None else lasting[step]
-            result[:, i, n : 2 * n] = measured[:, n:] - expected
-        if seen:
-            # What is expected of all there is, is what the filter says.
-            result[:, i, seen : 2 * seen] = result[:, i, :seen]
+        begins = n if witnesses.plan.scenario.vehicles[i].disturbance_correlation > 0.0 else 2 * n
+        expected = 0.0 if lasting is None else lasting[step][begins - n :]
+        shares = seen and bool(witnesses.plan.scenario.vehicles[i].shared)
+        size = measured.shape[1] // (3 if shares else 1)
+        # Its own filter's, that of the leg, and what all know: the last is what there is.
+        acted, best = measured[:, size : 2 * size], measured[:, -size:]
+        for row, told in ((0, best), (seen, acted if shares else best)):
+            result[:, i, row : row + n] = told[:, :n] - path[step]
+            rest = told[:, begins:] - expected
+            result[:, i, row + n : row + n + rest.shape[1]] = rest
     return result
 
 
 def _sizes(witnesses: Witnesses) -> list[int]:
     """Return how many numbers tell what is known of each vehicle."""
-    motion = witnesses.motion
-    pairs = zip(motion.states, motion.unknown, strict=True)
-    return [path.shape[1] * (1 if unknown is None else 2) for path, unknown in pairs]
+    sizes = []
+    for vehicle in witnesses.plan.scenario.vehicles:
+        shared = [part.size for part in vehicle.shared if part.correlation > 0.0]
+        lasts = vehicle.disturbance_correlation > 0.0 or vehicle.measurement is not None or shared
+        copies = 3 if vehicle.shared and vehicle.measurement is not None else 1
+        sizes.append(copies * (vehicle.start.size * (2 if lasts else 1) + sum(shared)))
+    return sizes

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor
-from radmpc.errors import ArgumentError, ScenarioError
+from radmpc.errors import ArgumentError
+from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass, replace
+from radmpc.referee.conditional.gusts import Gusts, gusts_of
 from radmpc.referee.motion import FleetMotion
 
 __all__ = ["Loops", "Since", "loops_of", "since", "together"]
@@ -33,8 +37,13 @@ class Loops:
         ``G = B_p K`` where feedback bends the path between steps, else 0.
     unknown : (T+1, N, n, n) array or None
         Covariances given all that is measured up to each step; None is nothing left open.
-    pushes : (N, n, R) array or None
-        What standard normals that several vehicles meet add at every step; None is nothing.
+    pushes : (N, S, n, R) array or None
+        What standard normals that several vehicles meet add at every step, one for all where S is
+        1; None is nothing.
+    first : (N, n, R) array or None
+        What those behind first values make of loops at k = 0; None is nothing.
+    gusts : Gusts or None
+        What measurements leave open of vehicles that share disturbances; None is nothing.
     """
 
     transitions: Tensor
@@ -44,6 +53,8 @@ class Loops:
     bends: Tensor
     unknown: Tensor | None = None
     pushes: Tensor | None = None
+    first: Tensor | None = None
+    gusts: Gusts | None = None
 
     def has_spread(self, noise: Since) -> bool:
         """Whether states are known better than when a leg begins, at the noise's first step."""
@@ -64,26 +75,27 @@ class Since:
         Of what noise has added to the state since, and of what the measurement left open.
     crossed : (T − step + 1, B, n, n) array or None
         Covariances of the two vehicles of each encounter by noise that both meet; None is none.
+    roots : (N, n, R) array or None
+        What standard normals that vehicles have in common make of what is not known of them at that
+        step; None is nothing.
     """
 
     step: int
     powers: Tensor
     covariances: Tensor
     crossed: Tensor | None = None
+    roots: Tensor | None = None
 
 
-def loops_of(motion: FleetMotion) -> Loops:
+def loops_of(motion: FleetMotion, vehicles: Sequence[Vehicle]) -> Loops:
     """Return the closed loops of a fleet.
 
     Parameters
     ----------
     motion : FleetMotion
         Of the fleet.
-
-    Raises
-    ------
-    ScenarioError
-        If vehicles share noise that lasts or measure under it.
+    vehicles : sequence of Vehicle
+        The fleet.
     """
     count, _, d = motion.positions.shape
     n = max(group.transitions.shape[-1] for group in motion.groups)
@@ -102,35 +114,36 @@ def loops_of(motion: FleetMotion) -> Loops:
             bend = motion.bends[member]
             if bend is not None:
                 bends[member, :, :size] = bend
-    pushes = _pushes(motion, n)
-    return Loops(transitions, initial, disturbance, picks, bends, _unknown(motion, n), pushes)
+    pushes, first = _pushes(motion, n)
+    gusts = None if pushes is None else gusts_of(vehicles, n)
+    unknown = _unknown(motion, n, () if gusts is None else gusts.members)
+    return Loops(transitions, initial, disturbance, picks, bends, unknown, pushes, first, gusts)
 
 
-def _unknown(motion: FleetMotion, n: int) -> Tensor | None:
-    """Return what measurements leave open of loops at every step, (T+1, N, n, n)."""
+def _unknown(motion: FleetMotion, n: int, tied: tuple[int, ...]) -> Tensor | None:
+    """Return what their own measurements leave open of loops at every step, (T+1, N, n, n)."""
     if all(each is None for each in motion.unknown):
         return None
     result = np.zeros((motion.positions.shape[1], len(motion.unknown), n, n))
     for i, each in enumerate(motion.unknown):
-        if each is not None:
+        if each is not None and i not in tied:
             result[:, i, : each.shape[1], : each.shape[1]] = each
     return result
 
 
-def _pushes(motion: FleetMotion, n: int) -> Tensor | None:
-    """Return what noise that several vehicles meet adds at every step, (N, n, R)."""
+def _pushes(motion: FleetMotion, n: int) -> tuple[Tensor | None, Tensor | None]:
+    """Return what noise that several meet adds at every step, and what it made of k = 0."""
     common = motion.common
     if common is None:
-        return None
-    remember = [each is not None for each in motion.unknown]
-    if common.first.any() or common.pushes[remember].any():
-        raise ScenarioError(
-            "what is left of a plan is valued under shared noise that is new at every step, with "
-            "states known exactly"
-        )
-    pushes = np.zeros((len(common.pushes), n, common.pushes.shape[-1]))
-    pushes[:, : common.pushes.shape[2]] = common.pushes[:, 0]
-    return pushes
+        return None, None
+    count, steps, size, width = common.pushes.shape
+    pushes = np.zeros((count, steps, n, width))
+    pushes[:, :, :size] = common.pushes
+    if not common.first.any():
+        return pushes, None
+    first = np.zeros((count, n, width))
+    first[:, : common.first.shape[1]] = common.first
+    return pushes, first
 
 
 def together(noise: Since, loops: Loops, first: Indices, other: Indices) -> Since:
@@ -147,11 +160,19 @@ def together(noise: Since, loops: Loops, first: Indices, other: Indices) -> Sinc
     """
     if loops.pushes is None:
         return noise
-    met = loops.pushes[first] @ loops.pushes[other].transpose(0, 2, 1)
-    mine, theirs = loops.transitions[first, 0], loops.transitions[other, 0].transpose(0, 2, 1)
-    crossed = np.zeros((len(noise.powers), *met.shape))
+    size = loops.transitions.shape[-1]
+    crossed = np.zeros((len(noise.powers), len(first), size, size))
+    if noise.roots is not None:
+        crossed[0] = noise.roots[first] @ noise.roots[other].transpose(0, 2, 1)
+    # One for all steps, or one each: what is the same at all of them is made once.
+    last = loops.transitions.shape[1] - 1
     for k in range(len(crossed) - 1):
-        crossed[k + 1] = mine @ crossed[k] @ theirs + met
+        if k == 0 or noise.step + k <= last:
+            at = min(noise.step + k, last)
+            mine, theirs = loops.transitions[first, at], loops.transitions[other, at]
+            pushed, others = loops.pushes[first, at], loops.pushes[other, at]
+            met = pushed @ others.transpose(0, 2, 1)
+        crossed[k + 1] = mine @ crossed[k] @ theirs.transpose(0, 2, 1) + met
     return replace(noise, crossed=crossed)
 
 
@@ -168,6 +189,11 @@ def since(loops: Loops, horizon: int, step: int, *, is_measured: bool) -> Since:
         Where states were measured, 0..T.
     is_measured : bool
         Whether they were; if not, step 0 has its initial covariance.
+
+    Returns
+    -------
+    Since
+        Without covariances of two vehicles: see `together`.
     """
     if not 0 <= step <= horizon:
         raise ArgumentError(f"step must be from 0 to {horizon}, got {step}")
@@ -176,9 +202,13 @@ def since(loops: Loops, horizon: int, step: int, *, is_measured: bool) -> Since:
     powers = np.empty((horizon - step + 1, *loops.initial.shape))
     covariances = np.empty_like(powers)
     powers[0] = np.eye(loops.initial.shape[1])
-    covariances[0] = loops.initial
+    covariances[0], roots = loops.initial, loops.first
     if is_measured:
         covariances[0] = 0.0 if loops.unknown is None else loops.unknown[step]
+        roots = None
+        if loops.gusts is not None:
+            roots = loops.gusts.left_open(step)
+            covariances[0] += roots @ roots.transpose(0, 2, 1)
     last = loops.transitions.shape[1] - 1
     for k in range(horizon - step):
         at = min(step + k, last)
@@ -186,4 +216,5 @@ def since(loops: Loops, horizon: int, step: int, *, is_measured: bool) -> Since:
         powers[k + 1] = onward @ powers[k]
         moved = onward @ covariances[k] @ onward.transpose(0, 2, 1)
         covariances[k + 1] = moved + loops.disturbance[:, at]
-    return Since(step, powers, 0.5 * (covariances + covariances.transpose(0, 1, 3, 2)))
+    covariances = 0.5 * (covariances + covariances.transpose(0, 1, 3, 2))
+    return Since(step, powers, covariances, None, roots)
