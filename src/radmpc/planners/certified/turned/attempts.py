@@ -27,7 +27,7 @@ from radmpc.solvers.solution import Limits
 if TYPE_CHECKING:
     from radmpc.planners.certified.turned.narrow.pacing import Pacing
 
-__all__ = ["Attempt", "Begin", "attempts", "tried"]
+__all__ = ["Attempt", "Begin", "tried"]
 
 _SIDES = 2  # beginnings that are turned where nothing stands in the way [-]
 
@@ -85,12 +85,20 @@ class Attempt:
         Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
     is_placed : bool
         Whether paths are places clear of each other: who keeps them is left alone.
+    rounds : int
+        Turns at a price of risk at most, once there is a plan; as usual before [-].
     """
 
     turning: Turning
     sweeps: int
     penalty: float = TUNING.first_penalty
     is_placed: bool = False
+    rounds: int = TUNING.first_rounds
+
+    def run(self) -> FleetIncumbent:
+        """Turn half-spaces at a price of risk; return the best plan, if any."""
+        found = self.turning.run(self.rounds)
+        return found if found.controls or self.rounds else self.turning.run(TUNING.first_rounds)
 
     def keep_apart(self, clearance: float, limits: Limits) -> bool:
         """Keep vehicles apart by a clearance, from the latest paths on; tell whether all are."""
@@ -122,15 +130,15 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     hazards = begin.task.hazards
     best, least, found, is_known = None, np.inf, FleetIncumbent(), False
     # Every side is turned that may lead to the cheapest plan, and visits at better steps.
-    has_others = begin.to_choose is not None or not begin.ways
-    num_sides = _SIDES if has_others and hazards.count <= TUNING.few else 1
-    beginnings = attempts(begin, rng, limits)
+    is_few = hazards.count <= TUNING.few and not begin.ways
+    num_sides = _SIDES if begin.to_choose is not None or is_few else 1
+    beginnings = _attempts(begin, rng, limits)
     for number, attempt in enumerate(beginnings, start=1):
         missed, other = _turned(begin, attempt, limits)
         is_alike = abs(missed - least) <= TUNING.alike * least < np.inf
         if not other.controls and not is_known and is_alike:
             # What attempts miss alike, at a start or a goal, no other attempt will keep.
-            other, is_known = attempt.turning.run(TUNING.first_rounds), True
+            other, is_known = attempt.run(), True
         found = min(found, other, key=lambda one: one.cost)
         if missed < least:
             best, least = attempt, missed
@@ -139,7 +147,7 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
             break
     if found.controls or best is None:
         return found
-    return best.turning.run(TUNING.first_rounds)
+    return best.run()
 
 
 def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, FleetIncumbent]:
@@ -152,7 +160,7 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
         is_apart = attempt.keep_apart(kept, limits)
         missed = float(successive.missed.sum())
         if is_apart or missed <= TUNING.nearly * float(radii.mean()):
-            found = attempt.turning.run(TUNING.first_rounds)
+            found = attempt.run()
             if found.controls:
                 return missed, found
         if missed > TUNING.most_missed * float(radii.sum()):
@@ -160,23 +168,8 @@ def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, Flee
     return missed, FleetIncumbent()
 
 
-def attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
-    """Begin with paths alone; where there are ways, with these at even speed, paced, at random.
-
-    Parameters
-    ----------
-    begin : Begin
-        What they begin with.
-    rng : Generator
-        Draws times, sides and joint ways.
-    limits : Limits
-        When to stop.
-
-    Yields
-    ------
-    Attempt
-        Half-spaces turned to paths, and how to keep vehicles apart.
-    """
+def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
+    """Begin with paths alone; where there are ways, with these at even speed, paced, at random."""
     ways, hazards = begin.ways, begin.task.hazards
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     usually = {i: timed_by_visits(hazards.models[i], way) for i, way in ways.items()}
@@ -211,8 +204,10 @@ def _toured(begin: Begin, limits: Limits) -> Iterator[Attempt]:
     few = TUNING.nearly * float(hazards.radii.mean())
     is_apart = float(touring.successive.missed.sum()) <= few
     sweeps = 0 if is_apart else TUNING.quick_sweeps
-    yield Attempt(_begun(begin, touring.successive), sweeps, TUNING.paced_penalty)
-    if is_apart and hazards.count <= TUNING.few:
+    # Steps of visits gain more than turns, which take long in large fleets.
+    rounds = TUNING.first_rounds if hazards.count <= TUNING.few else 0
+    yield Attempt(_begun(begin, touring.successive), sweeps, TUNING.paced_penalty, rounds=rounds)
+    if is_apart:
         touring.improve()
         yield Attempt(_begun(begin, touring.successive), 0, TUNING.paced_penalty)
 

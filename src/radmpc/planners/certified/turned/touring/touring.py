@@ -95,9 +95,16 @@ class Touring(Placing):
         return True
 
     def improve(self) -> None:
-        """Make visits a step sooner or later where that is cheaper and all others may stay."""
-        among = np.ones((self.successive.hazards.count + 1, self.successive.hazards.horizon), bool)
-        for i in range(self.successive.hazards.count):
+        """Make visits a step sooner or later where that is cheaper and all others may stay.
+
+        Who needs most beyond what it needs alone comes first.
+        """
+        successive = self.successive
+        among = np.ones((successive.hazards.count + 1, successive.hazards.horizon), bool)
+        beyond = np.array([successive.known(i).effort for i in range(successive.hazards.count)])
+        if self._alone:
+            beyond -= [each.effort for each in self._alone]
+        for i in np.argsort(-beyond, kind="stable").tolist():
             for _ in range(_MOVES):
                 if self._limits.reached or not self._is_improved(i, among):
                     break
