@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Attempt", "Begin", "tried"]
 
-_SIDES = 2  # beginnings that are turned where nothing stands in the way [-]
+_SIDES = 2
+"""Beginnings that are turned where nothing stands in the way [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +102,15 @@ class Attempt:
         return found if found.controls or self.rounds else self.turning.run(TUNING.first_rounds)
 
     def keep_apart(self, clearance: float, limits: Limits) -> bool:
-        """Keep vehicles apart by a clearance, from the latest paths on; tell whether all are."""
+        """Keep vehicles apart from the latest paths on; tell whether all are.
+
+        Parameters
+        ----------
+        clearance : float
+            Standard deviations that everyone keeps from everything [-].
+        limits : Limits
+            When to stop.
+        """
         successive = self.turning.successive
         if not self.is_placed:
             return successive.keep_apart(clearance, self.sweeps, limits, self.penalty)
@@ -201,8 +210,7 @@ def _toured(begin: Begin, limits: Limits) -> Iterator[Attempt]:
     touring = Touring(hazards, begin.to_choose, limits, begin.clearance)
     if not touring.run(begin.alone, begin.ways):
         return
-    few = TUNING.nearly * float(hazards.radii.mean())
-    is_apart = float(touring.successive.missed.sum()) <= few
+    is_apart = touring.successive.missed.sum() <= TUNING.nearly * hazards.radii.mean()
     sweeps = 0 if is_apart else TUNING.quick_sweeps
     # Steps of visits gain more than turns, which take long in large fleets.
     rounds = TUNING.first_rounds if hazards.count <= TUNING.few else 0
