@@ -48,6 +48,8 @@ class Encounters:
         Ends of the set's edges in space; R = 0 in the plane and for pairs [m].
     samples : int or None
         Independent steps that covariances were estimated from; None is that they are known.
+    begins : (B,) int array or None
+        Step of the motion that is the first here, see `during`; None is the first of all.
     """
 
     kind: Cause
@@ -63,6 +65,7 @@ class Encounters:
     directions: Tensor
     edges: Tensor
     samples: int | None = None
+    begins: Indices | None = None
 
     @property
     def is_pair(self) -> bool:
@@ -98,6 +101,36 @@ class Encounters:
             self.directions[chosen],
             self.edges[chosen],
             self.samples,
+            None if self.begins is None else self.begins[chosen],
+        )
+
+    def during(self, begins: Indices, length: int) -> Encounters:
+        """Return the same encounters during some intervals of each.
+
+        Parameters
+        ----------
+        begins : (B,) int array
+            The first interval of each.
+        length : int
+            How many.
+        """
+        rows = np.arange(begins.size)[:, None]
+        intervals = begins[:, None] + np.arange(length)
+        steps = begins[:, None] + np.arange(length + 1)
+
+        def moving(shape: Tensor) -> Tensor:
+            return shape if shape.shape[1] == 1 else shape[rows, steps]
+
+        bent = self.bent_covariances
+        return replace(
+            self,
+            means=self.means[rows, steps],
+            covariances=self.covariances[rows, steps],
+            bent_covariances=None if bent is None else bent[rows, intervals],
+            sagittas=self.sagittas[rows, intervals],
+            vertices=moving(self.vertices),
+            edges=moving(self.edges),
+            begins=begins,
         )
 
 

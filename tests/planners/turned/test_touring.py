@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -15,12 +16,15 @@ from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.paths import Paths, timed_by_visits
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.touring.crowding import crowding
+from radmpc.planners.certified.turned.touring.leg_steps import steps_by_legs
 from radmpc.planners.certified.turned.touring.shifting import shifted, warped
 from radmpc.planners.certified.turned.touring.tour import Tour, tour
 from radmpc.planners.certified.turned.touring.touring import Touring
 from radmpc.planners.certified.turned.visiting import VisitLp, at_good_visits, good_steps
 from radmpc.program.build import condensed_models
+from radmpc.program.condensed import CondensedModel
 from radmpc.program.hazards import Hazards
+from radmpc.program.visits.columns import windows_of
 from radmpc.program.visits.steps import at_steps, steps_on
 from radmpc.solvers.solution import Limits
 from running import first_plan
@@ -147,12 +151,42 @@ def test_visits_are_shifted_within_their_windows_and_in_order() -> None:
     assert found == {(3, 5, 6), (4, 5, 7)}
 
 
-def test_two_visits_in_a_row_are_moved_together_where_neither_alone_pays() -> None:
-    visits = [Visit.at([x, y], 0.5) for x, y in ((0.0, 6.0), (1.5, 6.0), (3.0, 0.0))]
-    model = condensed_models(scene(*visits, horizon=14))[0]
+def all_steps(model: CondensedModel) -> dict[tuple[int, ...], float]:
+    """Return what every choice of steps costs in empty space."""
+    program, last = VisitLp(model), model.horizon
+    count = len(model.vehicle.via)
+    return {steps: program.cost([*steps, last]) for steps in combinations(range(1, last), count)}
+
+
+@pytest.mark.parametrize(
+    "places", [((0.0, 6.0), (1.5, 6.0), (3.0, 0.0)), ((4.0, 3.0), (6.0, -3.0))]
+)
+def test_good_steps_cost_little_more_than_the_best(places: tuple[tuple[float, float], ...]) -> None:
+    model = condensed_models(scene(*(Visit.at(each, 0.5) for each in places), horizon=10))[0]
+    costs = all_steps(model)
+    least = min(costs.values())
+    assert costs[good_steps(model)[:-1]] <= 1.01 * least
+    assert costs[good_steps(model, is_thorough=False)[:-1]] <= 1.1 * least
+
+
+def test_legs_find_steps_that_even_speed_does_not() -> None:
+    # Near each other at first, then far: at even speed the first two are a turn in one step.
+    places = ([1.0, 2.0], [1.5, 0.0], [9.0, 6.0])
+    model = condensed_models(scene(*(Visit.at(each, 0.3) for each in places), horizon=14))[0]
+    windows, even = windows_of(model), [2, 3, 9]
+    found = steps_by_legs(model, windows, even)
+    assert found is not None
+    assert sorted(set(found)) == found
     program = VisitLp(model)
-    one_by_one = good_steps(model, has_runs=False)
-    assert program.cost(good_steps(model)) < 0.99 * program.cost(one_by_one)
+    assert program.cost([*found, 14]) < 0.9 * program.cost([*even, 14])
+
+
+def test_steps_by_legs_keep_windows_and_stops() -> None:
+    stop = Visit.at([4.0, 3.0], 0.5, between=(6, 8), speed=0.0)
+    model = condensed_models(scene(stop, Visit.at([6.0, 3.0], 0.5), horizon=14))[0]
+    found = steps_by_legs(model, windows_of(model), [6, 9])
+    assert found is not None
+    assert 6 <= found[0] <= 8 < found[1] < 14
 
 
 def test_visits_are_moved_by_a_step_while_that_is_cheaper() -> None:

@@ -17,7 +17,7 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Goal, Vehicle
 from radmpc.referee import certify
-from radmpc.referee.bound import bounds
+from radmpc.referee.bound import intervals
 from radmpc.referee.encounters import interval_sites
 from radmpc.referee.gather import gather_obstacles
 from radmpc.referee.motion import propagate
@@ -63,7 +63,7 @@ def test_a_run_pays_for_the_directions_it_holds(seed, feedback):
     scenario = plan.scenario
     motion = propagate(scenario, [t.controls for t in plan.trajectories])
     [batch] = gather_obstacles(scenario, motion, intervals=True).batches
-    charged, directions = bounds.chained(interval_sites(batch), batch.directions)
+    charged, directions = intervals.chained(interval_sites(batch), batch.directions)
     [vehicle], [flight] = scenario.vehicles, plan.trajectories
     sigma, means = vehicle.covariances(scenario.horizon), flight.means[:, :3]
     bend = vehicle.system.B[:3] @ vehicle.gain if feedback else np.zeros((3, 3))

@@ -65,6 +65,29 @@ class Moments:
             self.bent_with_far[vehicles],
         )
 
+    def during(self, vehicles: Indices, begins: Indices, length: int) -> Moments:
+        """Return the moments of vehicles by their place, each during so many parts of its own.
+
+        Parameters
+        ----------
+        vehicles : (B,) int array
+            Their places.
+        begins : (B,) int array
+            The first part of each.
+        length : int
+            How many parts.
+        """
+        rows, parts = vehicles[:, None], begins[:, None] + np.arange(length)
+        moments = begins[:, None] + np.arange(length + 1)
+        return Moments(
+            self.means[rows, moments],
+            self.sagittas[rows, parts],
+            self.own[rows, moments],
+            self.bent[rows, parts],
+            self.near_with_bent[rows, parts],
+            self.bent_with_far[rows, parts],
+        )
+
     def correlated(self, crossed: Crossings) -> Moments:
         """Return moments of differences whose positions are correlated, from their sums' ones."""
         return replace(

@@ -166,6 +166,11 @@ def _relative(encounters: Encounters, motion: FleetMotion, parts: int) -> Moment
     vehicles = np.unique(np.concatenate(involved))
     of_all = moments_of(motion, vehicles, parts)
     first = np.searchsorted(vehicles, encounters.first)
+    if encounters.begins is not None:
+        # Nothing moves then but vehicles, and nobody has noise in common.
+        span = encounters.begins * parts, encounters.sagittas.shape[1] * parts
+        mine, others = of_all.during(first, *span), np.searchsorted(vehicles, encounters.other)
+        return mine.minus(of_all.during(others, *span)) if pairs else mine
     if not pairs:
         of_vehicles = of_all.of(first)
         if encounters.kind != "obstacle" or motion.tracks is None:

@@ -8,8 +8,8 @@ import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
 from radmpc.records import dataclass
-from radmpc.referee.bound.bounds import LARGE, TELLING, WORTH, chained, is_curved
 from radmpc.referee.bound.chain import chain_charges
+from radmpc.referee.bound.intervals import LARGE, TELLING, WORTH, chained, is_curved
 from radmpc.referee.bound.parts import (
     MANY_PARTS,
     NUM_PARTS,

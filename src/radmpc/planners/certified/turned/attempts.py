@@ -27,7 +27,7 @@ from radmpc.solvers.solution import Limits
 if TYPE_CHECKING:
     from radmpc.planners.certified.turned.narrow.pacing import Pacing
 
-__all__ = ["Begin", "attempts", "tried"]
+__all__ = ["Attempt", "Begin", "tried"]
 
 _SIDES = 2
 """Beginnings that are turned where nothing stands in the way [-]."""
@@ -72,6 +72,53 @@ class Begin:
         return turning
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Attempt:
+    """What one begins with, and how its vehicles are kept apart.
+
+    Attributes
+    ----------
+    turning : Turning
+        Half-spaces turned to its paths.
+    sweeps : int
+        Sweeps over the fleet at most; 0 where paths are kept as they are [-].
+    penalty : float
+        Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
+    is_placed : bool
+        Whether paths are places clear of each other: who keeps them is left alone.
+    rounds : int
+        Turns at a price of risk at most, once there is a plan; as usual before [-].
+    """
+
+    turning: Turning
+    sweeps: int
+    penalty: float = TUNING.first_penalty
+    is_placed: bool = False
+    rounds: int = TUNING.first_rounds
+
+    def run(self) -> FleetIncumbent:
+        """Turn half-spaces at a price of risk; return the best plan, if any."""
+        found = self.turning.run(self.rounds)
+        return found if found.controls or self.rounds else self.turning.run(TUNING.first_rounds)
+
+    def keep_apart(self, clearance: float, limits: Limits) -> bool:
+        """Keep vehicles apart from the latest paths on; tell whether all are.
+
+        Parameters
+        ----------
+        clearance : float
+            Standard deviations that everyone keeps from everything [-].
+        limits : Limits
+            When to stop.
+        """
+        successive = self.turning.successive
+        if not self.is_placed:
+            return successive.keep_apart(clearance, self.sweeps, limits, self.penalty)
+        from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
+
+        return keep_places(successive, clearance, self.sweeps, self.penalty, limits)
+
+
 def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
     """Return the plan of the first attempt that leads to one, or the cheapest of several sides.
 
@@ -91,16 +138,16 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     """
     hazards = begin.task.hazards
     best, least, found, is_known = None, np.inf, FleetIncumbent(), False
-    # Where nothing stands in the way, every side is turned that may lead to the cheapest plan; and
-    # where visits may be made at better steps.
-    has_others = begin.to_choose is not None or not begin.ways
-    num_sides = _SIDES if has_others and hazards.count <= TUNING.few else 1
-    beginnings = attempts(begin, rng, limits)
-    for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):
-        missed, other = _turned(begin, attempt, limits, (penalty, sweeps))
-        if not other.controls and not is_known and _is_as_little(missed, least):
+    # Every side is turned that may lead to the cheapest plan, and visits at better steps.
+    is_few = hazards.count <= TUNING.few and not begin.ways
+    num_sides = _SIDES if begin.to_choose is not None or is_few else 1
+    beginnings = _attempts(begin, rng, limits)
+    for number, attempt in enumerate(beginnings, start=1):
+        missed, other = _turned(begin, attempt, limits)
+        is_alike = abs(missed - least) <= TUNING.alike * least < np.inf
+        if not other.controls and not is_known and is_alike:
             # What attempts miss alike, at a start or a goal, no other attempt will keep.
-            other, is_known = attempt.run(TUNING.first_rounds), True
+            other, is_known = attempt.run(), True
         found = min(found, other, key=lambda one: one.cost)
         if missed < least:
             best, least = attempt, missed
@@ -109,29 +156,20 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
             break
     if found.controls or best is None:
         return found
-    return best.run(TUNING.first_rounds)
+    return best.run()
 
 
-def _turned(
-    begin: Begin, attempt: Turning, limits: Limits, pace: tuple[float, int]
-) -> tuple[float, FleetIncumbent]:
+def _turned(begin: Begin, attempt: Attempt, limits: Limits) -> tuple[float, FleetIncumbent]:
     """Keep vehicles apart, with all room or less, then turn half-spaces; return what is missed."""
-    radii, successive = begin.task.hazards.radii, attempt.successive
-    penalty, sweeps = pace
+    radii, successive = begin.task.hazards.radii, attempt.turning.successive
     begun = successive.paths.state()
-    # Who was planned one after the other has controls already, and is to make few sweeps.
-    is_placed = penalty == TUNING.paced_penalty and sweeps == TUNING.max_sweeps
     for kept in (begin.clearance, TUNING.narrower * begin.clearance):
-        if is_placed:
-            from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
-
+        if attempt.is_placed:
             successive.restore(begun)
-            is_apart = keep_places(successive, kept, TUNING.paced_sweeps, penalty, limits)
-        else:
-            is_apart = successive.keep_apart(kept, sweeps, limits, penalty)
+        is_apart = attempt.keep_apart(kept, limits)
         missed = float(successive.missed.sum())
         if is_apart or missed <= TUNING.nearly * float(radii.mean()):
-            found = attempt.run(TUNING.first_rounds)
+            found = attempt.run()
             if found.controls:
                 return missed, found
         if missed > TUNING.most_missed * float(radii.sum()):
@@ -139,54 +177,30 @@ def _turned(
     return missed, FleetIncumbent()
 
 
-def _is_as_little(missed: float, least: float) -> bool:
-    """Whether an attempt misses what the best one before it did."""
-    return abs(missed - least) <= TUNING.alike * least < np.inf
-
-
-def attempts(
-    begin: Begin, rng: np.random.Generator, limits: Limits
-) -> Iterator[tuple[Turning, float, int]]:
-    """Begin with paths alone; where there are ways, with these at even speed, paced, at random.
-
-    Parameters
-    ----------
-    begin : Begin
-        What they begin with.
-    rng : Generator
-        Draws times, sides and joint ways.
-    limits : Limits
-        When to stop.
-
-    Yields
-    ------
-    tuple of Turning, float and int
-        Half-spaces turned to paths, the penalty of a meter missed in the first sweep, high for
-        places that keep off each other already [-], and how many sweeps to try.
-    """
-    ways, hazards, usual = begin.ways, begin.task.hazards, TUNING.first_penalty
+def _attempts(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
+    """Begin with paths alone; where there are ways, with these at even speed, paced, at random."""
+    ways, hazards = begin.ways, begin.task.hazards
     meeting = [i for members in begin.sets if len(members) > 1 for i in members]
     usually = {i: timed_by_visits(hazards.models[i], way) for i, way in ways.items()}
     yield from _toured(begin, limits)
     if ways:
-        yield begin.referring(usually), usual, TUNING.quick_sweeps
+        yield Attempt(begin.referring(usually), TUNING.quick_sweeps)
     else:
         for turning in _sides(begin, limits):
-            yield turning, usual, TUNING.max_sweeps
-    for turning, penalty in _kept_apart(begin, rng, limits):
-        yield turning, penalty, TUNING.max_sweeps
+            yield Attempt(turning, TUNING.max_sweeps)
+    yield from _kept_apart(begin, rng, limits)
     if ways:
-        yield begin.referring(usually), usual, TUNING.max_sweeps
+        yield Attempt(begin.referring(usually), TUNING.max_sweeps)
     for _ in range(TUNING.attempts):
         drawn = {i: timed_anyhow(hazards, i, way, rng) for i, way in ways.items()}
         for i in meeting:
             if i not in ways:
                 path = arched(hazards, i, TUNING.most_arc * rng.uniform(-1.0, 1.0))
                 drawn[i] = timed_anyhow(hazards, i, path, rng)
-        yield begin.referring(drawn), usual, TUNING.max_sweeps
+        yield Attempt(begin.referring(drawn), TUNING.max_sweeps)
 
 
-def _toured(begin: Begin, limits: Limits) -> Iterator[tuple[Turning, float, int]]:
+def _toured(begin: Begin, limits: Limits) -> Iterator[Attempt]:
     """Begin with vehicles planned one after the other; then with visits at better steps."""
     if begin.to_choose is None:
         return
@@ -196,16 +210,14 @@ def _toured(begin: Begin, limits: Limits) -> Iterator[tuple[Turning, float, int]
     touring = Touring(hazards, begin.to_choose, limits, begin.clearance)
     if not touring.run(begin.alone, begin.ways):
         return
-    few = TUNING.nearly * float(hazards.radii.mean())
-    is_apart = float(touring.successive.missed.sum()) <= few
-    yield (
-        _begun(begin, touring.successive),
-        TUNING.paced_penalty,
-        (0 if is_apart else TUNING.quick_sweeps),
-    )
-    if is_apart and hazards.count <= TUNING.few:
+    is_apart = touring.successive.missed.sum() <= TUNING.nearly * hazards.radii.mean()
+    sweeps = 0 if is_apart else TUNING.quick_sweeps
+    # Steps of visits gain more than turns, which take long in large fleets.
+    rounds = TUNING.first_rounds if hazards.count <= TUNING.few else 0
+    yield Attempt(_begun(begin, touring.successive), sweeps, TUNING.paced_penalty, rounds=rounds)
+    if is_apart:
         touring.improve()
-        yield _begun(begin, touring.successive), TUNING.paced_penalty, 0
+        yield Attempt(_begun(begin, touring.successive), 0, TUNING.paced_penalty)
 
 
 def _begun(begin: Begin, successive: SuccessiveLp) -> Turning:
@@ -238,9 +250,7 @@ def _sides(begin: Begin, limits: Limits) -> Iterator[Turning]:
     yield min(tried, key=rank)
 
 
-def _kept_apart(
-    begin: Begin, rng: np.random.Generator, limits: Limits
-) -> Iterator[tuple[Turning, float]]:
+def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Iterator[Attempt]:
     """Place vehicles clear of each other: on their ways, all together tick by tick, or in order."""
     from radmpc.planners.certified.turned.narrow.clear import Clear  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.knots import joint_ways  # noqa: PLC0415 - few need it
@@ -272,19 +282,19 @@ def _kept_apart(
             yield from _paced(begin, pacing, pacing.mend(places, is_stopped), limits)
     if placed:
         in_order = {i: path[::ticks] for i, path in placed.items()}
-        yield begin.referring(in_order), TUNING.first_penalty
+        yield Attempt(begin.referring(in_order), TUNING.max_sweeps)
 
 
 def _paced(
     begin: Begin, pacing: Pacing, places: Mapping[int, Matrix], limits: Limits
-) -> Iterator[tuple[Turning, float]]:
+) -> Iterator[Attempt]:
     """Begin with places at a pace, if any; then with a finer one for those who missed it."""
     if not places:
         return
     turning = begin.referring(places)
-    yield turning, TUNING.paced_penalty
+    yield Attempt(turning, TUNING.paced_sweeps, TUNING.paced_penalty, is_placed=True)
     few = TUNING.misses * float(begin.task.hazards.radii.mean())
     missing = np.flatnonzero(turning.successive.missed > few).tolist()
     if missing and not limits.reached:
-        finer = pacing.refine(missing, lambda: limits.reached)
-        yield begin.referring(finer), TUNING.paced_penalty
+        finer = begin.referring(pacing.refine(missing, lambda: limits.reached))
+        yield Attempt(finer, TUNING.paced_sweeps, TUNING.paced_penalty, is_placed=True)

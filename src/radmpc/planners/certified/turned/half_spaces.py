@@ -17,6 +17,7 @@ from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import closest_approach, from_shape, refined
 from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
 from radmpc.planners.certified.turned.meeting import (
+    goal_normals,
     meeting_encounter,
     meeting_normals,
     start_normals,
@@ -135,10 +136,11 @@ def _between(
     keys = (meeting[0] * hazards.count + meeting[1]) * hazards.horizon + window
     met = meeting_encounter(hazards, paths, meeting, radii[number])
     is_given = window == 0
-    if not (near.is_start_given and hazards.intervals and is_given.any()):
+    if not (near.is_start_given and hazards.intervals):
         return _laid_out(met, normals, meeting, keys)
     turned, is_kept = start_normals(met, normals, near.clearance)
     normals = np.where(is_given[:, None], turned, normals)
+    normals = goal_normals(hazards, met, meeting, normals, near.clearance)
     return _laid_out(met, normals, meeting, keys, is_given & is_kept)
 
 

@@ -11,7 +11,7 @@ from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 
-__all__ = ["Meeting", "meeting_encounter", "meeting_normals", "start_normals"]
+__all__ = ["Meeting", "goal_normals", "meeting_encounter", "meeting_normals", "start_normals"]
 
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
@@ -85,8 +85,40 @@ def meeting_encounter(
     )
 
 
+def goal_normals(
+    hazards: Hazards, encounter: Encounter, meeting: Meeting, normals: Matrix, clearance: float
+) -> Matrix:
+    """Turn normals of the last window no farther from where goals are than keeps clear there.
+
+    Parameters
+    ----------
+    hazards : Hazards
+        The fleet.
+    encounter : Encounter
+        Windows of two ends.
+    meeting : tuple of (w,) int array
+        Who meets whom, in which windows.
+    normals : (w, d) array
+        Unit normals.
+    clearance : float
+        Standard deviations to keep [-].
+
+    Returns
+    -------
+    (w, d) array
+        As given, but where a direction cuts through what goals leave of the last window.
+    """
+    one, two, window = meeting
+    last = window == hazards.horizon - 1
+    if not last.any():
+        return normals
+    goals = np.array([model.vehicle.goal.center for model in hazards.models])
+    turned, _ = start_normals(encounter, normals, clearance, goals[one] - goals[two])
+    return np.where(last[:, None], turned, normals)
+
+
 def start_normals(
-    encounter: Encounter, normals: Matrix, clearance: float
+    encounter: Encounter, normals: Matrix, clearance: float, start: Matrix | None = None
 ) -> tuple[Matrix, npt.NDArray[np.bool_]]:
     """Turn normals no farther from where two start than keeps a clearance there.
 
@@ -98,6 +130,8 @@ def start_normals(
         Unit normals.
     clearance : float
         Standard deviations to keep [-].
+    start : (w, d) array or None
+        Where one is from the other [m]; None is at the first end.
 
     Returns
     -------
@@ -107,7 +141,7 @@ def start_normals(
     (w,) bool array
         Where there are such.
     """
-    start = encounter.ends[0]
+    start = encounter.ends[0] if start is None else start
     length = np.maximum(np.linalg.norm(start, axis=1), _TINY)
     straight = start / length[:, None]
     tried = straight[:, None]

@@ -15,6 +15,7 @@ from scipy.sparse import csr_array
 
 from radmpc.arrays import Vector
 from radmpc.model.visits import Visit, steps_of_visits
+from radmpc.planners.certified.turned.touring.leg_steps import steps_by_legs
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.hard import hard_rows
@@ -35,6 +36,9 @@ and their order leaves them little to choose."""
 
 _PAYS = 1e-6
 """Share of the cost that a move gains at least [-]."""
+
+_MADE = 1e-6
+"""What boxes may be missed by [m, m/s]."""
 
 _MISSED = 1e3
 """What a meter beside a box costs, in what a meter's detour over one step costs [-]: enough for
@@ -63,25 +67,27 @@ def at_good_visits(hazards: Hazards) -> Hazards:
     Hazards
         With boxes and goals due at single steps.
     """
-    models, has_runs = [], hazards.count <= TUNING.few
+    models, is_thorough = [], hazards.count <= TUNING.few
     for model in hazards.models:
-        *steps, arrival = good_steps(model, has_runs=has_runs)
+        *steps, arrival = good_steps(model, is_thorough=is_thorough)
         models.append(at_steps(model, steps, _arrival(model, arrival)))
     return replace(hazards, models=tuple(models))
 
 
-def good_steps(model: CondensedModel, *, has_runs: bool = True) -> tuple[int, ...]:
+def good_steps(model: CondensedModel, *, is_thorough: bool = True) -> tuple[int, ...]:
     """Return steps for a vehicle's visits, and for its arrival, that cost little in empty space.
 
-    At even speed from box to box to begin with; then one visit after the other is moved while that
-    pays, and runs of visits together. A heuristic: so not every better choice is found.
+    Those that straight legs between boxes make cheapest to begin with, or at even speed from box to
+    box; then one visit after the other is moved while that pays, and runs of visits together. A
+    heuristic: so not every better choice is found.
 
     Parameters
     ----------
     model : CondensedModel
         The vehicle.
-    has_runs : bool
-        Whether runs are moved: with six visits they cost 1 to 2 % less, after twice the time.
+    is_thorough : bool
+        Whether visits are moved from where legs have them, where these can be made at all: of six
+        visits that saves 0.7 % in empty space, and takes ten times as long.
 
     Returns
     -------
@@ -91,14 +97,20 @@ def good_steps(model: CondensedModel, *, has_runs: bool = True) -> tuple[int, ..
     window = model.vehicle.goal.window(model.horizon)
     arrivals = window if has_choice_of_arrival(model) else (window[1], window[1])
     windows = steps_of_visits(model.vehicle.via, model.horizon)
-    steps = [*_at_even_speed(model, windows), arrivals[1]]
+    even = _at_even_speed(model, windows)
+    by_legs = steps_by_legs(model, windows, even)
+    steps = [*(even if by_legs is None else by_legs), arrivals[1]]
     program, count = VisitLp(model), len(steps)
     least = program.cost(steps)
+    has_choice = arrivals[0] < arrivals[1]
+    is_good = by_legs is not None and not has_choice and program.missed <= _MADE
+    if is_good and not is_thorough:
+        return tuple(steps)
     alone = [(j, j + 1) for j in range(count)]
     runs = [(i, j) for i in range(count) for j in range(i + 2, count + 1)]
-    runs = runs if has_runs and len(runs) <= _MOST_RUNS else []
-    rounds = [*((move, alone) for move in _MOVES), *([(1, [*runs, *alone])] if runs else [])]
-    for move, parts in rounds:
+    runs = runs if is_thorough and len(runs) <= _MOST_RUNS else []
+    rounds = [] if is_good else [(move, alone) for move in _MOVES]
+    for move, parts in [*rounds, (1, [*runs, *alone])]:
         has_moved = True
         while has_moved:
             has_moved = False
@@ -202,6 +214,11 @@ class VisitLp:
         due = first if arrival is None else arrival
         time = self._model.time_cost * due / self._model.horizon
         return bound + time if outcome is LpOutcome.OPTIMAL else np.inf
+
+    @property
+    def missed(self) -> float:
+        """How far boxes are missed by the cheapest path at the steps last asked for [m]."""
+        return float(self._lp.point()[-self._count :].sum())
 
     def controls(self) -> Vector:
         """Return the controls of the cheapest path at the steps last asked for, (T m,)."""

@@ -47,14 +47,21 @@ def crowding(
     lacks = _lacks(each, hazards, paths, (counts, shares, clearance))
     count, moves = len(each.places), np.arange(each.num_moves)
     passed = np.rint(shares * moves[:, None]).astype(np.int64)
-    crowded = np.flatnonzero(lacks.any(axis=(1, 2)))
+    is_crowded = np.asarray(lacks.any(axis=2))
+    crowded = np.flatnonzero(is_crowded.any(axis=1))
     found = []
     for k in crowded.tolist():
-        lack = lacks[k]
         worst = np.zeros((count, moves.size))
-        for number in range(shares.size):
-            at = np.minimum(np.arange(count)[:, None] + passed[:, number], count - 1)
-            np.maximum(worst, lack[number][at], out=worst)
+        for number in np.flatnonzero(is_crowded[k]).tolist():
+            # Only who begins at, or a move before, places near others passes these.
+            lack, late = lacks[k, number], passed[:, number]
+            near = np.flatnonzero(lack)
+            begins = np.arange(max(int(near[0] - late[-1]), 0), int(near[-1]) + 1)
+            if lack[-1] > 0.0:
+                begins = np.arange(begins[0], count)
+            at = np.minimum(begins[:, None] + late, count - 1)
+            part = worst[begins[0] : begins[-1] + 1]
+            np.maximum(part, lack[at], out=part)
         found.append(worst)
     if not found:
         none = np.zeros(0, dtype=np.int64)

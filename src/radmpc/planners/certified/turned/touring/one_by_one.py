@@ -10,11 +10,12 @@ from radmpc.planners.certified.turned.half_spaces import HalfSpaces, half_spaces
 from radmpc.planners.certified.turned.margins import fixed_margins
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.successive import SuccessiveLp
+from radmpc.planners.certified.turned.touring.known import Known, heights_on
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.program.condensed import CondensedModel
-from radmpc.records import dataclass, replace
+from radmpc.records import replace
 
-__all__ = ["Counts", "Known", "OneByOne"]
+__all__ = ["Counts", "OneByOne"]
 
 _LITTLE = 1e-7
 """What half-spaces may be missed by in all [m]."""
@@ -24,38 +25,21 @@ _REACH, _LEAST_REACH = 0.25, 0.1
 it comes near beyond that gets one the next time. A linear program of 50 vehicles has a fifth of the
 rows."""
 
+_TELLING = 0.05
+"""Share of what the worst pair misses from which on others count [-]."""
+
+_TIGHT = 0.3
+"""Room on a path beside what is asked for below which a half-space is in its linear program from
+the first [m]."""
+
+_MORE = 4
+"""Times that half-spaces are added to it at most, the first included [-]."""
+
 _FURTHER = 2.0
 """The same in multiples of how far the path moved last [-]."""
 
 Counts = npt.NDArray[np.bool_]
 """Who counts in which windows, (N+1, T); last, whether obstacles and borders do."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Known:
-    """What a vehicle does.
-
-    Attributes
-    ----------
-    model : CondensedModel
-        It, with its visits at these steps.
-    controls : (T, m) array
-        Its nominal controls.
-    means : (T+1, d) array
-        Its mean positions, or those of a reference that no controls follow yet [m].
-    missed : float
-        How far half-spaces were missed when it was planned [m].
-    """
-
-    model: CondensedModel
-    controls: Matrix
-    means: Matrix
-    missed: float
-
-    @property
-    def effort(self) -> float:
-        """Sum of the magnitudes of its controls."""
-        return float(np.abs(self.controls).sum())
 
 
 class OneByOne(SuccessiveLp):
@@ -174,13 +158,40 @@ class OneByOne(SuccessiveLp):
     def _solve_alone(
         self, vehicle: int, spaces: HalfSpaces, clearance: float, penalty: float
     ) -> float | None:
-        """Plan one vehicle between half-spaces; return how far they are missed, None if at all."""
-        margins = fixed_margins(spaces.deviations, clearance, penalty)
-        plan = self._program((vehicle,)).solve(spaces, self.paths, margins)
-        if plan is None:
-            return None
-        self.paths.fly(vehicle, plan.controls[0])
-        return plan.shortfall
+        """Plan one vehicle between half-spaces; return how far they are missed, None if at all.
+
+        Most half-spaces bind nowhere: those that the path is near to begin with, then those that
+        the plan misses, too.
+        """
+        program, missed = self._program((vehicle,)), None
+        needed = spaces.offsets + clearance * spaces.deviations
+        is_in = np.asarray((spaces.heights - needed < _TIGHT).any(axis=1))
+        for _ in range(_MORE):
+            part = spaces.of(is_in)
+            plan = program.solve(
+                part, self.paths, fixed_margins(part.deviations, clearance, penalty)
+            )
+            if plan is None:
+                return missed
+            self.paths.fly(vehicle, plan.controls[0])
+            lacks = np.maximum(needed - heights_on(self.paths, spaces), 0.0)
+            lacks[spaces.windows == 0, 0] = 0.0
+            is_short = (lacks > _LITTLE).any(axis=1) & ~is_in
+            missed = plan.shortfall + float(lacks[is_short].sum())
+            if not is_short.any():
+                break
+            is_in |= is_short
+        return missed
+
+    def lack(self, vehicle: int, clearance: float, counts: Counts) -> float:
+        """Return how far half-spaces are missed by a vehicle's latest path [m].
+
+        Parameters
+        ----------
+        vehicle, clearance, counts
+            As in `keep_clear`.
+        """
+        return float(self._lacks(self._turned_to(vehicle, clearance, 0.0, counts), clearance).sum())
 
     def missing(self, clearance: float) -> Vector:
         """Return how far each vehicle's half-spaces are missed by the latest paths, (N,) [m].
@@ -190,14 +201,63 @@ class OneByOne(SuccessiveLp):
         clearance : float
             Standard deviations that everyone keeps from everything [-].
         """
+        return self.conflicts(clearance)[0]
+
+    def conflicts(self, clearance: float) -> tuple[Vector, list[tuple[int, int]]]:
+        """Return how far half-spaces are missed by the latest paths, and by whom.
+
+        Parameters
+        ----------
+        clearance : float
+            Standard deviations that everyone keeps from everything [-].
+
+        Returns
+        -------
+        (N,) array
+            Of all half-spaces of each [m].
+        list of tuple of int
+            The pairs that miss more than a little of what the worst one does.
+        """
         near = Near(clearance, 0.0, is_refined=True, is_start_given=True)
         spaces = half_spaces(self.hazards, self.paths, range(self.hazards.count), near)
-        lacks = self._lacks(spaces, clearance)
-        found = np.bincount(spaces.first, lacks, self.hazards.count)
+        lacks, count = self._lacks(spaces, clearance), self.hazards.count
         others = spaces.second >= 0
-        return np.asarray(
-            found + np.bincount(spaces.second[others], lacks[others], self.hazards.count)
-        )
+        found = np.zeros(count)
+        np.add.at(found, spaces.first, lacks)
+        np.add.at(found, spaces.second[others], lacks[others])
+        pairs = spaces.first[others] * count + spaces.second[others]
+        sums = np.bincount(pairs, lacks[others], count**2)
+        telling = np.flatnonzero(sums > _TELLING * float(sums.max(initial=0.0)))
+        one, two = np.divmod(telling, count)
+        return found, list(zip(one.tolist(), two.tolist(), strict=True))
+
+    def keep_clear_together(
+        self, group: tuple[int, ...], clearance: float, tries: tuple[int, float]
+    ) -> None:
+        """Plan several vehicles together until they keep a clearance; all others stay.
+
+        Parameters
+        ----------
+        group : tuple of int
+            Their numbers, ascending.
+        clearance, tries
+            As in `keep_clear`.
+        """
+        rounds, penalty = tries[0], tries[1] * self._meter
+        reach = _REACH * float(self.hazards.moves[list(group)].max())
+        program = self._program(group)
+        for _ in range(rounds):
+            near = Near(clearance, reach, is_refined=False, is_start_given=True)
+            spaces = half_spaces(self.hazards, self.paths, group, near)
+            margins = fixed_margins(spaces.deviations, clearance, penalty)
+            plan = program.solve(spaces, self.paths, margins)
+            if plan is None:
+                break
+            self._fly(group, plan)
+            if plan.shortfall <= _LITTLE:
+                break
+            penalty *= TUNING.penalty_growth
+        self._programs.pop(group, None)
 
     def _is_flown(self, vehicle: int) -> bool:
         """Whether the latest path is that of the latest controls."""
