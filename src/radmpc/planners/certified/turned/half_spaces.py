@@ -17,10 +17,9 @@ from radmpc.geometry import inner_faces
 from radmpc.planners.certified.turned.directions import closest_approach, from_shape, refined
 from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise_of
 from radmpc.planners.certified.turned.meeting import (
-    goal_normals,
+    end_normals,
     meeting_encounter,
     meeting_normals,
-    start_normals,
 )
 from radmpc.planners.certified.turned.near import Near
 from radmpc.planners.certified.turned.neighbors import near_pieces, near_vehicles
@@ -135,13 +134,14 @@ def _between(
     normals = meeting_normals(hazards, both, meeting, radii[number], is_refined=near.is_refined)
     keys = (meeting[0] * hazards.count + meeting[1]) * hazards.horizon + window
     met = meeting_encounter(hazards, paths, meeting, radii[number])
-    is_given = window == 0
     if not (near.is_start_given and hazards.intervals):
         return _laid_out(met, normals, meeting, keys)
-    turned, is_kept = start_normals(met, normals, near.clearance)
-    normals = np.where(is_given[:, None], turned, normals)
-    normals = goal_normals(hazards, met, meeting, normals, near.clearance)
-    return _laid_out(met, normals, meeting, keys, is_given & is_kept)
+    is_given, ends = window == 0, np.flatnonzero((window == 0) | (window == hazards.horizon - 1))
+    if ends.size:
+        who, apart_at = tuple(each[ends] for each in meeting), (radii[number[ends]], near.clearance)
+        normals[ends], is_kept = end_normals(hazards, paths, who, normals[ends], apart_at)
+        is_given[ends] &= is_kept
+    return _laid_out(met, normals, meeting, keys, is_given)
 
 
 def _around(

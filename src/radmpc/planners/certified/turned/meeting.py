@@ -11,7 +11,7 @@ from radmpc.planners.certified.turned.encounter import Encounter, ends_of, noise
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.hazards import Hazards
 
-__all__ = ["Meeting", "goal_normals", "meeting_encounter", "meeting_normals", "start_normals"]
+__all__ = ["Meeting", "end_normals", "meeting_encounter", "meeting_normals", "start_normals"]
 
 _TINY = 1e-12
 """Stands for a length of 0 where one divides by it [m]."""
@@ -85,36 +85,34 @@ def meeting_encounter(
     )
 
 
-def goal_normals(
-    hazards: Hazards, encounter: Encounter, meeting: Meeting, normals: Matrix, clearance: float
-) -> Matrix:
-    """Turn normals of the last window no farther from where goals are than keeps clear there.
+def end_normals(
+    hazards: Hazards, paths: Paths, meeting: Meeting, normals: Matrix, near: tuple[Vector, float]
+) -> tuple[Matrix, npt.NDArray[np.bool_]]:
+    """Turn the normals of first and last windows as `start_normals` does, to starts and to goals.
 
     Parameters
     ----------
     hazards : Hazards
         The fleet.
-    encounter : Encounter
-        Windows of two ends.
+    paths : Paths
+        The latest.
     meeting : tuple of (w,) int array
-        Who meets whom, in which windows.
+        Who meets whom, in which of these windows.
     normals : (w, d) array
         Unit normals.
-    clearance : float
-        Standard deviations to keep [-].
+    near : tuple of (w,) array and float
+        The distance at which hulls touch [m], and standard deviations to keep [-].
 
     Returns
     -------
-    (w, d) array
-        As given, but where a direction cuts through what goals leave of the last window.
+    (w, d) array, (w,) bool array
+        As `start_normals` does.
     """
     one, two, window = meeting
-    last = window == hazards.horizon - 1
-    if not last.any():
-        return normals
-    goals = np.array([model.vehicle.goal.center for model in hazards.models])
-    turned, _ = start_normals(encounter, normals, clearance, goals[one] - goals[two])
-    return np.where(last[:, None], turned, normals)
+    met, models = meeting_encounter(hazards, paths, meeting, near[0]), hazards.models
+    goals = [np.array([models[i].vehicle.goal.center for i in who.tolist()]) for who in (one, two)]
+    given = np.where((window == 0)[:, None], met.ends[0], goals[0] - goals[1])
+    return start_normals(met, normals, near[1], given)
 
 
 def start_normals(

@@ -22,7 +22,7 @@ class Near:
         will do.
     is_start_given : bool
         Whether in the first window only those count between vehicles that keep the clearance where
-        they start: nothing changes that end.
+        they start: nothing changes that end. The last window is turned to goals alike.
     """
 
     clearance: float
