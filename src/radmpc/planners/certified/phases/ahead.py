@@ -1,0 +1,212 @@
+"""Bounds around the first plan, and turning it to better sides: the search may be left out.
+
+Turned half-spaces make a first plan cheaper than plans by the program's faces mostly are, if it
+passes everything on the best sides. The relaxation by cones tells these sides, and what any
+certified plan costs at least. That plans by faces cost no less, either, is then soon proven: their
+search is cut off at the cost of the plan at hand.
+"""
+
+from __future__ import annotations
+
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.inter_set_risk import by_sets
+from radmpc.planners.certified.merging import Members, owners_of
+from radmpc.planners.certified.phases.tuning import TUNING
+from radmpc.planners.certified.proof.search import BoundSearch
+from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
+from radmpc.planners.certified.rounds import merge_worst
+from radmpc.planners.certified.state.bounds import is_proven
+from radmpc.planners.certified.state.incumbent import FleetIncumbent
+from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
+from radmpc.planners.certified.turned.large.sides import on_other_sides
+from radmpc.planners.certified.turned.turning import turn_half_spaces, turn_to
+from radmpc.planners.verdict import Judge
+from radmpc.records import dataclass, replace
+from radmpc.solvers.solution import relative_gap
+
+__all__ = ["Ahead", "prove_ahead"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ahead:
+    """What came of it.
+
+    Attributes
+    ----------
+    state : SearchState
+        With the best plan, and the bounds by faces that were proven.
+    on_any : float
+        No plan that the referee would certify costs less.
+    is_closed : bool
+        Whether the gap asked for is proven, and the gap to any certified plan is small.
+    """
+
+    state: SearchState
+    on_any: float
+    is_closed: bool
+
+
+def prove_ahead(
+    fleet: Fleet, first: FleetIncumbent, judge: Judge, proof_seconds: float | None
+) -> Ahead:
+    """Make a first plan as cheap as the bound on any certified plan is near, and bound faces.
+
+    Parameters
+    ----------
+    fleet : Fleet
+        The fleet, with the limits that end this.
+    first : FleetIncumbent
+        A certified plan.
+    judge : callable
+        The referee.
+    proof_seconds : float or None
+        How long the bound on any certified plan may be searched for [s]; None for no such limit.
+
+    Returns
+    -------
+    Ahead
+        Where it is not closed, the search over faces is next.
+    """
+    fleet = fleet.with_limits(fleet.limits.within(TUNING.time_share * fleet.limits.seconds_left))
+    state = replace(SearchState.of(fleet), incumbent=replace(first, sets=_kept_together(fleet)))
+    if first.certified < SEARCH_TUNING.budgets.spent * fleet.scenario.risk_bound:
+        # Its price was too high, and tells little of what Δ is worth.
+        state = turn_half_spaces(fleet, state, judge)
+    around = _Around(fleet, state, judge)
+    timed = (
+        fleet if proof_seconds is None else fleet.with_limits(fleet.limits.within(proof_seconds))
+    )
+    around.bound_any(timed)
+    if around.is_near and not around.is_proven:
+        around.bound_faces()
+    on_any = min(around.on_any, around.state.incumbent.cost)
+    return Ahead(around.state, on_any, around.is_near and around.is_proven)
+
+
+def _kept_together(fleet: Fleet) -> tuple[Members, ...]:
+    """Return everyone alone, but those who keep a range."""
+    merging, sets = SearchState.of(fleet).merging, fleet.singles
+    while kept := merging.to_merge(sets):
+        sets = merge_worst(sets, by_sets(kept, owners_of(sets)))
+    return sets
+
+
+@dataclass(slots=True, eq=False)
+class _Around:
+    """How far it has come; it lives for one first plan."""
+
+    fleet: Fleet
+    state: SearchState
+    judge: Judge
+    on_any: float = 0.0
+    turned_to: tuple[Matrix, ...] = ()
+
+    @property
+    def gap(self) -> float:
+        """The gap to any certified plan that is good enough [-]."""
+        return max(PROOF_TUNING.gap, self.fleet.gap)
+
+    @property
+    def is_near(self) -> bool:
+        """Whether any certified plan is proven to be nearly as dear."""
+        return relative_gap(self.state.incumbent.cost, self.on_any) <= self.gap
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether the gap asked for is proven: what bounds any certified plan bounds faces, too."""
+        gap = relative_gap(self.state.incumbent.cost, self.on_any)
+        return gap <= self.fleet.gap or is_proven(self.fleet, self.state)
+
+    @property
+    def most_nodes(self) -> int:
+        """Nodes of either bound at most."""
+        count = self.fleet.scenario.num_vehicles
+        few = min(count, PROOF_TUNING.most_together)
+        return max(TUNING.most_nodes * few, TUNING.nodes_each * count)
+
+    def bound_any(self, timed: Fleet) -> None:
+        """Bound any certified plan, and turn the plan to better sides, until they meet."""
+        base, incumbent = float(sum(self.fleet.base)), self.state.incumbent
+        self.on_any = base
+        if relative_gap(incumbent.cost, base) <= self.gap:
+            return
+        search = BoundSearch(timed, incumbent, self._price(), base, self.most_nodes)
+        effort, parts = 0, search.order
+        while effort < TUNING.rounds:
+            is_open = search.advance(TUNING.nodes, effort, parts)
+            self.on_any = max(self.on_any, search.best)
+            before = frozenset(search.order)
+            if not search.is_over and self._has_merged(search):
+                parts = tuple(members for members in search.order if members not in before)
+                continue
+            gained = self._turned(search)
+            if self.is_near or search.nodes >= self.most_nodes or timed.limits.reached:
+                return
+            if gained:
+                search.continue_from(self.state.incumbent, self._price())
+            elif not is_open:
+                return
+            effort, parts = effort + 1, search.order
+
+    def _turned(self, search: BoundSearch) -> bool:
+        """Turn half-spaces to the plan of the relaxation; tell whether that made a cheaper one."""
+        fleet, before = self.fleet, self.state
+        other = search.relaxed_controls()
+        if not other or not self._promises(search, other):
+            return False
+        self.turned_to = other
+        self.state = turn_to(fleet, before, self.judge, other, self._price())
+        now = self.state.incumbent.cost
+        return before.incumbent.cost - now > TUNING.little * self.gap * now
+
+    def _promises(self, search: BoundSearch, other: tuple[Matrix, ...]) -> bool:
+        """Whether a plan of the relaxation has other sides than those that were turned to.
+
+        Or is much cheaper, by less risk: half-spaces may be stuck on the same sides, too.
+        """
+        known = self.turned_to or self.state.incumbent.controls
+        if on_other_sides(self.fleet.programs.hazards, known, other, TUNING.same_side):
+            return True
+        incumbent = self.state.incumbent
+        return not self.turned_to and relative_gap(incumbent.cost, search.value) > self.gap
+
+    def _has_merged(self, search: BoundSearch) -> bool:
+        """Merge sets whose relaxed plans collide; tell whether there are any."""
+        sets = self.state.incumbent.sets
+        controls = search.relaxed_controls()
+        if len(sets) == 1 or not controls:
+            return False
+        numbers = {v.name: i for i, v in enumerate(self.fleet.scenario.vehicles)}
+        owners = owners_of(sets)
+        pair_risks = self.judge(controls).across(owners, numbers)
+        allowed = TUNING.apart * self.gap * self.state.incumbent.cost / max(search.price, 1e-300)
+        allowed = min(allowed, TUNING.most_apart * self.fleet.scenario.risk_bound)
+        merged = merge_worst(sets, by_sets(pair_risks, owners), allowed)
+        if len(merged) == len(sets):
+            return False
+        merging = self.state.merging.remember(sets, merged, pair_risks)
+        incumbent = replace(self.state.incumbent, sets=merged)
+        self.state = replace(self.state, merging=merging, incumbent=incumbent)
+        search.regroup(merged)
+        return True
+
+    def bound_faces(self) -> None:
+        """Bound plans by faces whose union bound is at most Δ."""
+        fleet, incumbent = self.fleet, self.state.incumbent
+        left = fleet.scenario.risk_bound - fleet.initial
+        if left <= 0.0:
+            return
+        base = float(sum(fleet.base))
+        search = BoundSearch(
+            fleet, incumbent, self._price(), base, self.most_nodes, is_by_faces=True
+        )
+        search.run()
+        bounds = (*self.state.budget_bounds, (left, min(search.best, incumbent.cost)))
+        self.state = replace(self.state, budget_bounds=bounds)
+
+    def _price(self) -> float:
+        """Return what Δ was worth to the plan at hand when it was turned last, or a guess."""
+        guess = self.fleet.first_unit_price(self.state.budget) / self.fleet.unit
+        return self.state.incumbent.turned_price or guess
