@@ -14,10 +14,12 @@ from radmpc.planners.certified import planning
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.phases import ahead
 from radmpc.planners.certified.proof.grouping import known_within, parts_of
+from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.search import BoundSearch
 from radmpc.planners.certified.search import PriceSearch
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planning import plan
+from radmpc.solvers.priced.rating import Rater
 from radmpc.solvers.solution import Limits
 
 
@@ -41,6 +43,7 @@ def no_search(*_):
     raise AssertionError("nothing is left for the search")
 
 
+@pytest.mark.slow
 def test_at_steps_a_fleet_is_proven_without_a_search_over_its_faces(monkeypatch):
     monkeypatch.setattr(PriceSearch, "run", no_search)
     result = plan(paper(4, 0))
@@ -51,6 +54,7 @@ def test_at_steps_a_fleet_is_proven_without_a_search_over_its_faces(monkeypatch)
     assert result.record.risk.price > 0.0
 
 
+@pytest.mark.slow
 def test_its_plan_is_as_cheap_as_that_of_the_search(monkeypatch):
     without = plan(paper(3, 2))
     monkeypatch.setattr(ahead, "prove_ahead", given_up)
@@ -77,6 +81,7 @@ def test_no_plan_within_the_union_bound_is_below_the_bound_by_faces(seed: int):
     assert max(bounds) > 1.02 * sum(Fleet.of(scenario, 1e-3, Limits()).base)
 
 
+@pytest.mark.slow
 def test_the_search_for_it_ends_at_the_cost_of_the_plan_at_hand():
     scenario = circle(3)
     result = plan(scenario)
@@ -107,6 +112,48 @@ def test_without_time_for_a_proof_the_search_is_next(monkeypatch):
     result = plan(paper(2, 0), "certified(0)")
     assert calls
     assert result.status is Status.OPTIMAL
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_what_cones_prove_of_vehicles_is_no_more_than_faces_charge_them(seed: int):
+    scenario = paper(2, seed)
+    incumbent = replace(incumbent_of(plan(scenario)), sets=((0, 1),))
+    dear = replace(incumbent, cost=2.0 * incumbent.cost)
+    fleet = Fleet.of(scenario, 1e-3, Limits())
+    base, price = float(sum(fleet.base)), 3.0
+    by_cones = BoundSearch(fleet, dear, price, base, 2000.0)
+    by_cones.advance(300, 3, by_cones.order)
+    by_faces = BoundSearch(fleet, dear, price, base, 4000.0, is_by_faces=True)
+    by_faces.advance(300, 3, by_faces.order)
+    [below], [above] = by_cones.known.values(), by_faces.known.values()
+    assert (0, 1) in below
+    for blocks, known in below.items():
+        best = above[blocks].value if blocks in above else np.inf
+        assert known.bound <= best * (1.0 + 1e-9)
+    aided = BoundSearch(fleet, dear, price, base, 4000.0, is_by_faces=True, below=by_cones.known)
+    aided.advance(300, 3, aided.order)
+    assert aided.best == pytest.approx(by_faces.best, rel=5e-3)
+    assert aided.best <= sum(above[blocks].value for blocks in [(0, 1)])
+
+
+def test_faces_that_leave_a_vehicle_no_plan_bound_nothing_from_above(monkeypatch):
+    scenario = paper(2, 0)
+    incumbent = replace(incumbent_of(plan(scenario)), sets=((0, 1),))
+    fleet = Fleet.of(scenario, 1e-3, Limits())
+    by_faces = RelaxedSet.by_faces
+
+    def blocked(alone, models, base, most=np.inf):
+        found = by_faces(alone, models, base, most)
+        if len(models) == 1:
+            program = replace(found.program, upper=found.program.lower - 1.0)
+            return replace(found, program=program, rater=Rater(program, alone.risk_bound))
+        return found
+
+    monkeypatch.setattr(RelaxedSet, "by_faces", blocked)
+    base = float(sum(fleet.base))
+    search = BoundSearch(fleet, incumbent, 2.0, base, 1000.0, is_by_faces=True)
+    search.run()
+    assert search.best == np.inf
 
 
 def test_what_is_known_of_sets_is_found_again_when_they_are_merged():

@@ -196,11 +196,11 @@ def _searched(
 def _is_tight(scenario: Scenario) -> bool:
     """Whether the relaxation mostly comes as near to certified plans as is asked, and soon.
 
-    In large fleets the search over faces takes less than the relaxation does with a plan as dear
-    as their first ones are, and among many obstacles that often comes to no end.
+    In larger fleets the search over faces takes no longer than the relaxation does with a plan as
+    dear as their first ones are, and among many obstacles that often comes to no end.
     """
-    is_small = scenario.num_vehicles <= SEARCH_TUNING.sets.many
-    is_small &= len(scenario.obstacles) < PROOF_TUNING.many_obstacles
+    is_small = scenario.num_vehicles <= TUNING.few
+    is_small &= len(scenario.obstacles) < max(PROOF_TUNING.many_obstacles, scenario.num_vehicles)
     is_planar = scenario.dimension == 2 and not scenario.has_windows
     return scenario.avoidance == "steps" and is_planar and is_small
 

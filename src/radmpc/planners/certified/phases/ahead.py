@@ -13,6 +13,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.inter_set_risk import by_sets
 from radmpc.planners.certified.merging import Members, owners_of
 from radmpc.planners.certified.phases.tuning import TUNING
+from radmpc.planners.certified.proof.grouping import Known
 from radmpc.planners.certified.proof.search import BoundSearch
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.rounds import merge_worst
@@ -23,7 +24,7 @@ from radmpc.planners.certified.tuning import TUNING as SEARCH_TUNING
 from radmpc.planners.certified.turned.large.sides import on_other_sides
 from radmpc.planners.certified.turned.turning import turn_half_spaces, turn_to
 from radmpc.planners.verdict import Judge
-from radmpc.records import dataclass, replace
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
 
 __all__ = ["Ahead", "prove_ahead"]
@@ -40,7 +41,7 @@ class Ahead:
     on_any : float
         No plan that the referee would certify costs less.
     is_closed : bool
-        Whether the gap asked for is proven, and the gap to any certified plan is small.
+        Whether the gap asked for is proven, and the gap to any certified plan is not large.
     """
 
     state: SearchState
@@ -79,10 +80,12 @@ def prove_ahead(
         fleet if proof_seconds is None else fleet.with_limits(fleet.limits.within(proof_seconds))
     )
     around.bound_any(timed)
-    if around.is_near and not around.is_proven:
+    gap = relative_gap(around.state.incumbent.cost, around.on_any)
+    is_near = gap <= max(TUNING.near, fleet.gap)
+    if is_near and not around.is_proven:
         around.bound_faces()
     on_any = min(around.on_any, around.state.incumbent.cost)
-    return Ahead(around.state, on_any, around.is_near and around.is_proven)
+    return Ahead(around.state, on_any, is_near and around.is_proven)
 
 
 def _kept_together(fleet: Fleet) -> tuple[Members, ...]:
@@ -102,6 +105,8 @@ class _Around:
     judge: Judge
     on_any: float = 0.0
     turned_to: tuple[Matrix, ...] = ()
+    price: float | None = None
+    known: Known = field(default_factory=dict)
 
     @property
     def gap(self) -> float:
@@ -137,6 +142,7 @@ class _Around:
         while effort < TUNING.rounds:
             is_open = search.advance(TUNING.nodes, effort, parts)
             self.on_any = max(self.on_any, search.best)
+            self.price, self.known = search.price, search.known
             before = frozenset(search.order)
             if not search.is_over and self._has_merged(search):
                 parts = tuple(members for members in search.order if members not in before)
@@ -199,8 +205,10 @@ class _Around:
         if left <= 0.0:
             return
         base = float(sum(fleet.base))
+        # At the price of the relaxation, whose values serve here.
+        price = self._price() if self.price is None else self.price
         search = BoundSearch(
-            fleet, incumbent, self._price(), base, self.most_nodes, is_by_faces=True
+            fleet, incumbent, price, base, self.most_nodes, is_by_faces=True, below=self.known
         )
         search.run()
         bounds = (*self.state.budget_bounds, (left, min(search.best, incumbent.cost)))

@@ -8,7 +8,10 @@ from radmpc.planners.certified.merging import Members
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
 
-__all__ = ["known_within", "parts_of"]
+__all__ = ["Known", "bounds_within", "known_within", "parts_of"]
+
+Known = Mapping[Members, Mapping[Members, RelaxedSet]]
+"""What is known of parts of a fleet, by the vehicles' places in each."""
 
 
 def parts_of(sets: Sequence[Members]) -> tuple[Members, ...]:
@@ -31,9 +34,7 @@ def parts_of(sets: Sequence[Members]) -> tuple[Members, ...]:
     return tuple(parts)
 
 
-def known_within(
-    members: Members, known: Mapping[Members, Mapping[Members, RelaxedSet]]
-) -> dict[Members, RelaxedSet]:
+def known_within(members: Members, known: Known) -> dict[Members, RelaxedSet]:
     """Return what searches of smaller parts have proven of vehicles of another part.
 
     Parameters
@@ -41,7 +42,7 @@ def known_within(
     members : tuple of int
         The vehicles of the other part, ascending.
     known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
-        What is known of parts, by the vehicles' places in each.
+        What is known of parts.
 
     Returns
     -------
@@ -55,3 +56,16 @@ def known_within(
         if set(part) <= set(members)
         for blocks, found in sets.items()
     }
+
+
+def bounds_within(members: Members, known: Known, price: float) -> dict[Members, float]:
+    """Return the bounds on vehicles of a part that searches of smaller parts have proven.
+
+    Parameters
+    ----------
+    members, known
+        As in `known_within`.
+    price : float
+        Cost per unit of probability that the bounds are to hold at.
+    """
+    return {blocks: one.bound_at(price) for blocks, one in known_within(members, known).items()}

@@ -18,7 +18,7 @@ from radmpc.program.build import cost_of_time
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.tails import Tails, tails_of
-from radmpc.records import dataclass
+from radmpc.records import dataclass, field
 
 __all__ = ["Part", "PartAnswer", "PartOrder", "PartTask", "paid_for_hazards", "tails_for"]
 
@@ -45,6 +45,9 @@ class Part:
         What the plan at hand costs beyond the least of the whole fleet in empty space.
     tails : Tails or None
         For the fleet's Δ; None to search plans by the program's faces alone.
+    below : mapping of tuple of int to float
+        What plans by faces of some of them, by their places, cost with their risk at the price at
+        least, as the relaxation says.
     """
 
     members: Members
@@ -55,6 +58,7 @@ class Part:
     controls: tuple[Matrix, ...]
     most_over: float
     tails: Tails | None
+    below: Mapping[Members, float] = field(default_factory=dict)
 
     @classmethod
     def of(

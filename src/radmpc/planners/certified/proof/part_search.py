@@ -72,9 +72,11 @@ class _PartSearch:
         for size in range(1, min(len(blocks), 3)):
             for places in combinations(range(len(blocks)), size):
                 fewer = tuple(blocks[place] for place in places)
-                self.advance(fewer)
-                if fewer in self.sets and self.sets[fewer].price == order.price:
-                    bounds.append(SetBound(frozenset(places), self.sets[fewer].bound))
+                value = self._bound_of(fewer)
+                if value is not None:
+                    bounds.append(SetBound(frozenset(places), value))
+        if blocks in self.part.below:
+            bounds.append(SetBound(frozenset(range(len(blocks))), self.part.below[blocks]))
         if any(bound.value == float("inf") for bound in bounds):
             # Some of them have no plan by faces at any price, so all together have none.
             self.sets[blocks] = replace(known, price=order.price, bound=float("inf"))
@@ -82,6 +84,14 @@ class _PartSearch:
         left = max(order.most_nodes - self.nodes, 1)
         self._search_on(blocks, known, tuple(bounds), int(min(order.nodes * len(blocks), left)))
         return True
+
+    def _bound_of(self, blocks: Members) -> float | None:
+        """Return what is proven of a part of a set, searched for it where nothing else says so."""
+        if blocks in self.part.below:
+            return self.part.below[blocks]
+        self.advance(blocks)
+        known = self.sets.get(blocks)
+        return known.bound if known is not None and known.price == self.order.price else None
 
     def _search_on(
         self, blocks: Members, known: RelaxedSet, bounds: tuple[SetBound, ...], share: int

@@ -145,8 +145,14 @@ class RelaxedSet:
         """Return what the best point costs with its risk at a price; inf without one."""
         return float("inf") if self.best is None else self.best.cost + price * self.best.risk
 
-    def _bound_at(self, price: float) -> float:
-        """Return what is proven at another price: values are concave in it, and never fall."""
+    def bound_at(self, price: float) -> float:
+        """Return what is proven at another price: values are concave in it, and never fall.
+
+        Parameters
+        ----------
+        price : float
+            Cost per unit of probability.
+        """
         if price >= self.price:
             return self.bound
         return self.base + price / self.price * (self.bound - self.base)
@@ -208,7 +214,7 @@ class RelaxedSet:
         tree.run(max_nodes)
         if tree.best is not best:
             known = tree.best
-        bound = max([self._bound_at(price), tree.bound, *(b.value for b in bounds)])
+        bound = max([self.bound_at(price), tree.bound, *(b.value for b in bounds)])
         bound = min(bound, most, tree.value)
         return replace(
             self,

@@ -11,7 +11,7 @@ import numpy as np
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.proof.grouping import known_within, parts_of
+from radmpc.planners.certified.proof.grouping import Known, bounds_within, known_within, parts_of
 from radmpc.planners.certified.proof.part import (
     Part,
     PartAnswer,
@@ -53,11 +53,13 @@ class BoundSearch:
     price : float
         Shadow price of the risk, per unit of probability.
     best : float
-        The best bound so far on the cost of any such plan.
+        The best bound so far.
     most_nodes : float
         Nodes that all parts may search together [-].
     is_by_faces : bool
         Whether it is the bound on plans by faces whose union bound is at most Δ, to the gap asked.
+    below : mapping of tuple of int to mapping
+        What is known of relaxations: plans by faces are charged no less.
     nodes : int
         Nodes searched so far [-].
     tails : Tails or None
@@ -65,7 +67,7 @@ class BoundSearch:
     parts : dict of tuple of int to Part
         How far each part has come at the latest price.
     known : dict of tuple of int to mapping of tuple of int to RelaxedSet
-        Relaxations that parts have built.
+        What parts have built.
     order : tuple of tuple of int
         The parts, those that pay most for hazards first.
     """
@@ -76,6 +78,7 @@ class BoundSearch:
     best: float
     most_nodes: float
     is_by_faces: bool = False
+    below: Known = field(default_factory=dict)
     nodes: int = 0
     tails: Tails | None = field(init=False, default=None)
     parts: dict[Members, Part] = field(default_factory=dict)
@@ -90,8 +93,7 @@ class BoundSearch:
     def regroup(self, sets: tuple[Members, ...]) -> None:
         """Search these sets from now on, those whose plans cost most beyond the least first.
 
-        Large sets are parted: any parting of the fleet gives a bound. What was proven of parts of
-        them is kept.
+        Large sets are parted. What was proven of parts of them is kept.
 
         Parameters
         ----------
@@ -119,17 +121,13 @@ class BoundSearch:
     @property
     def is_over(self) -> bool:
         """Whether the bound is good enough, or no more work is allowed."""
-        return relative_gap(self.incumbent.cost, self.best) <= self.gap or self._has_spent
+        has_spent = self.nodes >= self.most_nodes or self.fleet.limits.reached
+        return has_spent or relative_gap(self.incumbent.cost, self.best) <= self.gap
 
     @property
     def gap(self) -> float:
         """The gap at which the bound is good enough [-]."""
         return self.fleet.gap if self.is_by_faces else max(TUNING.gap, self.fleet.gap)
-
-    @property
-    def _has_spent(self) -> bool:
-        """Whether time is up, or all nodes are spent."""
-        return self.nodes >= self.most_nodes or self.fleet.limits.reached
 
     def run(self) -> None:
         """Raise the bound, by more nodes, by another price, by more directions."""
@@ -272,7 +270,9 @@ class BoundSearch:
     def _task(self, members: Members, order: PartOrder) -> PartTask:
         """Return what a part is given."""
         if members not in self.parts:
-            self.parts[members] = Part.of(self.fleet, self.incumbent, members, self.tails)
+            below = bounds_within(members, self.below, self.price)
+            part = Part.of(self.fleet, self.incumbent, members, self.tails)
+            self.parts[members] = replace(part, below=below)
         return PartTask(self.parts[members], self.known.get(members, {}), order)
 
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
