@@ -17,6 +17,7 @@ from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.sure import sure_why_not
 from radmpc.planners.certified.phases.improving import improved, turned_to_others
+from radmpc.planners.certified.proof.grouping import Known
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
@@ -33,7 +34,7 @@ from radmpc.planners.policies.policy import Family
 from radmpc.planners.verdict import Remembering
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
-from radmpc.records import dataclass, replace
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits, Solver, relative_gap
 
@@ -103,12 +104,12 @@ class Certified(Decomposition):
         improving = fleet.with_limits(_but_for_proof(run.limits, time.perf_counter() - begun))
         state = improved(improving, state, first, run.judge)
         run.progress("proving", 0, 1)
-        proof = self._proof(fleet.with_limits(run.limits), state)
+        proof = self._proof(fleet.with_limits(run.limits), state, result.known)
         state = turned_to_others(fleet.with_limits(run.limits), state, proof, run.judge)
         on_any = min(max(proof.bound, result.on_any), state.incumbent.cost)
         return _draft(fleet, state, result, begun, on_any)
 
-    def _proof(self, fleet: Fleet, state: SearchState) -> Proof:
+    def _proof(self, fleet: Fleet, state: SearchState, known: Known) -> Proof:
         """Bound the cost of any certified plan; for so many nodes, or so many seconds if asked."""
         price, most_nodes = shadow_price(fleet, state), float("inf")
         if self.proof_seconds is not None:
@@ -118,7 +119,7 @@ class Certified(Decomposition):
             few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
             least = PROOF_TUNING.least_nodes * few
             most_nodes = max(least, PROOF_TUNING.node_share * searched)
-        return bound_on_any(fleet, state.incumbent, price, most_nodes)
+        return bound_on_any(fleet, state.incumbent, price, most_nodes, known)
 
 
 def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
@@ -150,6 +151,8 @@ class _SearchResult:
         What the proof around the first plan says that any certified plan costs at least.
     is_closed : bool
         Whether that proof made the search needless.
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        Where that proof is taken up again.
     """
 
     search: PriceSearch
@@ -159,6 +162,7 @@ class _SearchResult:
     stopped_by: str | None
     on_any: float = -np.inf
     is_closed: bool = False
+    known: Known = field(default_factory=dict)
 
 
 def _searched(
@@ -170,13 +174,15 @@ def _searched(
     is_tight = _is_tight(scenario)
     first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
     fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
-    search, state, on_any = PriceSearch.of(fleet, run.judge), SearchState.of(fleet), -np.inf
+    search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
+    on_any: float = -np.inf
+    known: Known = {}
     if is_tight and first.controls:
         from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
 
         run.progress("proving", 0, 1)
         ahead = prove_ahead(fleet, first, run.judge, proof_seconds)
-        first, on_any = ahead.state.incumbent, ahead.on_any
+        first, on_any, known = ahead.state.incumbent, ahead.on_any, ahead.known
         if ahead.is_closed:
             return _SearchResult(search, ahead.state, first, None, None, on_any, True)
         state = replace(state, budget_bounds=ahead.state.budget_bounds)
@@ -185,19 +191,19 @@ def _searched(
     # Turning has time of its own, reserved beforehand.
     stopped_by = begin.reason or None
     if state.has_plan:
-        return _SearchResult(search, state, first, None, stopped_by, on_any)
+        return _SearchResult(search, state, first, None, stopped_by, on_any, known=known)
     from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
 
     last = last_resort(search.with_limits(begin if first.controls else run.limits), state)
     stopped_by = stopped_by or begin.reason or None
-    return _SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
+    found = _SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
+    return replace(found, known=known)
 
 
 def _is_tight(scenario: Scenario) -> bool:
     """Whether the relaxation mostly comes as near to certified plans as is asked, and soon.
 
-    In larger fleets the search over faces takes no longer than the relaxation does with a plan as
-    dear as their first ones are, and among many obstacles that often comes to no end.
+    In larger fleets the search over faces takes no longer; among many obstacles this has no end.
     """
     is_small = scenario.num_vehicles <= TUNING.few
     is_small &= len(scenario.obstacles) < max(PROOF_TUNING.many_obstacles, scenario.num_vehicles)

@@ -42,11 +42,14 @@ class Ahead:
         No plan that the referee would certify costs less.
     is_closed : bool
         Whether the gap asked for is proven, and the gap to any certified plan is not large.
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        Where the relaxation is searched on.
     """
 
     state: SearchState
     on_any: float
     is_closed: bool
+    known: Known = field(default_factory=dict)
 
 
 def prove_ahead(
@@ -85,7 +88,7 @@ def prove_ahead(
     if is_near and not around.is_proven:
         around.bound_faces()
     on_any = min(around.on_any, around.state.incumbent.cost)
-    return Ahead(around.state, on_any, is_near and around.is_proven)
+    return Ahead(around.state, on_any, is_near and around.is_proven, around.known)
 
 
 def _kept_together(fleet: Fleet) -> tuple[Members, ...]:

@@ -53,6 +53,8 @@ class Begin:
         Standard deviations to keep [-].
     to_choose : tuple of CondensedModel or None
         The vehicles with visits at any step of their windows; None where no step is to be chosen.
+    is_any : bool
+        Whether the first plan found will do, whatever others cost.
     """
 
     task: Task
@@ -62,6 +64,7 @@ class Begin:
     price: float
     clearance: float
     to_choose: tuple[CondensedModel, ...] | None = None
+    is_any: bool = False
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""
@@ -93,7 +96,7 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     best, least, found, is_known = None, np.inf, FleetIncumbent(), False
     # Where nothing stands in the way, every side is turned that may lead to the cheapest plan; and
     # where visits may be made at better steps.
-    has_others = begin.to_choose is not None or not begin.ways
+    has_others = begin.to_choose is not None or not (begin.ways or begin.is_any)
     num_sides = _SIDES if has_others and hazards.count <= TUNING.few else 1
     beginnings = attempts(begin, rng, limits)
     for number, (attempt, penalty, sweeps) in enumerate(beginnings, start=1):

@@ -84,7 +84,9 @@ def first_plan(
         ways = detours(hazards, stopped, clearance)
     time_share = TUNING.easy_share if is_easy and not is_needed else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
-    begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose)
+    # Where few meet, the relaxation tells the sides soon.
+    is_any = is_easy and is_needed
+    begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose, is_any)
     return tried(begin, rng, task.limits.within(seconds))
 
 
