@@ -12,7 +12,7 @@ from radmpc.model.plan import Status
 from radmpc.planners import Branch, Centralized, Certified, Ira, Optimal, Planner
 from radmpc.planners.certified import planning
 from radmpc.planners.certified.fleet import Fleet
-from radmpc.planners.certified.phases import ahead
+from radmpc.planners.certified.phases import ahead, around
 from radmpc.planners.certified.proof.grouping import known_within, parts_of
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.search import BoundSearch
@@ -99,7 +99,7 @@ def test_the_search_for_it_ends_at_the_cost_of_the_plan_at_hand():
 
 
 def test_a_gap_that_cones_prove_needs_no_bound_by_faces(monkeypatch):
-    monkeypatch.setattr(ahead._Around, "bound_faces", no_search)
+    monkeypatch.setattr(around.Around, "bound_faces", no_search)
     result = plan(paper(4, 0), Planner(Optimal(), Branch(), Certified(), gap=0.02))
     assert result.status is Status.OPTIMAL
     assert result.certified_lower_bound >= 0.98 * result.cost

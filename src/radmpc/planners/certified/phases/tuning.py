@@ -39,7 +39,7 @@ class Tuning:
 
     nodes: int = 50
     rounds: int = 5
-    most_nodes: int = 500
+    most_nodes: int = 400
     nodes_each: int = 60
     little: float = 0.1
     near: float = 0.04

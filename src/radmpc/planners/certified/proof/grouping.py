@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from radmpc.planners.certified.merging import Members
-from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tuning import TUNING
+
+if TYPE_CHECKING:
+    # Who meets nobody needs no relaxation.
+    from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 
 __all__ = ["Known", "bounds_within", "known_within", "parts_of"]
 
-Known = Mapping[Members, Mapping[Members, RelaxedSet]]
+Known = Mapping[Members, Mapping[Members, "RelaxedSet"]]
 """What is known of parts of a fleet, by the vehicles' places in each."""
 
 
