@@ -24,7 +24,25 @@ __all__ = ["Around"]
 
 @dataclass(slots=True, eq=False)
 class Around:
-    """How far it has come; it lives for one first plan."""
+    """How far it has come; it lives for one first plan, and nobody else writes to it.
+
+    Attributes
+    ----------
+    fleet : Fleet
+        The fleet, with the limits that end this.
+    state : SearchState
+        With the best plan, its sets, and the bounds by faces that were proven.
+    judge : callable
+        The referee.
+    on_any : float
+        No plan that the referee would certify costs less.
+    turned_to : tuple of (T, m) array
+        The plan of the relaxation that half-spaces were turned to last; empty before.
+    price : float or None
+        Shadow price of the risk that the relaxation was searched at; None before.
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        How far the relaxation is searched.
+    """
 
     fleet: Fleet
     state: SearchState
