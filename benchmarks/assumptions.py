@@ -23,6 +23,7 @@ import numpy as np
 
 import radmpc
 from radmpc.experiments.families import circle, clutter, paper
+from radmpc.planners import Branch, Certified, Optimal, Planner
 
 Assumption = Callable[[radmpc.Scenario], radmpc.Scenario]
 
@@ -150,7 +151,8 @@ def planned(scenario: radmpc.Scenario, gap: float, seconds: float) -> tuple[floa
     """Return a plan's cost (inf without a certified one) and the seconds of the processor."""
     with patch("time.monotonic", time.process_time):
         begun = time.process_time()
-        result = radmpc.plan(scenario, f"certified({gap:g})", rng=0, time_limit=seconds)
+        planner = Planner(Optimal(), Branch(), Certified(), gap=gap)
+        result = radmpc.plan(scenario, planner, rng=0, time_limit=seconds)
         taken = time.process_time() - begun
     cost = result.cost if result.is_certified and result.cost is not None else math.inf
     return cost, taken

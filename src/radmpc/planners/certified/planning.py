@@ -16,6 +16,8 @@ from radmpc.planners.certified.closing import close_gap
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.infeasible.answer import WhyNot
 from radmpc.planners.certified.infeasible.sure import sure_why_not
+from radmpc.planners.certified.phases.improving import improved, turned_to_others
+from radmpc.planners.certified.proof.grouping import Known
 from radmpc.planners.certified.proof.prove import Proof, bound_on_any
 from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
 from radmpc.planners.certified.search import PriceSearch
@@ -32,7 +34,7 @@ from radmpc.planners.policies.policy import Family
 from radmpc.planners.verdict import Remembering
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
-from radmpc.records import dataclass, replace
+from radmpc.records import dataclass, field, replace
 from radmpc.solvers.branch.branch import Branch
 from radmpc.solvers.solution import Limits, Solver, relative_gap
 
@@ -84,11 +86,14 @@ class Certified(Decomposition):
         ruled_out = sure_why_not(scenario, run.limits)
         if ruled_out is not None:
             return _empty(scenario, ruled_out, begun)
-        result = _searched(scenario, planner, run)
+        result = _searched(scenario, planner, run, self.proof_seconds)
         has_any = result.state.has_plan or result.first.controls
         if result.answer is not None and not has_any:
             return _empty(scenario, result.answer, begun)
         fleet, state, first = result.search.fleet, result.state, result.first
+        if result.is_closed:
+            run.found(first.cost, _finite(result.on_any))
+            return _draft(fleet, state, result, begun, result.on_any)
         if state.has_plan:
             state = close_gap(result.search.within, state)
         cost = min(first.cost, state.incumbent.cost)
@@ -97,13 +102,14 @@ class Certified(Decomposition):
         run.improved(best.controls)
         run.progress("improving", 0, 1)
         improving = fleet.with_limits(_but_for_proof(run.limits, time.perf_counter() - begun))
-        state = _improved(improving, state, first, run)
+        state = improved(improving, state, first, run.judge)
         run.progress("proving", 0, 1)
-        proof = self._proof(fleet.with_limits(run.limits), state)
-        state = _turned_to_others(fleet.with_limits(run.limits), state, proof, run)
-        return _draft(fleet, state, result, begun, proof.bound)
+        proof = self._proof(fleet.with_limits(run.limits), state, result.known)
+        state = turned_to_others(fleet.with_limits(run.limits), state, proof, run.judge)
+        on_any = min(max(proof.bound, result.on_any), state.incumbent.cost)
+        return _draft(fleet, state, result, begun, on_any)
 
-    def _proof(self, fleet: Fleet, state: SearchState) -> Proof:
+    def _proof(self, fleet: Fleet, state: SearchState, known: Known) -> Proof:
         """Bound the cost of any certified plan; for so many nodes, or so many seconds if asked."""
         price, most_nodes = shadow_price(fleet, state), float("inf")
         if self.proof_seconds is not None:
@@ -113,7 +119,7 @@ class Certified(Decomposition):
             few = min(fleet.scenario.num_vehicles, PROOF_TUNING.most_together)
             least = PROOF_TUNING.least_nodes * few
             most_nodes = max(least, PROOF_TUNING.node_share * searched)
-        return bound_on_any(fleet, state.incumbent, price, most_nodes)
+        return bound_on_any(fleet, state.incumbent, price, most_nodes, known)
 
 
 def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
@@ -122,58 +128,6 @@ def _but_for_proof(limits: Limits, elapsed: float) -> Limits:
     if left == float("inf"):
         return limits
     return limits.within(max(left - PROOF_TUNING.reserve * (left + elapsed), 0.0))
-
-
-def _improved(fleet: Fleet, state: SearchState, first: FleetIncumbent, run: Run) -> SearchState:
-    """Turn half-spaces to the plan of the search, and again to a first plan that stays cheaper."""
-    searched, least = state.incumbent, float(sum(fleet.base))
-    if relative_gap(min(first.cost, searched.cost), least) > TUNING.negligible * fleet.gap:
-        from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415 - as below
-
-        if state.has_plan:
-            state = _turned(fleet, state, run)
-        if first.cost < state.incumbent.cost:
-            begin = replace(state, incumbent=first)
-            first = turn_half_spaces(fleet, begin, run.judge, state.incumbent.cost).incumbent
-    if first.cost < state.incumbent.cost:
-        sets = searched.sets or first.sets
-        first = replace(first, sets=sets, union_bound=searched.union_bound)
-        state = replace(state, incumbent=first)
-    return state
-
-
-def _turned(fleet: Fleet, state: SearchState, run: Run) -> SearchState:
-    """Turn half-spaces to the plan of the search, and to others where risk was not its limit."""
-    # Who is alone costs no more than in empty space, and turns nothing.
-    from radmpc.planners.certified.turned.turning import turn_half_spaces  # noqa: PLC0415 - not who meets nobody
-
-    state = turn_half_spaces(fleet, state, run.judge)
-    if state.incumbent.certified < TUNING.unspent * fleet.scenario.risk_bound:
-        # Not risk but the faces made the plan what it is. (Tried for all
-        # fleets of up to four: 0.03 to 0.3 % cheaper, in two to four times the time.)
-        from radmpc.planners.certified.turned.noiseless import turn_from_noiseless  # noqa: PLC0415 - few need it
-
-        state = turn_from_noiseless(fleet, state, run.judge)
-    return state
-
-
-def _turned_to_others(fleet: Fleet, state: SearchState, proof: Proof, run: Run) -> SearchState:
-    """Turn half-spaces to plans of the relaxation and without noise, where these may be better."""
-    gap = relative_gap(state.incumbent.cost, proof.bound)
-    if gap > PROOF_TUNING.gap and proof.controls and not fleet.limits.reached:
-        from radmpc.planners.certified.turned.turning import turn_to  # noqa: PLC0415 - as above
-
-        price = shadow_price(fleet, state) or fleet.first_unit_price(state.budget) / fleet.unit
-        state = turn_to(fleet, state, run.judge, proof.controls, price)
-        gap = relative_gap(state.incumbent.cost, proof.bound)
-    if gap > PROOF_TUNING.doubtful:
-        from radmpc.planners.certified.turned.noiseless import turn_from_noiseless  # noqa: PLC0415 - few need it
-
-        sets = state.incumbent.sets
-        state = turn_from_noiseless(fleet, state, run.judge)
-        # Who had to be planned together is what the search found, not what this began with.
-        state = replace(state, incumbent=replace(state.incumbent, sets=sets))
-    return state
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,6 +147,12 @@ class _SearchResult:
         What the last resort says, if it was asked.
     stopped_by : str or None
         The limit that ended the search, if one did.
+    on_any : float
+        What the proof around the first plan says that any certified plan costs at least.
+    is_closed : bool
+        Whether that proof made the search needless.
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        Where that proof is taken up again.
     """
 
     search: PriceSearch
@@ -200,29 +160,83 @@ class _SearchResult:
     first: FleetIncumbent
     answer: WhyNot | None
     stopped_by: str | None
+    on_any: float = -np.inf
+    is_closed: bool = False
+    known: Known = field(default_factory=dict)
 
 
-def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
+def _searched(
+    scenario: Scenario, planner: Planner, run: Run, proof_seconds: float | None
+) -> _SearchResult:
     """Search for the best plan; where the search finds none, try what else leads to one."""
-    limits = run.limits
-    begin = _limits_of_search(limits)
+    begin = _limits_of_search(run.limits)
     hazards = Hazards.of(scenario, condensed_models(scenario))
-    bound = scenario.risk_bound
+    is_tight = _is_tight(scenario)
+    first = _first(scenario, planner.gap, run, begin, hazards, is_needed=is_tight)
+    fleet = _fleet(scenario, planner.gap, run, begin, hazards, first.cost)
+    search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
+    on_any: float = -np.inf
+    known: Known = {}
+    if is_tight and first.controls:
+        from radmpc.planners.certified.phases.ahead import prove_ahead  # noqa: PLC0415 - not along intervals
+
+        run.progress("proving", 0, 1)
+        ahead = prove_ahead(fleet, first, run.judge, proof_seconds)
+        first, on_any, known = ahead.state.incumbent, ahead.on_any, ahead.known
+        if ahead.is_closed:
+            return _SearchResult(search, ahead.state, first, None, None, on_any, True)
+        state = replace(state, budget_bounds=ahead.state.budget_bounds)
+    if state.budget > 0.0:
+        state = search.run(state)
+    # Turning has time of its own, reserved beforehand.
+    stopped_by = begin.reason or None
+    if state.has_plan:
+        return _SearchResult(search, state, first, None, stopped_by, on_any, known=known)
+    from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
+
+    last = last_resort(search.with_limits(begin if first.controls else run.limits), state)
+    stopped_by = stopped_by or begin.reason or None
+    found = _SearchResult(last.search, last.state, first, last.answer, stopped_by, on_any)
+    return replace(found, known=known)
+
+
+def _is_tight(scenario: Scenario) -> bool:
+    """Whether the relaxation mostly comes as near to certified plans as is asked, and soon.
+
+    In larger fleets the search over faces takes no longer; among many obstacles this has no end.
+    """
+    is_small = scenario.num_vehicles <= TUNING.few
+    is_small &= len(scenario.obstacles) < max(PROOF_TUNING.many_obstacles, scenario.num_vehicles)
+    is_planar = scenario.dimension == 2 and not scenario.has_windows
+    return scenario.avoidance == "steps" and is_planar and is_small
+
+
+def _first(
+    scenario: Scenario, gap: float, run: Run, limits: Limits, hazards: Hazards, *, is_needed: bool
+) -> FleetIncumbent:
+    """Make a plan before the search, if that is quick or needed."""
     begun, to_choose = hazards, None
     if scenario.has_windows:
         # The first plan makes its visits at good steps; the search chooses among all.
         from radmpc.planners.certified.turned.visiting import at_good_visits  # noqa: PLC0415 - few have any
 
         begun, to_choose = at_good_visits(hazards), hazards.models
-    task = Task(begun, run.judge, begin, planner.gap, bound, partial(_tell_first, run))
-    first = first_plan(task, SEARCH_TUNING.budgets.risk_to_cost, run.rng, to_choose)
+    task = Task(begun, run.judge, limits, gap, scenario.risk_bound, partial(_tell_first, run))
+    price = SEARCH_TUNING.budgets.risk_to_cost
+    return first_plan(task, price, run.rng, to_choose, is_needed=is_needed)
+
+
+def _fleet(
+    scenario: Scenario, gap: float, run: Run, limits: Limits, hazards: Hazards, first_cost: float
+) -> Fleet:
+    """Return the problem of the search, which tells of no plan dearer than the first one."""
     fleet = Fleet.of(
         scenario,
-        planner.gap,
-        begin,
+        gap,
+        limits,
         hazards=hazards,
         progress=lambda done, total: run.progress("sets", done, total),
-        found=lambda cost, bound: run.found(min(first.cost, cost), _finite(bound)),
+        found=lambda cost, bound: run.found(min(first_cost, cost), _finite(bound)),
         improved=run.improved,
         executor=run.executor,
     )
@@ -230,18 +244,7 @@ def _searched(scenario: Scenario, planner: Planner, run: Run) -> _SearchResult:
         from radmpc.planners.certified.proof.least_visits import with_least_visits  # noqa: PLC0415 - few have any
 
         fleet = with_least_visits(fleet)
-    search, state = PriceSearch.of(fleet, run.judge), SearchState.of(fleet)
-    if state.budget > 0.0:
-        state = search.run(state)
-    # Turning has time of its own, reserved beforehand.
-    stopped_by = begin.reason or None
-    if state.has_plan:
-        return _SearchResult(search, state, first, None, stopped_by)
-    from radmpc.planners.certified.fallbacks import last_resort  # noqa: PLC0415 - few need it
-
-    last = last_resort(search.with_limits(begin if first.controls else limits), state)
-    stopped_by = stopped_by or begin.reason or None
-    return _SearchResult(last.search, last.state, first, last.answer, stopped_by)
+    return fleet
 
 
 def _limits_of_search(limits: Limits) -> Limits:

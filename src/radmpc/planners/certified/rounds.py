@@ -13,7 +13,7 @@ from radmpc.planners.certified.tuning import TUNING
 from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.nodes import Incumbent
 
-__all__ = ["Round", "run_round"]
+__all__ = ["Round", "merge_worst", "run_round"]
 
 _TUNED = TUNING.sets
 
@@ -101,7 +101,7 @@ def run_round(fleet: Fleet, state: SearchState) -> tuple[SearchState, Round | No
                 # Searching at length begins with these sets, at a price that suits them.
                 return replace(state, has_tried_initial_plan=True), replace(found, is_initial=True)
             return state, found
-        merged = _merged(sets, set_risks, by_sets(rejected, owners_of(sets)), allowed)
+        merged = merge_worst(sets, set_risks, allowed, by_sets(rejected, owners_of(sets)))
         merging = state.merging.remember(sets, merged, pair_risks | rejected)
         state = replace(state, merging=merging)
         sets = merged
@@ -159,14 +159,31 @@ def _allowed_inter_set_risk(fleet: Fleet, state: SearchState, plans: Sequence[In
     )
 
 
-def _merged(
+def merge_worst(
     sets: tuple[Members, ...],
     set_risks: dict[tuple[int, int], float],
-    rejected: dict[tuple[int, int], float],
-    allowed: float,
+    allowed: float = 0.0,
+    rejected: dict[tuple[int, int], float] | None = None,
 ) -> tuple[Members, ...]:
-    """Merge the sets that are to be, and the worst others until little is left between sets."""
-    ranked = _worst_first(rejected)
+    """Merge the sets that are to be, and the worst others until little is left between sets.
+
+    Parameters
+    ----------
+    sets : tuple of tuple of int
+        A partition of the fleet.
+    set_risks : dict of (int, int) to float
+        Risk between sets, by their numbers, lower first [-].
+    allowed : float
+        What may be left [-].
+    rejected : dict of (int, int) to float or None
+        The same of sets that are merged whatever is left.
+
+    Returns
+    -------
+    tuple of tuple of int
+        A coarser partition: each set is merged with one other at most.
+    """
+    ranked = _worst_first(rejected or {})
     left = sum(set_risks.values())
     for pair, risk in _worst_first(set_risks):
         if left <= allowed:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from radmpc.arrays import Matrix
+from radmpc.gaussian import Tail
 from radmpc.model.scenario import Scenario
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
@@ -16,10 +17,10 @@ from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.program.build import cost_of_time
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
-from radmpc.program.relaxed.tails import Tails
-from radmpc.records import dataclass
+from radmpc.program.relaxed.tails import Tails, tails_of
+from radmpc.records import dataclass, field
 
-__all__ = ["Part", "PartAnswer", "PartOrder", "PartTask", "paid_for_hazards"]
+__all__ = ["Part", "PartAnswer", "PartOrder", "PartTask", "paid_for_hazards", "tails_for"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,8 +43,11 @@ class Part:
         The plan at hand.
     most_over : float
         What the plan at hand costs beyond the least of the whole fleet in empty space.
-    tails : Tails
-        For the fleet's Δ.
+    tails : Tails or None
+        For the fleet's Δ; None to search plans by the program's faces alone.
+    below : mapping of tuple of int to float
+        What plans by faces of some of them, by their places, cost with their risk at the price at
+        least, as the relaxation says.
     """
 
     members: Members
@@ -53,10 +57,13 @@ class Part:
     base: tuple[float, ...]
     controls: tuple[Matrix, ...]
     most_over: float
-    tails: Tails
+    tails: Tails | None
+    below: Mapping[Members, float] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, fleet: Fleet, incumbent: FleetIncumbent, members: Members, tails: Tails) -> Part:
+    def of(
+        cls, fleet: Fleet, incumbent: FleetIncumbent, members: Members, tails: Tails | None
+    ) -> Part:
         """Return what the proof needs to know of some vehicles.
 
         Parameters
@@ -67,8 +74,8 @@ class Part:
             The plan at hand.
         members : tuple of int
             The vehicles, ascending.
-        tails : Tails
-            For the fleet's Δ.
+        tails : Tails or None
+            As in `Part`.
         """
         is_narrowed = len(fleet.scenario.obstacles) >= TUNING.many_obstacles
         alone = [fleet.programs.problem((i,)).program for i in members] if is_narrowed else []
@@ -179,3 +186,16 @@ def paid_for_hazards(model: CondensedModel, controls: Matrix, base: float) -> fl
     """
     effort = model.vehicle.cost_weight * float(np.abs(controls).sum())
     return effort + cost_of_time(model, controls) - base
+
+
+def tails_for(scenario: Scenario) -> Tails:
+    """Return what clearances are charged at least where the referee judges a fleet.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The fleet.
+    """
+    tail = Tail(scenario.covariance_samples)
+    are_integrated = scenario.avoidance == "steps" and scenario.dimension == 2
+    return tails_of(scenario.risk_bound, tail, are_integrated=are_integrated and tail.is_gaussian)

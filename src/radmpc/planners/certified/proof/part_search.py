@@ -11,7 +11,7 @@ from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
 from radmpc.planners.certified.proof.tubes import within_tube
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.program.build import point_of
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 from radmpc.solvers.priced.lp import SetBound
 from radmpc.solvers.solution import Limits
 
@@ -65,18 +65,33 @@ class _PartSearch:
             most = self._most_value(blocks) if self.part.is_narrowed else float("inf")
             known = self._relaxed(blocks, most)
         is_here = known.price == order.price
-        if is_here and (known.is_trivial or known.value - known.bound <= order.worth):
+        is_done = known.is_trivial or known.bound == float("inf")
+        if is_here and (is_done or known.value - known.bound <= order.worth):
             return False
         bounds: list[SetBound] = []
         for size in range(1, min(len(blocks), 3)):
             for places in combinations(range(len(blocks)), size):
                 fewer = tuple(blocks[place] for place in places)
-                self.advance(fewer)
-                if fewer in self.sets and self.sets[fewer].price == order.price:
-                    bounds.append(SetBound(frozenset(places), self.sets[fewer].bound))
+                value = self._bound_of(fewer)
+                if value is not None:
+                    bounds.append(SetBound(frozenset(places), value))
+        if blocks in self.part.below:
+            bounds.append(SetBound(frozenset(range(len(blocks))), self.part.below[blocks]))
+        if any(bound.value == float("inf") for bound in bounds):
+            # Some of them have no plan by faces at any price, so all together have none.
+            self.sets[blocks] = replace(known, price=order.price, bound=float("inf"))
+            return True
         left = max(order.most_nodes - self.nodes, 1)
         self._search_on(blocks, known, tuple(bounds), int(min(order.nodes * len(blocks), left)))
         return True
+
+    def _bound_of(self, blocks: Members) -> float | None:
+        """Return what is proven of a part of a set, searched for it where nothing else says so."""
+        if blocks in self.part.below:
+            return self.part.below[blocks]
+        self.advance(blocks)
+        known = self.sets.get(blocks)
+        return known.bound if known is not None and known.price == self.order.price else None
 
     def _search_on(
         self, blocks: Members, known: RelaxedSet, bounds: tuple[SetBound, ...], share: int
@@ -123,6 +138,8 @@ class _PartSearch:
             if self.surroundings is None:
                 self.surroundings = Surroundings(part.scenario, part.models)
             scenario = self.surroundings.of(blocks)
+        if part.tails is None:
+            return RelaxedSet.by_faces(scenario, models, base, most)
         return RelaxedSet.of(scenario, models, base, part.tails, self.order.num_directions, most)
 
     def _next_most(self, blocks: Members, known: RelaxedSet) -> float | None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.proof.grouping import Known
 from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.records import dataclass
@@ -30,7 +33,11 @@ class Proof:
 
 
 def bound_on_any(
-    fleet: Fleet, incumbent: FleetIncumbent, price: float | None, most_nodes: float = float("inf")
+    fleet: Fleet,
+    incumbent: FleetIncumbent,
+    price: float | None,
+    most_nodes: float = float("inf"),
+    known: Known = MappingProxyType({}),
 ) -> Proof:
     """Return a lower bound on the cost of any plan that the referee would certify.
 
@@ -44,6 +51,8 @@ def bound_on_any(
         Its shadow price of Δ, per unit of probability; None where it is not known.
     most_nodes : float
         Nodes after which no set is searched on [-].
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        What is known of parts, from the proof around another plan.
 
     Returns
     -------
@@ -57,6 +66,6 @@ def bound_on_any(
     # A vehicle that nothing stops costs no more than in empty space.
     from radmpc.planners.certified.proof.search import BoundSearch  # noqa: PLC0415 - not who meets nobody
 
-    search = BoundSearch(fleet, incumbent, price or 0.0, base, most_nodes)
+    search = BoundSearch(fleet, incumbent, price or 0.0, base, most_nodes, known=dict(known))
     search.run()
     return Proof(min(search.best, cost), search.relaxed_controls())

@@ -1,4 +1,4 @@
-"""One set of vehicles in the relaxation, and how far its search has come."""
+"""One set of vehicles in a proof, by cones or by faces, and how far its search has come."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from radmpc.arrays import Vector
 from radmpc.model.scenario import Scenario
+from radmpc.program.build import build_program
 from radmpc.program.condensed import CondensedModel
 from radmpc.program.program import DisjunctiveProgram
 from radmpc.program.relaxed.build import build_relaxation
@@ -34,7 +35,7 @@ class RelaxedSet:
     scenario : Scenario
         The vehicles alone, with what they may meet.
     program : DisjunctiveProgram
-        Their relaxation.
+        Their relaxation, or the program of their faces.
     rater : Rater
         The same, laid out for rating.
     base : float
@@ -96,6 +97,31 @@ class RelaxedSet:
             Value up to which it is searched.
         """
         program = build_relaxation(scenario, models, tails, num_directions)
+        return cls._of(scenario, program, base, most)
+
+    @classmethod
+    def by_faces(
+        cls,
+        scenario: Scenario,
+        models: Sequence[CondensedModel],
+        base: float,
+        most: float = float("inf"),
+    ) -> RelaxedSet:
+        """Build the program of a set's faces, of which no risk beyond Δ is of interest.
+
+        Parameters
+        ----------
+        scenario, models, base, most
+            As in `of`.
+        """
+        program = build_program(scenario, tuple(models), risk_bound=scenario.risk_bound)
+        return cls._of(scenario, program, base, most)
+
+    @classmethod
+    def _of(
+        cls, scenario: Scenario, program: DisjunctiveProgram, base: float, most: float
+    ) -> RelaxedSet:
+        """Lay out a program for a search."""
         rater = Rater(program, scenario.risk_bound)
         return cls(scenario, program, rater, base, most, bound=base)
 
@@ -119,8 +145,14 @@ class RelaxedSet:
         """Return what the best point costs with its risk at a price; inf without one."""
         return float("inf") if self.best is None else self.best.cost + price * self.best.risk
 
-    def _bound_at(self, price: float) -> float:
-        """Return what is proven at another price: values are concave in it, and never fall."""
+    def bound_at(self, price: float) -> float:
+        """Return what is proven at another price: values are concave in it, and never fall.
+
+        Parameters
+        ----------
+        price : float
+            Cost per unit of probability.
+        """
         if price >= self.price:
             return self.bound
         return self.base + price / self.price * (self.bound - self.base)
@@ -182,7 +214,7 @@ class RelaxedSet:
         tree.run(max_nodes)
         if tree.best is not best:
             known = tree.best
-        bound = max([self._bound_at(price), tree.bound, *(b.value for b in bounds)])
+        bound = max([self.bound_at(price), tree.bound, *(b.value for b in bounds)])
         bound = min(bound, most, tree.value)
         return replace(
             self,

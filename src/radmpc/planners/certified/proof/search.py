@@ -1,23 +1,24 @@
-"""The search for a bound on any certified plan: its parts in turn, until it is good enough."""
+"""The search for a bound on any certified plan, or on any by faces: its parts in turn."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 
 import numpy as np
 
 from radmpc.arrays import Matrix
-from radmpc.gaussian import Tail
 from radmpc.planners.certified.fleet import Fleet
 from radmpc.planners.certified.merging import Members
+from radmpc.planners.certified.proof.grouping import Known, bounds_within, known_within, parts_of
 from radmpc.planners.certified.proof.part import (
     Part,
     PartAnswer,
     PartOrder,
     PartTask,
     paid_for_hazards,
+    tails_for,
 )
 from radmpc.planners.certified.proof.part_search import search_part
 from radmpc.planners.certified.proof.relaxed_set import RelaxedSet
@@ -25,7 +26,7 @@ from radmpc.planners.certified.proof.tuning import TUNING
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
 from radmpc.planners.executing import in_order
 from radmpc.program.build import controls_of
-from radmpc.program.relaxed.tails import Tails, tails_of
+from radmpc.program.relaxed.tails import Tails
 from radmpc.records import dataclass, field, replace
 from radmpc.solvers.solution import relative_gap
 
@@ -52,17 +53,21 @@ class BoundSearch:
     price : float
         Shadow price of the risk, per unit of probability.
     best : float
-        The best bound so far on the cost of any certified plan.
+        The best bound so far.
     most_nodes : float
         Nodes that all parts may search together [-].
+    is_by_faces : bool
+        Whether it is the bound on plans by faces whose union bound is at most Δ, to the gap asked.
+    below : mapping of tuple of int to mapping
+        What is known of relaxations: plans by faces are charged no less.
     nodes : int
         Nodes searched so far [-].
-    tails : Tails
-        Tables of what a clearance is charged.
+    tails : Tails or None
+        Tables of what a clearance is charged; None by faces.
     parts : dict of tuple of int to Part
         How far each part has come at the latest price.
     known : dict of tuple of int to mapping of tuple of int to RelaxedSet
-        Relaxations that parts have built.
+        What parts have built.
     order : tuple of tuple of int
         The parts, those that pay most for hazards first.
     """
@@ -72,56 +77,73 @@ class BoundSearch:
     price: float
     best: float
     most_nodes: float
+    is_by_faces: bool = False
+    below: Known = field(default_factory=dict)
     nodes: int = 0
-    tails: Tails = field(init=False)
+    tails: Tails | None = field(init=False, default=None)
     parts: dict[Members, Part] = field(default_factory=dict)
     known: dict[Members, Mapping[Members, RelaxedSet]] = field(default_factory=dict)
     order: tuple[Members, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Tabulate the tails, and put sets whose plans cost most beyond the least first.
+        """Tabulate the tails, and choose the parts."""
+        self.tails = None if self.is_by_faces else tails_for(self.fleet.scenario)
+        self.regroup(self.incumbent.sets)
 
-        Large sets are parted: any parting of the fleet gives a bound.
+    def regroup(self, sets: tuple[Members, ...]) -> None:
+        """Search these sets from now on, those whose plans cost most beyond the least first.
+
+        Large sets are parted. What was proven of parts of them is kept.
+
+        Parameters
+        ----------
+        sets : tuple of tuple of int
+            A partition of the fleet.
         """
-        scenario = self.fleet.scenario
-        are_integrated = scenario.avoidance == "steps" and scenario.dimension == 2
-        tail = Tail(scenario.covariance_samples)
-        are_integrated = are_integrated and tail.is_gaussian
-        self.tails = tails_of(scenario.risk_bound, tail, are_integrated=are_integrated)
-        parts: list[Members] = []
-        for members in self.incumbent.sets:
-            is_small = len(members) <= TUNING.most_together
-            parts += [tuple(sorted(members))] if is_small else [(i,) for i in members]
+        parts = parts_of(sets)
+        self.known = {members: known_within(members, self.known) for members in parts}
         self.order = tuple(sorted(parts, key=self._paid_for_hazards, reverse=True))
+
+    def continue_from(self, incumbent: FleetIncumbent, price: float) -> None:
+        """Hold the bound against another, cheaper plan from now on.
+
+        Parameters
+        ----------
+        incumbent : FleetIncumbent
+            That plan.
+        price : float
+            Its shadow price of Δ, per unit of probability; one that is nearly the same is kept.
+        """
+        self.incumbent, self.parts = incumbent, {}
+        if abs(price - self.price) > TUNING.same_price * self.price:
+            self.price = price
 
     @property
     def is_over(self) -> bool:
         """Whether the bound is good enough, or no more work is allowed."""
-        gap = max(TUNING.gap, self.fleet.gap)
-        return relative_gap(self.incumbent.cost, self.best) <= gap or self._has_spent
+        has_spent = self.nodes >= self.most_nodes or self.fleet.limits.reached
+        return has_spent or relative_gap(self.incumbent.cost, self.best) <= self.gap
 
     @property
-    def _has_spent(self) -> bool:
-        """Whether time is up, or all nodes are spent."""
-        return self.nodes >= self.most_nodes or self.fleet.limits.reached
+    def gap(self) -> float:
+        """The gap at which the bound is good enough [-]."""
+        return self.fleet.gap if self.is_by_faces else max(TUNING.gap, self.fleet.gap)
 
     def run(self) -> None:
         """Raise the bound, by more nodes, by another price, by more directions."""
-        for num_directions in TUNING.directions:
-            self.known = {}
+        for number, num_directions in enumerate(TUNING.directions):
+            if number:
+                self.known = {}
             for _ in range(TUNING.prices):
                 self._search(num_directions)
                 _LOG.info(
-                    "bound on any certified plan: %.6g with %d directions at a price of %.3g, %d "
-                    "nodes",
-                    self.best,
-                    num_directions,
-                    self.price,
-                    self.nodes,
+                    "bound on any plan%s: %.6g with %d directions at a price of %.3g, %d nodes",
+                    " by faces" * self.is_by_faces,
+                    *(self.best, num_directions, self.price, self.nodes),
                 )
                 if self.is_over or not self._has_moved_price():
                     break
-            if self.is_over:
+            if self.is_over or self.is_by_faces:
                 return
 
     def relaxed_controls(self) -> tuple[Matrix, ...]:
@@ -136,6 +158,12 @@ class BoundSearch:
                 is_other |= bool(np.abs(found - controls[i]).max() > _SAME)
                 controls[i] = found
         return tuple(controls) if is_other else ()
+
+    @property
+    def value(self) -> float:
+        """What the best plan of the relaxation is worth, as the bound counts it."""
+        found = [whole for _, whole in self._found() if whole.price == self.price]
+        return self._bound_here() + sum(whole.value - whole.bound for whole in found)
 
     def _found(self) -> Iterator[tuple[Members, RelaxedSet]]:
         """Yield the parts that were searched as a whole."""
@@ -164,32 +192,48 @@ class BoundSearch:
 
     def _search(self, num_directions: int) -> None:
         """Search all parts at the present price, until what is open matters no more."""
-        gap, nodes = TUNING.set_gap, TUNING.nodes
-        worth = TUNING.worth * self._allowed
-        for _ in range(TUNING.rounds):
-            left = self.most_nodes - self.nodes
-            order = PartOrder(self.price, num_directions, gap, nodes, worth, left)
-            is_new = False
-            with closing(self._answers(order)) as answers:
-                for members, answer in answers:
-                    is_new |= answer.is_new
-                    self.nodes += answer.nodes
-                    self.known[members] = answer.sets
-                    self._note()
-                    if self.is_over:
-                        return
-            if not is_new or self._is_futile(worth):
+        for effort in range(TUNING.rounds):
+            if not self.advance(TUNING.nodes, effort, self.order, num_directions):
                 return
-            gap, nodes = gap * TUNING.finer, 2 * nodes
 
-    @property
-    def _allowed(self) -> float:
-        """The difference of cost and bound with which the bound is good enough."""
-        return max(TUNING.gap, self.fleet.gap) * abs(self.incumbent.cost)
+    def advance(
+        self,
+        nodes: int,
+        effort: int,
+        parts: Sequence[Members],
+        num_directions: int = TUNING.directions[0],
+    ) -> bool:
+        """Search parts on at the present price; tell whether more effort promises anything.
+
+        Parameters
+        ----------
+        nodes : int
+            Nodes per vehicle of a set without any more effort [-].
+        effort : int
+            How often they are doubled, and the sets' gaps made finer [-].
+        parts : sequence of tuple of int
+            The parts, in order.
+        num_directions : int
+            Directions around every hazard; of no meaning by faces.
+        """
+        gap, nodes = TUNING.set_gap * TUNING.finer**effort, nodes * 2**effort
+        worth = TUNING.worth * self.gap * self.incumbent.cost
+        left = self.most_nodes - self.nodes
+        order = PartOrder(self.price, num_directions, gap, nodes, worth, left)
+        is_new = False
+        with closing(self._answers(order, parts)) as answers:
+            for members, answer in answers:
+                is_new |= answer.is_new
+                self.nodes += answer.nodes
+                self.known[members] = answer.sets
+                self.best = max(self.best, self._bound_here())
+                if self.is_over:
+                    return False
+        return is_new and not self._is_futile(worth)
 
     def _missing(self) -> float:
         """Return by how much the bound at the present price has to rise to be good enough."""
-        return self.incumbent.cost - self._allowed - self._bound_here()
+        return (1.0 - self.gap) * self.incumbent.cost - self._bound_here()
 
     def _is_futile(self, worth: float) -> bool:
         """Whether even a search to the end would not do, and little is left of it."""
@@ -197,15 +241,17 @@ class BoundSearch:
         found = [whole for _, whole in self._found() if whole.price == self.price]
         left = sum(whole.value - whole.bound for whole in found)
         most = left + sum(min(self._paid_for_hazards(m), worth) for m in still)
-        return most < self._missing() and left <= TUNING.futile * self._allowed
+        return most < self._missing() and left <= TUNING.futile * self.gap * self.incumbent.cost
 
-    def _answers(self, order: PartOrder) -> Generator[tuple[Members, PartAnswer], None, None]:
+    def _answers(
+        self, order: PartOrder, parts: Sequence[Members]
+    ) -> Generator[tuple[Members, PartAnswer], None, None]:
         """Yield what came of every part that promises anything, in order; who asks keeps it.
 
         Elsewhere parts are begun before it is known what those before them leave of the nodes:
         what took more than that is done again within it.
         """
-        chosen = [m for m in self.order if self._paid_for_hazards(m) > order.worth]
+        chosen = [m for m in parts if self._paid_for_hazards(m) > order.worth]
         # Of what is known now, so that workers and this process are asked the same.
         missing = self._missing()
         orders = [replace(order, enough=self._bound_of(m) + missing) for m in chosen]
@@ -224,7 +270,9 @@ class BoundSearch:
     def _task(self, members: Members, order: PartOrder) -> PartTask:
         """Return what a part is given."""
         if members not in self.parts:
-            self.parts[members] = Part.of(self.fleet, self.incumbent, members, self.tails)
+            below = bounds_within(members, self.below, self.price)
+            part = Part.of(self.fleet, self.incumbent, members, self.tails)
+            self.parts[members] = replace(part, below=below)
         return PartTask(self.parts[members], self.known.get(members, {}), order)
 
     def _answer_here(self, members: Members, order: PartOrder) -> PartAnswer:
@@ -232,17 +280,15 @@ class BoundSearch:
         left = self.most_nodes - self.nodes
         return search_part(self._task(members, replace(order, most_nodes=left)), self.fleet.limits)
 
-    def _note(self) -> None:
-        """Keep the bound at the present price if it is the best."""
-        self.best = max(self.best, self._bound_here())
-
     def _bound_here(self) -> float:
         """Return the bound at the present price."""
         total = sum(self.fleet.base)
         for _, whole in self._found():
             if whole.price == self.price:
                 total += whole.bound - whole.base
-        return total - self.price * self.fleet.scenario.risk_bound
+        # What the starts risk is no choice of a plan's, and no part of what faces are charged.
+        spent = self.fleet.initial if self.is_by_faces else 0.0
+        return total - self.price * (self.fleet.scenario.risk_bound - spent)
 
     def _has_moved_price(self) -> bool:
         """Choose a better price where the relaxed plans risk far more or less than Δ."""

@@ -60,6 +60,8 @@ class Tuning:
         Prices tried at most [-].
     most_move : float
         Factor by which one price differs from the next at most [-].
+    same_price : float
+        Relative difference up to which a search goes on at its price with a cheaper plan [-].
     least_nodes : int
         Nodes per vehicle, of those that are searched together at most, that a proof may take in any
         case [-]: with 120, 300 and 500 the gap left in the harbor is 6.0, 3.5 and 3.5 %.
@@ -87,6 +89,7 @@ class Tuning:
     off: float = 1.5
     prices: int = 2
     most_move: float = 2.0
+    same_price: float = 0.3
     least_nodes: int = 300
     node_share: float = 2.0
 

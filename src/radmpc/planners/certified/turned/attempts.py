@@ -53,6 +53,8 @@ class Begin:
         Standard deviations to keep [-].
     to_choose : tuple of CondensedModel or None
         The vehicles with visits at any step of their windows; None where no step is to be chosen.
+    is_any : bool
+        Whether the first plan found will do, whatever others cost.
     """
 
     task: Task
@@ -62,6 +64,7 @@ class Begin:
     price: float
     clearance: float
     to_choose: tuple[CondensedModel, ...] | None = None
+    is_any: bool = False
 
     def referring(self, places: Mapping[int, Matrix]) -> Turning:
         """Return half-spaces turned to given positions, for all others to their paths alone."""
@@ -139,7 +142,7 @@ def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumb
     hazards = begin.task.hazards
     best, least, found, is_known = None, np.inf, FleetIncumbent(), False
     # Every side is turned that may lead to the cheapest plan, and visits at better steps.
-    is_few = hazards.count <= TUNING.few and not begin.ways
+    is_few = hazards.count <= TUNING.few and not (begin.ways or begin.is_any)
     num_sides = _SIDES if begin.to_choose is not None or is_few else 1
     beginnings = _attempts(begin, rng, limits)
     for number, attempt in enumerate(beginnings, start=1):

@@ -27,6 +27,8 @@ def first_plan(
     price: float,
     rng: np.random.Generator,
     to_choose: tuple[CondensedModel, ...] | None = None,
+    *,
+    is_needed: bool = False,
 ) -> FleetIncumbent:
     """Plan a fleet one vehicle after the other, then all at a price of risk.
 
@@ -44,6 +46,8 @@ def first_plan(
         Draws the times.
     to_choose : tuple of CondensedModel or None
         The vehicles with visits at any step of their windows; None where no step is to be chosen.
+    is_needed : bool
+        Whether a plan is asked for even where searching sets is as quick.
 
     Returns
     -------
@@ -61,9 +65,13 @@ def first_plan(
     largest = max(len(members) for members in sets)
     is_crowded = largest >= max(TUNING.many, TUNING.crowd * hazards.count)
     is_easy = not is_crowded and (not stopped.size or hazards.count > TUNING.few)
-    if is_easy and (largest == 1 or hazards.count > TUNING.few):
+    if is_easy and not is_needed and (largest == 1 or hazards.count > TUNING.few):
         return FleetIncumbent()
-    if is_easy and _gives_way(task, alone.paths, clearance):
+    if is_easy and is_needed and largest == 1:
+        found = _alone(task, alone.paths)
+        if found.controls:
+            return found
+    if is_easy and not is_needed and _gives_way(task, alone.paths, clearance):
         return FleetIncumbent()
     from radmpc.planners.certified.turned.attempts import Begin, tried  # noqa: PLC0415 - few need any
 
@@ -74,10 +82,23 @@ def first_plan(
         from radmpc.planners.certified.turned.detours import detours  # noqa: PLC0415 - loads graphs
 
         ways = detours(hazards, stopped, clearance)
-    time_share = TUNING.easy_share if is_easy else TUNING.first_time_share
+    time_share = TUNING.easy_share if is_easy and not is_needed else TUNING.first_time_share
     seconds = min(TUNING.first_seconds, time_share * task.limits.seconds_left)
-    begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose)
+    # Where few meet, the relaxation tells the sides soon.
+    is_any = is_easy and is_needed
+    begin = Begin(task, alone.paths, ways, sets, price, clearance, to_choose, is_any)
     return tried(begin, rng, task.limits.within(seconds))
+
+
+def _alone(task: Task, paths: Paths) -> FleetIncumbent:
+    """Return what vehicles do by themselves, if that is certified: nothing is cheaper."""
+    controls, sets = tuple(paths.controls), tuple((i,) for i in range(task.hazards.count))
+    certified = task.judge(controls).certified
+    if certified > task.risk_bound:
+        return FleetIncumbent()
+    found = FleetIncumbent(controls, paths.cost(), sets, certified=certified)
+    task.found(found)
+    return found
 
 
 def _told_once(task: Task) -> Task:

@@ -18,7 +18,10 @@ __all__ = ["on_other_sides"]
 
 
 def on_other_sides(
-    hazards: Hazards, one: Sequence[Matrix], other: Sequence[Matrix]
+    hazards: Hazards,
+    one: Sequence[Matrix],
+    other: Sequence[Matrix],
+    same_side: float = TUNING.same_side,
 ) -> frozenset[int]:
     """Return the vehicles that pass something on another side in the second of two plans.
 
@@ -30,6 +33,8 @@ def on_other_sides(
         The fleet.
     one, other : sequence of (T, m) array
         Controls of all vehicles in either plan.
+    same_side : float
+        Cosine between their half-spaces above which both pass on the same side [-].
 
     Returns
     -------
@@ -38,7 +43,7 @@ def on_other_sides(
     """
     first, second = _near(hazards, one), _near(hazards, other)
     far = far_of(hazards.tail, TUNING.compared)
-    return _apart(first, second, far) | _apart(second, first, far)
+    return _apart(first, second, far, same_side) | _apart(second, first, far, same_side)
 
 
 def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
@@ -51,7 +56,7 @@ def _near(hazards: Hazards, controls: Sequence[Matrix]) -> HalfSpaces:
     return half_spaces(hazards, paths, tuple(range(hazards.count)), near)
 
 
-def _apart(spaces: HalfSpaces, others: HalfSpaces, far: float) -> frozenset[int]:
+def _apart(spaces: HalfSpaces, others: HalfSpaces, far: float, same_side: float) -> frozenset[int]:
     """Return who is near something in one plan, and far from it or beyond it in the other."""
     close = np.flatnonzero(spaces.clearances.min(axis=1) < far)
     order = np.argsort(others.keys)
@@ -60,7 +65,7 @@ def _apart(spaces: HalfSpaces, others: HalfSpaces, far: float) -> frozenset[int]
     is_near = np.zeros(close.size, dtype=bool)
     if order.size:
         along = np.einsum("wd,wd->w", spaces.normals[close], others.normals[found])
-        is_near = (others.keys[found] == spaces.keys[close]) & (along > TUNING.same_side)
+        is_near = (others.keys[found] == spaces.keys[close]) & (along > same_side)
     apart = close[~is_near]
     who = np.concatenate([spaces.first[apart], spaces.second[apart]])
     return frozenset(who[who >= 0].tolist())

@@ -1,0 +1,1 @@
+"""What precedes the search over faces, and what follows it."""

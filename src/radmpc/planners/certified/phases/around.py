@@ -1,0 +1,164 @@
+"""How far a proof around a first plan has come: both bounds, and turning to better sides."""
+
+from __future__ import annotations
+
+from radmpc.arrays import Matrix
+from radmpc.planners.certified.fleet import Fleet
+from radmpc.planners.certified.inter_set_risk import by_sets
+from radmpc.planners.certified.merging import owners_of
+from radmpc.planners.certified.phases.tuning import TUNING
+from radmpc.planners.certified.proof.grouping import Known
+from radmpc.planners.certified.proof.search import BoundSearch
+from radmpc.planners.certified.proof.tuning import TUNING as PROOF_TUNING
+from radmpc.planners.certified.rounds import merge_worst
+from radmpc.planners.certified.state.bounds import is_proven
+from radmpc.planners.certified.state.search_state import SearchState
+from radmpc.planners.certified.turned.large.sides import on_other_sides
+from radmpc.planners.certified.turned.turning import turn_to
+from radmpc.planners.verdict import Judge
+from radmpc.records import dataclass, field, replace
+from radmpc.solvers.solution import relative_gap
+
+__all__ = ["Around"]
+
+
+@dataclass(slots=True, eq=False)
+class Around:
+    """How far it has come; it lives for one first plan, and nobody else writes to it.
+
+    Attributes
+    ----------
+    fleet : Fleet
+        The fleet, with the limits that end this.
+    state : SearchState
+        With the best plan, its sets, and the bounds by faces that were proven.
+    judge : callable
+        The referee.
+    on_any : float
+        No plan that the referee would certify costs less.
+    turned_to : tuple of (T, m) array
+        The plan of the relaxation that half-spaces were turned to last; empty before.
+    price : float or None
+        Shadow price of the risk that the relaxation was searched at; None before.
+    known : mapping of tuple of int to mapping of tuple of int to RelaxedSet
+        How far the relaxation is searched.
+    """
+
+    fleet: Fleet
+    state: SearchState
+    judge: Judge
+    on_any: float = 0.0
+    turned_to: tuple[Matrix, ...] = ()
+    price: float | None = None
+    known: Known = field(default_factory=dict)
+
+    @property
+    def gap(self) -> float:
+        """The gap to any certified plan that is good enough [-]."""
+        return max(PROOF_TUNING.gap, self.fleet.gap)
+
+    @property
+    def is_near(self) -> bool:
+        """Whether any certified plan is proven to be nearly as dear."""
+        return relative_gap(self.state.incumbent.cost, self.on_any) <= self.gap
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether the gap asked for is proven: what bounds any certified plan bounds faces, too."""
+        gap = relative_gap(self.state.incumbent.cost, self.on_any)
+        return gap <= self.fleet.gap or is_proven(self.fleet, self.state)
+
+    @property
+    def most_nodes(self) -> int:
+        """Nodes of either bound at most."""
+        count = self.fleet.scenario.num_vehicles
+        few = min(count, PROOF_TUNING.most_together)
+        return max(TUNING.most_nodes * few, TUNING.nodes_each * count)
+
+    def bound_any(self, timed: Fleet) -> None:
+        """Bound any certified plan, and turn the plan to better sides, until they meet."""
+        base, incumbent = float(sum(self.fleet.base)), self.state.incumbent
+        self.on_any = base
+        if relative_gap(incumbent.cost, base) <= self.gap:
+            return
+        search = BoundSearch(timed, incumbent, self._price(), base, self.most_nodes)
+        effort, parts = 0, search.order
+        while effort < TUNING.rounds:
+            is_open = search.advance(TUNING.nodes, effort, parts)
+            self.on_any = max(self.on_any, search.best)
+            self.price, self.known = search.price, search.known
+            before = frozenset(search.order)
+            if not search.is_over and self._has_merged(search):
+                parts = tuple(members for members in search.order if members not in before)
+                continue
+            gained = self._turned(search)
+            if self.is_near or search.nodes >= self.most_nodes or timed.limits.reached:
+                return
+            if gained:
+                search.continue_from(self.state.incumbent, self._price())
+            elif not is_open:
+                return
+            effort, parts = effort + 1, search.order
+
+    def _turned(self, search: BoundSearch) -> bool:
+        """Turn half-spaces to the plan of the relaxation; tell whether that made a cheaper one."""
+        fleet, before = self.fleet, self.state
+        other = search.relaxed_controls()
+        if not other or not self._promises(search, other):
+            return False
+        self.turned_to = other
+        self.state = turn_to(fleet, before, self.judge, other, self._price())
+        now = self.state.incumbent.cost
+        return before.incumbent.cost - now > TUNING.little * self.gap * now
+
+    def _promises(self, search: BoundSearch, other: tuple[Matrix, ...]) -> bool:
+        """Whether a plan of the relaxation has other sides than those that were turned to.
+
+        Or is much cheaper, by less risk: half-spaces may be stuck on the same sides, too.
+        """
+        known = self.turned_to or self.state.incumbent.controls
+        if on_other_sides(self.fleet.programs.hazards, known, other, TUNING.same_side):
+            return True
+        incumbent = self.state.incumbent
+        return not self.turned_to and relative_gap(incumbent.cost, search.value) > self.gap
+
+    def _has_merged(self, search: BoundSearch) -> bool:
+        """Merge sets whose relaxed plans collide; tell whether there are any."""
+        sets = self.state.incumbent.sets
+        controls = search.relaxed_controls()
+        if len(sets) == 1 or not controls:
+            return False
+        numbers = {v.name: i for i, v in enumerate(self.fleet.scenario.vehicles)}
+        owners = owners_of(sets)
+        pair_risks = self.judge(controls).across(owners, numbers)
+        allowed = TUNING.apart * self.gap * self.state.incumbent.cost / max(search.price, 1e-300)
+        allowed = min(allowed, TUNING.most_apart * self.fleet.scenario.risk_bound)
+        merged = merge_worst(sets, by_sets(pair_risks, owners), allowed)
+        if len(merged) == len(sets):
+            return False
+        merging = self.state.merging.remember(sets, merged, pair_risks)
+        incumbent = replace(self.state.incumbent, sets=merged)
+        self.state = replace(self.state, merging=merging, incumbent=incumbent)
+        search.regroup(merged)
+        return True
+
+    def bound_faces(self) -> None:
+        """Bound plans by faces whose union bound is at most Δ."""
+        fleet, incumbent = self.fleet, self.state.incumbent
+        left = fleet.scenario.risk_bound - fleet.initial
+        if left <= 0.0:
+            return
+        base = float(sum(fleet.base))
+        # At the price of the relaxation, whose values serve here.
+        price = self._price() if self.price is None else self.price
+        search = BoundSearch(
+            fleet, incumbent, price, base, self.most_nodes, is_by_faces=True, below=self.known
+        )
+        search.run()
+        bounds = (*self.state.budget_bounds, (left, min(search.best, incumbent.cost)))
+        self.state = replace(self.state, budget_bounds=bounds)
+
+    def _price(self) -> float:
+        """Return what Δ was worth to the plan at hand when it was turned last, or a guess."""
+        guess = self.fleet.first_unit_price(self.state.budget) / self.fleet.unit
+        return self.state.incumbent.turned_price or guess

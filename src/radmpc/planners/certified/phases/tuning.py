@@ -1,0 +1,54 @@
+"""The numbers that the proof around the first plan was tuned with, in one record."""
+
+from __future__ import annotations
+
+from radmpc.records import dataclass
+
+__all__ = ["TUNING", "Tuning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """How long it is tried to do without the search over faces.
+
+    Attributes
+    ----------
+    nodes : int
+        Nodes per vehicle of a set in the first round [-].
+    rounds : int
+        Rounds at most, with twice the nodes of the last one each [-].
+    most_nodes : int
+        Nodes of either bound per vehicle, of those that are searched together at most [-].
+    nodes_each : int
+        The same per vehicle of the fleet, where that is more [-].
+    little : float
+        Share of the gap by which turning has to make the plan cheaper for another search [-].
+    near : float
+        Gap to any certified plan up to which the search over faces is not expected to find better
+        sides, if the gap asked for is proven [-]: for `fleet(16, 6)`, 1 % open, it found none;
+        with 2 % one of `paper(8)` with disturbances that last, 2.9 % open, is 0.09 % cheaper, in
+        twice the time.
+    same_side : float
+        Cosine between the half-spaces of the plan at hand and of the relaxation's above which both
+        pass on the same side [-]: with 0.3 `paper(8, 2)` ends 0.14 % dearer.
+    apart, most_apart : float
+        Share of the gap that risk between sets may cost before they are merged, and share of Δ that
+        it may come to [-].
+    time_share : float
+        Share of the time for the search that this may take [-].
+    """
+
+    nodes: int = 50
+    rounds: int = 5
+    most_nodes: int = 400
+    nodes_each: int = 60
+    little: float = 0.1
+    near: float = 0.03
+    same_side: float = 0.85
+    apart: float = 0.1
+    most_apart: float = 0.2
+    time_share: float = 0.5
+
+
+TUNING = Tuning()
+"""The values in use."""
