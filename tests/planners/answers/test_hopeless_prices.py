@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from radmpc.experiments.families import circle
+from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.planners.certified.turned.price_control import PriceControl
-from radmpc.planners.certified.turned.prioritized import prioritized_ticks
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.verdict import Remembering, Verdict
 from radmpc.program.build import condensed_models

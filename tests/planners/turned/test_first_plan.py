@@ -13,9 +13,9 @@ from radmpc.experiments.families import circle, paper
 from radmpc.model.obstacle import Obstacle
 from radmpc.planners.certified.turned import attempts as making
 from radmpc.planners.certified.turned.detours import detours
+from radmpc.planners.certified.turned.narrow.prioritized import prioritized
 from radmpc.planners.certified.turned.paths import timed
 from radmpc.planners.certified.turned.price_control import PriceControl
-from radmpc.planners.certified.turned.prioritized import prioritized
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards

@@ -16,9 +16,9 @@ from radmpc.planners.certified.turned.narrow.clear import Clear
 from radmpc.planners.certified.turned.narrow.joint_search import joint_search
 from radmpc.planners.certified.turned.narrow.knots import joint_ways
 from radmpc.planners.certified.turned.narrow.pacing import Pacing
+from radmpc.planners.certified.turned.narrow.prioritized import prioritized, prioritized_ticks
 from radmpc.planners.certified.turned.narrow.track import track
 from radmpc.planners.certified.turned.narrow.ways import shortest_ways
-from radmpc.planners.certified.turned.prioritized import prioritized, prioritized_ticks
 from radmpc.program.build import condensed_models
 from radmpc.program.hazards import Hazards
 from running import first_plan

@@ -9,9 +9,8 @@ import numpy as np
 
 from radmpc.arrays import Matrix
 from radmpc.planners.certified.state.incumbent import FleetIncumbent
-from radmpc.planners.certified.state.task import Task
+from radmpc.planners.certified.turned.attempt import Attempt, Begin
 from radmpc.planners.certified.turned.paths import (
-    Paths,
     arched,
     evenly,
     timed_anyhow,
@@ -20,106 +19,16 @@ from radmpc.planners.certified.turned.paths import (
 from radmpc.planners.certified.turned.successive import SuccessiveLp
 from radmpc.planners.certified.turned.tuning import TUNING
 from radmpc.planners.certified.turned.turning import Turning
-from radmpc.program.condensed import CondensedModel
-from radmpc.records import dataclass, replace
+from radmpc.records import replace
 from radmpc.solvers.solution import Limits
 
 if TYPE_CHECKING:
     from radmpc.planners.certified.turned.narrow.pacing import Pacing
 
-__all__ = ["Attempt", "Begin", "tried"]
+__all__ = ["tried"]
 
 _SIDES = 2
 """Beginnings that are turned where nothing stands in the way [-]."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Begin:
-    """What attempts begin with.
-
-    Attributes
-    ----------
-    task : Task
-        What is asked.
-    alone : Paths
-        What vehicles do by themselves.
-    ways : mapping of int to (p, d) array
-        The shortest ways around obstacles of those that these stop [m].
-    sets : tuple of tuple of int
-        Who get in each other's way.
-    price : float
-        Shadow price of the risk, per unit of probability.
-    clearance : float
-        Standard deviations to keep [-].
-    to_choose : tuple of CondensedModel or None
-        The vehicles with visits at any step of their windows; None where no step is to be chosen.
-    is_any : bool
-        Whether the first plan found will do, whatever others cost.
-    """
-
-    task: Task
-    alone: Paths
-    ways: Mapping[int, Matrix]
-    sets: tuple[tuple[int, ...], ...]
-    price: float
-    clearance: float
-    to_choose: tuple[CondensedModel, ...] | None = None
-    is_any: bool = False
-
-    def referring(self, places: Mapping[int, Matrix]) -> Turning:
-        """Return half-spaces turned to given positions, for all others to their paths alone."""
-        turning = Turning(self.task, FleetIncumbent(), self.sets, self.price)
-        turning.successive.begin(self.alone.controls)
-        for i, path in places.items():
-            turning.successive.refer(i, path)
-        return turning
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Attempt:
-    """What one begins with, and how its vehicles are kept apart.
-
-    Attributes
-    ----------
-    turning : Turning
-        Half-spaces turned to its paths.
-    sweeps : int
-        Sweeps over the fleet at most; 0 where paths are kept as they are [-].
-    penalty : float
-        Of a meter missed in the first sweep, see `Tuning.first_penalty` [-].
-    is_placed : bool
-        Whether paths are places clear of each other: who keeps them is left alone.
-    rounds : int
-        Turns at a price of risk at most, once there is a plan; as usual before [-].
-    """
-
-    turning: Turning
-    sweeps: int
-    penalty: float = TUNING.first_penalty
-    is_placed: bool = False
-    rounds: int = TUNING.first_rounds
-
-    def run(self) -> FleetIncumbent:
-        """Turn half-spaces at a price of risk; return the best plan, if any."""
-        found = self.turning.run(self.rounds)
-        return found if found.controls or self.rounds else self.turning.run(TUNING.first_rounds)
-
-    def keep_apart(self, clearance: float, limits: Limits) -> bool:
-        """Keep vehicles apart from the latest paths on; tell whether all are.
-
-        Parameters
-        ----------
-        clearance : float
-            Standard deviations that everyone keeps from everything [-].
-        limits : Limits
-            When to stop.
-        """
-        successive = self.turning.successive
-        if not self.is_placed:
-            return successive.keep_apart(clearance, self.sweeps, limits, self.penalty)
-        from radmpc.planners.certified.turned.narrow.at_pace import keep_places  # noqa: PLC0415 - few need it
-
-        return keep_places(successive, clearance, self.sweeps, self.penalty, limits)
 
 
 def tried(begin: Begin, rng: np.random.Generator, limits: Limits) -> FleetIncumbent:
@@ -258,8 +167,8 @@ def _kept_apart(begin: Begin, rng: np.random.Generator, limits: Limits) -> Itera
     from radmpc.planners.certified.turned.narrow.clear import Clear  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.knots import joint_ways  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.pacing import Pacing  # noqa: PLC0415 - few need it
+    from radmpc.planners.certified.turned.narrow.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
     from radmpc.planners.certified.turned.narrow.ways import pulled_ways, shortest_ways  # noqa: PLC0415 - few need it
-    from radmpc.planners.certified.turned.prioritized import prioritized_ticks  # noqa: PLC0415 - few need it
 
     hazards, clearance = begin.task.hazards, begin.clearance
     clear, pacing = Clear.of(hazards), None

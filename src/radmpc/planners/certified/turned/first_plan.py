@@ -73,7 +73,8 @@ def first_plan(
             return found
     if is_easy and not is_needed and _gives_way(task, alone.paths, clearance):
         return FleetIncumbent()
-    from radmpc.planners.certified.turned.attempts import Begin, tried  # noqa: PLC0415 - few need any
+    from radmpc.planners.certified.turned.attempt import Begin  # noqa: PLC0415 - as below
+    from radmpc.planners.certified.turned.attempts import tried  # noqa: PLC0415 - few need any
 
     # Risk counts for more than effort at first: a falling price stays near what is certified.
     price *= TUNING.first_dear * alone.paths.cost() / task.risk_bound
