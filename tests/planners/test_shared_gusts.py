@@ -82,19 +82,6 @@ def test_planners_of_one_vehicle_at_a_time_refuse_shared_gusts_in_one_line(plann
     assert "\n" not in str(caught.value)
 
 
-def test_a_mission_refuses_shared_gusts_that_last_in_one_line():
-    plan = radmpc.plan(passing(("wind", GUST), ("wind", GUST)), "ira", rng=0).require()
-    fleet = tuple(
-        replace(v, shared=tuple(replace(part, correlation=0.5) for part in v.shared))
-        for v in plan.scenario.vehicles
-    )
-    plan = replace(plan, scenario=replace(plan.scenario, vehicles=fleet))
-    with pytest.raises(ScenarioError, match="cannot be flown under way") as caught:
-        radmpc.Mission(plan)
-    assert caught.value.path == ("vehicles", 0, "shared")
-    assert "\n" not in str(caught.value)
-
-
 @pytest.mark.slow
 def test_a_fleet_in_one_gust_is_planned_in_sets():
     scenario = passing(("wind", GUST), ("wind", GUST))

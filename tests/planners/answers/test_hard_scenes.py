@@ -136,4 +136,4 @@ def test_no_search_makes_a_plan_of_a_contradiction():
     options = {"move": 1.0, "unit": 0.49, "price": 1.0, "scale": 1.0, "limits": Limits()}
     assert search_around(rater, program.slacks(z), None, max_nodes=10, **options) is None
     around = Neighborhood(program, 0.49, 1.0, 1.0, Limits(), 1.0, [0.0] * 3)
-    assert around.place(z, [0, 1]) is None
+    assert around.place(z, [0, 1, 2]) is None
