@@ -46,7 +46,10 @@ def cluster(address: str) -> Iterator[Executor]:
             "--dask needs the package distributed: pip install 'radmpc[dask]'"
         ) from (error)
     _check_answers(address)
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    # What goes wrong with a task comes with its result; of one that is given up while the client is
+    # asking for it, Tornado would print how that was taken.
+    for name in ("distributed", "tornado"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=_SECONDS, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
