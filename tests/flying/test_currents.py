@@ -5,15 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 import radmpc
-from radmpc.errors import ScenarioError
 from radmpc.experiments.families import paper
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
-from radmpc.flying.receding.long_mission import LongMission
-from radmpc.model.noise.measurement import Measurement
 from radmpc.model.scenario import Scenario
 from radmpc.preflight.pace import Pace
 
@@ -39,20 +35,6 @@ def test_a_mission_in_a_current_stays_near_its_plan() -> None:
         assert not contacts
     for trajectory, state in zip(plan.trajectories, states, strict=True):
         np.testing.assert_allclose(state, trajectory.means[-1], atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"disturbance_correlation": 0.5},
-        {"measurement": Measurement(np.eye(4)[:2], 1e-4 * np.eye(2))},
-    ],
-)
-def test_noise_with_a_memory_is_refused_in_windows_in_one_line(values: dict[str, object]) -> None:
-    scenario = with_each(paper(2, 1), **values)
-    with pytest.raises(ScenarioError, match="cannot be flown in windows") as error:
-        LongMission(scenario, window=4, overlap=1)
-    assert "\n" not in str(error.value)
 
 
 def test_the_closed_form_of_a_pace_leaves_currents_to_others() -> None:

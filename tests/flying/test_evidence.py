@@ -11,7 +11,6 @@ import pytest
 from scipy.stats import chi2, kstest
 
 import radmpc
-from radmpc.errors import ScenarioError
 from radmpc.flying import evidence as module
 from radmpc.flying.alarms import Watcher
 from radmpc.flying.leg import leg_of
@@ -273,9 +272,3 @@ def test_the_file_tells_the_factor_and_another_one_is_found_out() -> None:
     changed = replace(rows[2], scale=replace(rows[2].scale, factor=1.01 * rows[2].scale.factor))
     problems = recomputed(plan, [*rows[:2], changed, *rows[3:]]).problems
     assert any("states a factor of" in problem for problem in problems)
-
-
-def test_missions_of_many_windows_take_covariances_that_are_known() -> None:
-    with pytest.raises(ScenarioError, match="takes covariances that are known") as caught:
-        radmpc.LongMission(alone().scenario, window=2, overlap=1)
-    assert caught.value.path == ("covariance_samples",)

@@ -14,9 +14,10 @@ from radmpc.experiments.families import paper
 from radmpc.flying.flight import fly
 from radmpc.flying.leg import leg_of
 from radmpc.flying.model import Model
-from radmpc.flying.receding.guide import Guide, coarse_guide, window_of
+from radmpc.flying.receding.guide import Guide, coarse_guide, until
 from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.receding.reserve import Reserve
+from radmpc.flying.remainder import left_of
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import Obstacle
 from radmpc.model.plan import Plan
@@ -157,14 +158,14 @@ def test_a_window_that_costs_more_than_its_share_is_not_begun() -> None:
 def test_windows_see_obstacles_as_they_are_by_then() -> None:
     outlines = [[[k, 9.0], [k + 1.0, 9.0], [k, 10.0]] for k in range(25)]
     scenario = replace(far(), obstacles=(Obstacle.moving("ferry", outlines),))
-    states = [v.start for v in scenario.vehicles]
-    scene = window_of(scenario, 6, 8, states, straight(scenario))
+    states = tuple(v.start for v in scenario.vehicles)
+    ahead = until(scenario, 14, straight(scenario))
+    scene = left_of(ahead, 6, states, 0.01)
     assert scene.horizon == 8
     assert scene.obstacles[0].at(0)[0].vertices.min() == pytest.approx(6.0)
     assert len(scene.obstacles[0].shape.outlines) == 9
     assert not scene.vehicles[0].initial_covariance.any()
-    last = window_of(scenario, 20, 8, states, straight(scenario))
-    assert last.horizon == 4
+    last = until(scenario, 24, straight(scenario))
     assert last.vehicles[0].goal is scenario.vehicles[0].goal
 
 

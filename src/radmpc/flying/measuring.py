@@ -10,7 +10,6 @@ import numpy.typing as npt
 from radmpc.arguments import is_number, told
 from radmpc.arrays import Vector, as_vector
 from radmpc.errors import ArgumentError, ArgumentTypeError, ScenarioError
-from radmpc.flying.knowing import remembers
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
@@ -18,7 +17,6 @@ from radmpc.result import Result
 
 __all__ = [
     "check_continues",
-    "check_forgetful",
     "check_memory",
     "check_number",
     "measured",
@@ -125,45 +123,6 @@ def check_memory(scenario: Scenario) -> None:
         if vehicle.control_norm is not None or vehicle.speed_norm is not None:
             key = "speed_limit" if vehicle.control_norm is None else "control_limit"
             message = "limits a norm: a mission under way takes limits per axis"
-            raise ScenarioError(message, ("vehicles", i, key))
-
-
-def check_forgetful(scenario: Scenario) -> None:
-    """Refuse what a mission of many windows cannot hand from one to the next.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        To be flown.
-
-    Raises
-    ------
-    ScenarioError
-        As of `check_memory`, and if covariances are known up to a factor only, disturbances outlast
-        a step, states are measured with noise, or an obstacle's place is not known exactly.
-    """
-    check_memory(scenario)
-    if scenario.covariance_samples is not None:
-        message = (
-            "cannot be flown in windows: a long mission takes covariances that are known: of what "
-            "was measured of them it hands on nothing"
-        )
-        raise ScenarioError(message, ("covariance_samples",))
-    for i, obstacle in enumerate(scenario.obstacles):
-        if obstacle.spread is not None:
-            message = (
-                f"{obstacle.name!r} cannot be met in windows: a long mission takes obstacles whose "
-                "place is known exactly"
-            )
-            raise ScenarioError(message, ("obstacles", i, "moving", "covariance"))
-    for i, vehicle in enumerate(scenario.vehicles):
-        if remembers(vehicle):
-            key = "disturbance_correlation" if vehicle.disturbance_correlation else "shared"
-            key = key if vehicle.measurement is None else "measurement"
-            message = (
-                f"{vehicle.name!r} cannot be flown in windows: a long mission takes states known "
-                "exactly and noise that is new at every step"
-            )
             raise ScenarioError(message, ("vehicles", i, key))
 
 

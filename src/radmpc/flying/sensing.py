@@ -27,11 +27,14 @@ class Sensing:
         Makes of them what is known of vehicles.
     evidence : Evidence
         And of covariances known up to a factor.
+    seen : tuple or None
+        The last step that was looked at, what is known by it, and its alarms; None before one was.
     """
 
     watcher: Watcher
     observer: Observer
     evidence: Evidence
+    seen: tuple[int, tuple[Vector, ...], tuple[str, ...]] | None = None
 
     @classmethod
     def of(cls, scenario: Scenario) -> Sensing:
@@ -56,6 +59,7 @@ class Sensing:
         """
         self.observer = Observer.of(scenario, step)
         self.evidence = Evidence.of(scenario, step)
+        self.seen = None
 
     def look(
         self,
@@ -66,7 +70,7 @@ class Sensing:
         *,
         is_certain: bool,
     ) -> tuple[tuple[Vector, ...], list[str]]:
-        """Take note of a measurement; return what is known by it, and alarms.
+        """Take note of a measurement, once; return what is known by it, and alarms.
 
         Parameters
         ----------
@@ -82,6 +86,8 @@ class Sensing:
             Whether it was known at the step before where vehicles were: what was not measured may
             be off by twice the noise.
         """
+        if self.seen is not None and self.seen[0] == step:
+            return self.seen[1], list(self.seen[2])
         acting = None if leg is None else (leg.began, leg.plan.scenario)
         known = self.observer.known(step, expected, states, acting)
         seen = step, expected, states, self.observer.told(step)
@@ -90,4 +96,5 @@ class Sensing:
         if is_certain:
             alarms = self.watcher.look(*seen, self.evidence.scale, together)
         self.evidence = self.evidence.after(*seen, together)
+        self.seen = step, known, tuple(alarms)
         return known, alarms

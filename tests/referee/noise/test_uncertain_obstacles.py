@@ -11,9 +11,7 @@ from physical_scenes import DI, KINDS, craft, pd, pushed, still
 from scipy.stats import norm
 from second_opinion import check_certificate, check_counts
 
-from radmpc.errors import ScenarioError
 from radmpc.flying.mission import Mission
-from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.remainder import left_of
 from radmpc.model.dynamics import double_integrator
 from radmpc.model.obstacle import Obstacle
@@ -139,11 +137,6 @@ def test_a_box_around_a_straying_obstacle_is_not_far_until_nine_deviations():
     alone = still(craft("a", DI, [0, 0], noise=0.0), obstacles=(near,), horizon=1)
     assert certify(plan).certified == pytest.approx(certify(alone).certified, rel=1e-9)
     assert certify(alone).certified > 1e-3
-
-
-def test_a_mission_of_many_windows_refuses_obstacles_that_stray():
-    with pytest.raises(ScenarioError, match="'freighter' cannot be met in windows"):
-        LongMission(passing_by().scenario, window=3, overlap=1)
 
 
 def test_a_scenario_lays_a_track_out_anew_when_its_steps_change():

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
 from radmpc.errors import NoPlanError
-from radmpc.flying.remainder import changed, later
+from radmpc.flying.remainder import changed
 from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
-from radmpc.model.obstacle import MovingShape
+from radmpc.model.obstacle import MovingShape, Obstacle
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planning import plan
 
-__all__ = ["Guide", "coarse_guide", "window_of"]
+__all__ = ["Guide", "coarse_guide", "until"]
 
 Guide = Callable[[int], Sequence[Goal]]
 """From a step of the mission to where every vehicle is to be by then."""
@@ -84,42 +85,34 @@ def _coarse_paths(scenario: Scenario, window: int) -> list[Matrix]:
     )
 
 
-def window_of(
-    scenario: Scenario, step: int, window: int, states: Sequence[Vector] | None, guide: Guide
-) -> Scenario:
-    """Return the steps of a mission from one on, as many as a window has.
+def until(scenario: Scenario, end: int, guide: Guide) -> Scenario:
+    """Return a mission up to a step, toward where the guide leads there.
 
     Parameters
     ----------
     scenario : Scenario
         The whole mission.
-    step : int
-        Where the window begins.
-    window : int
-        Its steps; fewer at the end of the mission.
-    states : sequence of (n,) array or None
-        Measured there; None at step 0, before anything is measured.
+    end : int
+        The last step, at most its horizon.
     guide : callable
-        Where it ends.
+        Where vehicles are to be by then.
     """
-    end = min(step + window, scenario.horizon)
-    vehicles = tuple(
-        changed(
-            v,
-            goal=goal,
-            start=v.start if states is None else states[i],
-            initial_covariance=(0.0 if states is not None else 1.0) * v.initial_covariance,
-        )
-        for i, (v, goal) in enumerate(zip(scenario.vehicles, guide(end), strict=True))
-    )
-    obstacles = []
-    for obstacle in scenario.obstacles:
-        moved = later(obstacle, step)
-        if isinstance(moved.shape, MovingShape):
-            shape = MovingShape(moved.shape.outlines[: end - step + 1])
-            moved = replace(moved, shape=shape, steps=moved.steps[: end - step + 1])
-        obstacles.append(moved)
-    return changed(scenario, horizon=end - step, vehicles=vehicles, obstacles=tuple(obstacles))
+    pairs = zip(scenario.vehicles, guide(end), strict=True)
+    vehicles = tuple(changed(vehicle, goal=goal) for vehicle, goal in pairs)
+    obstacles = tuple(_until(obstacle, end) for obstacle in scenario.obstacles)
+    return changed(scenario, horizon=end, vehicles=vehicles, obstacles=obstacles)
+
+
+def _until(obstacle: Obstacle, end: int) -> Obstacle:
+    """Return an obstacle as far as a step."""
+    if not obstacle.is_moving:
+        return obstacle
+    shape, spread = obstacle.shape, obstacle.spread
+    if isinstance(shape, MovingShape):
+        shape = MovingShape(shape.outlines[: end + 1])
+    if spread is not None:
+        spread = spread.since(0, end)
+    return changed(obstacle, shape=shape, spread=spread, steps=obstacle.steps[: end + 1])
 
 
 def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
@@ -137,23 +130,34 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
                 gain=None,
                 initial_covariance=0.0 * v.initial_covariance,
                 disturbance_covariance=0.0 * v.disturbance_covariance,
+                disturbance_correlation=0.0,
+                measurement=None,
+                shared=(),
                 drift=None if v.drift is None else _summed(v.system.A, stride) @ v.drift,
             )
         )
-    obstacles = []
-    for obstacle in scenario.obstacles:
-        if isinstance(obstacle.shape, MovingShape):
-            shape = MovingShape(obstacle.shape.outlines[::stride])
-            obstacle = replace(obstacle, shape=shape, steps=obstacle.steps[::stride])  # noqa: PLW2901 - the coarse one
-        obstacles.append(obstacle)
     return replace(
         scenario,
         dt=scenario.dt * stride,
         horizon=scenario.horizon // stride,
         vehicles=tuple(vehicles),
-        obstacles=tuple(obstacles),
+        obstacles=tuple(_every(obstacle, stride) for obstacle in scenario.obstacles),
         avoidance="intervals" if stride > 1 else scenario.avoidance,
+        covariance_samples=None,
     )
+
+
+def _every(obstacle: Obstacle, stride: int) -> Obstacle:
+    """Return an obstacle at coarse steps, grown where it may stray instead."""
+    if not obstacle.is_moving:
+        return obstacle
+    spread, outlines = obstacle.spread, []
+    for step in range(0, len(obstacle.steps), stride):
+        points = np.vstack([piece.vertices for piece in obstacle.at(step)])
+        more = _CLEARANCE * (0.0 if spread is None else spread.deviation(step))
+        corners = more * np.array(list(product((-1.0, 1.0), repeat=obstacle.dimension)))
+        outlines.append((points[:, None] + corners).reshape(-1, obstacle.dimension))
+    return replace(Obstacle.moving(obstacle.name, outlines), concerns=obstacle.concerns)
 
 
 def _composed(system: LinearSystem, stride: int) -> LinearSystem:

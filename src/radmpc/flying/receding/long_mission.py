@@ -8,13 +8,12 @@ from typing import Any
 
 from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
-from radmpc.errors import ArgumentError, NoPlanError
+from radmpc.errors import ArgumentError, NoPlanError, ScenarioError
 from radmpc.flying.candidates import Order, Planning, answered, planning_with
-from radmpc.flying.measuring import check_forgetful, measured
-from radmpc.flying.mission import Mission
-from radmpc.flying.receding.guide import Guide, coarse_guide, window_of
+from radmpc.flying.measuring import check_memory, measured
+from radmpc.flying.receding.guide import Guide, coarse_guide, until
 from radmpc.flying.receding.reserve import Reserve
-from radmpc.flying.remainder import changed
+from radmpc.flying.receding.window import Handover, Window, scene_of
 from radmpc.flying.tick import Contact, Entry, Tick
 from radmpc.flying.warm.goals import widened
 from radmpc.model.given import check_scenario
@@ -60,8 +59,7 @@ class LongMission:
     NoPlanError
         If there is no guide, or no first window.
     ScenarioError
-        If disturbances outlast a step or are shared and last, states are measured with noise, or an
-        obstacle's place is not known exactly.
+        If vehicles have visits or windows of arrival, or a mission does not take the scenario.
     """
 
     def __init__(
@@ -76,7 +74,8 @@ class LongMission:
         **options: Any,
     ) -> None:
         check_scenario(scenario)
-        check_forgetful(scenario)
+        check_memory(scenario)
+        _check_visits(scenario)
         check_integer(window, "window", 2)
         check_integer(overlap, "overlap", 1)
         if overlap >= window:
@@ -89,10 +88,10 @@ class LongMission:
         self._entries: list[Entry] = []
         self._contacts: list[Contact] = []
         self._reserve = Reserve(scenario.risk_bound)
-        found = self._opened(0, None, 0.0, None)
+        found = self._opened(0, None)
         if found is None:
             raise NoPlanError(f"no plan of the first {window} steps was found within their risk")
-        self._mission, self._began, self._seen = found, 0, 0
+        self._mission, self._seen = found, 0
 
     @property
     def scenario(self) -> Scenario:
@@ -179,37 +178,32 @@ class LongMission:
 
     def _is_due(self, step: int) -> bool:
         """Whether the next window is to be planned."""
-        end = self._began + self._mission.scenario.horizon
+        end = self._mission.began + self._mission.scenario.horizon
         return not self._contacts and end < self._scenario.horizon and end - step <= self._overlap
 
     def _extend(self, step: int, states: tuple[Vector, ...], deadline: float | None) -> None:
         """Plan the next window from here; fly this one on where that fails."""
-        leg, account = self._mission.leg, self._mission.balance
-        wealth = account.kept(leg.value(step - self._began, states).least).wealth
-        found = self._opened(step, states, wealth, deadline)
+        found = self._opened(step, self._mission.handover(states), deadline)
         if found is not None:
             self._mission.close()
-            self._mission, self._began, self._seen = found, step, 0
+            self._mission, self._seen = found, 0
 
     def _opened(
-        self,
-        step: int,
-        states: tuple[Vector, ...] | None,
-        wealth: float,
-        deadline: float | None,
-    ) -> Mission | None:
+        self, step: int, before: Handover | None, deadline: float | None = None
+    ) -> Window | None:
         """Return the mission of a window, its bound taken from the account; None without a plan."""
-        scene = window_of(self._scenario, step, self._window, states, self._guide)
-        left = self._scenario.horizon - step
-        grant = self._reserve.grant(wealth, scene.horizon, left, _MOST)
+        end = min(step + self._window, self._scenario.horizon)
+        wealth = 0.0 if before is None else before.value
+        grant = self._reserve.grant(wealth, end - step, self._scenario.horizon - step, _MOST)
         if grant < _LEAST_GRANT or self._planning is None:
             return None
-        scene = changed(scene, risk_bound=grant)
-        order, starts = Order(scene, widened(scene), 0), [v.start for v in scene.vehicles]
-        found = answered(self._planning, order, deadline, starts)
+        ahead = until(self._scenario, end, self._guide)
+        scene, known, scale = scene_of(ahead, step, grant, before)
+        order = Order(scene, widened(scene), 0, scale)
+        found = answered(self._planning, order, deadline, known)
         if found.leg is None or found.leg.price > grant:
             return None
-        mission = Mission(found.leg.plan, **self._options)
+        mission = Window(found.leg.plan, ahead, step, before, **self._options)
         self._reserve = self._reserve.given(wealth, grant)
         return mission
 
@@ -220,11 +214,20 @@ class LongMission:
             self._entries.append(
                 replace(
                     entry,
-                    step=entry.step + self._began,
-                    what="window" if entry.what == "opened" and self._began else entry.what,
+                    step=entry.step + self._mission.began,
+                    what="window" if entry.what == "opened" and self._mission.began else entry.what,
                     risk_bound=self._scenario.risk_bound,
                     bank=entry.bank + kept,
                     wealth=entry.wealth + kept,
                 )
             )
         self._seen = len(self._mission.account)
+
+
+def _check_visits(scenario: Scenario) -> None:
+    """Refuse visits and windows of arrival: they are due at steps that no window knows of."""
+    for i, vehicle in enumerate(scenario.vehicles):
+        if vehicle.via or vehicle.goal.within is not None:
+            key = "via" if vehicle.via else "goal"
+            message = f"{vehicle.name!r} has visits or a window of arrival: not flown in windows"
+            raise ScenarioError(message, ("vehicles", i, key))

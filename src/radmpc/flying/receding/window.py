@@ -1,0 +1,125 @@
+"""One window of a long mission: a mission of its own that goes on with what is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from radmpc.arrays import Vector
+from radmpc.flying.evidence import Evidence
+from radmpc.flying.knowing import expected_start, renewed
+from radmpc.flying.mission import Mission
+from radmpc.flying.observing import Observer
+from radmpc.flying.remainder import changed, left_of
+from radmpc.model.plan import Plan
+from radmpc.model.scenario import Scenario
+from radmpc.records import dataclass
+from radmpc.referee.conditional.scales import Scale
+
+__all__ = ["Handover", "Window", "scene_of"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Handover:
+    """What a window leaves to the next one.
+
+    Attributes
+    ----------
+    known : tuple of array
+        What is known of vehicles: see `radmpc.flying.knowing`.
+    alarms : tuple of str
+        Of the measurement that it is known by.
+    evidence : Evidence
+        What was measured of covariances known up to a factor.
+    value : float
+        Of the account: what all that is still to come may cost [-].
+    """
+
+    known: tuple[Vector, ...]
+    alarms: tuple[str, ...]
+    evidence: Evidence
+    value: float
+
+
+class Window(Mission):
+    """A mission over some steps of a longer one.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of these steps.
+    ahead : Scenario
+        The longer mission up to the last of these steps.
+    began : int
+        Step of the longer mission at which the window begins.
+    before : Handover or None
+        What is known there, by what was measured there; None is nothing.
+    **options
+        As in `Mission`.
+    """
+
+    def __init__(
+        self, plan: Plan, ahead: Scenario, began: int, before: Handover | None, **options: Any
+    ) -> None:
+        super().__init__(plan, **options)
+        self._began = began
+        # One filter from the longer mission's first step on: of vehicles that learn of each other
+        # what a window's own plan begins with does not tell all.
+        sensing = self._sensing
+        sensing.observer = Observer.of(ahead, -began)
+        sensing.evidence = Evidence.of(ahead, -began)
+        if before is None:
+            return
+        measured = before.evidence
+        sensing.evidence = replace(
+            sensing.evidence, scale=measured.scale, measured=measured.measured
+        )
+        self._leg = replace(self._leg, scale=measured.scale)
+        self._sources.renew(self._leg)
+        self._known = self._expected = renewed(plan.scenario.vehicles, before.known)
+        sensing.seen = 0, self._expected, before.alarms
+
+    @property
+    def began(self) -> int:
+        """Step of the longer mission at which the window begins."""
+        return self._began
+
+    def handover(self, states: Sequence[Vector]) -> Handover:
+        """Return what the next window goes on with, were it to begin now.
+
+        Parameters
+        ----------
+        states : sequence of (n,) array
+            Measured states, or estimates.
+        """
+        is_certain = not self._ticks or self._ticks[-1].value is not None
+        seen = self._step, self._expected, states, self._leg
+        known, alarms = self._sensing.look(*seen, is_certain=is_certain)
+        evidence = self._sensing.evidence
+        value = self._leg.value(self._step, known, evidence.scale)
+        wealth = self._account.kept(value.least).wealth
+        return Handover(known, tuple(alarms), evidence, wealth)
+
+
+def scene_of(
+    ahead: Scenario, step: int, risk_bound: float, before: Handover | None
+) -> tuple[Scenario, tuple[Vector, ...], Scale]:
+    """Return the scenario of a window, and what is known where it begins, of covariances, too.
+
+    Parameters
+    ----------
+    ahead : Scenario
+        The longer mission up to the window's last step.
+    step : int
+        Of the longer mission, at which the window begins; 0 where nothing was measured yet.
+    risk_bound : float
+        What the window may risk [-].
+    before : Handover or None
+        What is known there; None is nothing.
+    """
+    if before is None:
+        known = tuple(expected_start(vehicle) for vehicle in ahead.vehicles)
+        return changed(ahead, risk_bound=risk_bound), known, Scale(ahead.covariance_samples)
+    scale = before.evidence.scale
+    return left_of(ahead, step, before.known, risk_bound, scale), before.known, scale
