@@ -21,9 +21,11 @@ from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 
 
-def many() -> Scenario:
+def many(correlation: float) -> Scenario:
     """Eight far from each other, in a wind that shakes them more than all else."""
     [vehicle] = blown().vehicles
+    wind = replace(vehicle.shared[0], correlation=correlation)
+    vehicle = replace(vehicle, shared=(wind,))
     fleet = []
     for i in range(8):
         place = [900.0 * (i % 2), 200.0 * (i + 1)]
@@ -34,12 +36,12 @@ def many() -> Scenario:
     return replace(blown(), vehicles=tuple(fleet), horizon=8)
 
 
-def counted(missions: int) -> tuple[float, float]:
+def counted(correlation: float, missions: int = 20) -> tuple[float, float]:
     """Return mean and deviation of the squares that are summed over a mission, as of χ² they are.
 
     Both are 1 where nothing is counted twice.
     """
-    scenario = many()
+    scenario = many(correlation)
     plan, sums = waiting(scenario), []
     for seed in range(missions):
         mission = Mission(plan, planner=None)
@@ -50,8 +52,9 @@ def counted(missions: int) -> tuple[float, float]:
 
 
 @pytest.mark.slow
-def test_what_moves_all_of_them_counts_once_as_a_sign_against_the_model():
-    mean, deviation = counted(20)
+@pytest.mark.parametrize("correlation", [0.9, 0.0])
+def test_what_moves_all_of_them_counts_once_as_a_sign_against_the_model(correlation):
+    mean, deviation = counted(correlation)
     assert 0.95 < mean < 1.05
     assert 0.6 < deviation < 1.5
 
@@ -60,7 +63,7 @@ def test_what_moves_all_of_them_counts_once_as_a_sign_against_the_model():
 def test_counted_for_each_it_would_be_an_alarm_time_and_again(monkeypatch):
     right = Watcher.look
     monkeypatch.setattr(Watcher, "look", lambda *given: right(*given[:-1]))
-    _, deviation = counted(20)
+    _, deviation = counted(0.9)
     assert deviation > 1.7
 
 

@@ -104,6 +104,16 @@ def test_a_window_is_worth_what_the_same_leg_is_within_one_mission(scene) -> Non
         assert not [alarm for tick in flight.ticks for alarm in tick.alarms]
 
 
+@pytest.mark.parametrize("scene", [gusty, blown_and_unsure])
+def test_windows_remember_what_speaks_against_the_model(scene) -> None:
+    scenario = steered(scene)
+    mission, _ = in_windows(scenario, 3)
+    within_one = Mission(waiting(scenario), planner=asked(2), share=1.0)
+    fly(within_one, Model(scenario, 3))
+    told = [total for total, _, _ in mission._mission._sensing.watcher.squares]
+    assert told == pytest.approx([t for t, _, _ in within_one._sensing.watcher.squares], rel=1e-9)
+
+
 def states_taken_for_known(monkeypatch: pytest.MonkeyPatch) -> None:
     right = long_mission.scene_of
 

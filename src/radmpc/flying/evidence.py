@@ -95,6 +95,29 @@ class Evidence:
             scale = scale.learned(float(squares[0]), components)
         return replace(self, scale=scale, measured=at)
 
+    def shaken(
+        self, step: int, expected: Sequence[Vector], states: Sequence[Vector]
+    ) -> tuple[Matrix, Vector] | None:
+        """Return by how much one step moved all that share disturbances, its covariance first.
+
+        Parameters
+        ----------
+        step, expected, states
+            As in `after`; of vehicles known exactly at the step before.
+
+        Returns
+        -------
+        (p, p) and (p,) array, or None
+            About what was expected; None where none share.
+        """
+        at, [members, *_] = step - self.began, self._together()
+        chosen = [self.scenario.vehicles[i] for i in members]
+        if not chosen[0].shared:
+            return None
+        covariance = _covariance(chosen, [None] * len(chosen), at - 1 if at else None, at)
+        apart = [states[i] - expected[i][: states[i].size] for i in members]
+        return covariance, np.concatenate(apart)
+
     def left(self, leg: Leg, step: int, states: Sequence[Vector], risk_bound: float) -> Scenario:
         """Return the scenario of the steps that are left; see `left_of`.
 

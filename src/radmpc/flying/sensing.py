@@ -94,7 +94,8 @@ class Sensing:
         together = self.observer.told_together(*seen[:3])
         alarms = []
         if is_certain:
-            alarms = self.watcher.look(*seen, self.evidence.scale, together)
+            shaken = together or self.evidence.shaken(*seen[:3])
+            alarms = self.watcher.look(*seen, self.evidence.scale, shaken)
         self.evidence = self.evidence.after(*seen, together)
         self.seen = step, known, tuple(alarms)
         return known, alarms

@@ -193,7 +193,7 @@ class LongMission:
     ) -> Window | None:
         """Return the mission of a window, its bound taken from the account; None without a plan."""
         end = min(step + self._window, self._scenario.horizon)
-        wealth = 0.0 if before is None else before.value
+        wealth = 0.0 if before is None else before.wealth
         grant = self._reserve.grant(wealth, end - step, self._scenario.horizon - step, _MOST)
         if grant < _LEAST_GRANT or self._planning is None:
             return None

@@ -7,11 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from radmpc.arrays import Vector
+from radmpc.flying.alarms import Watcher
 from radmpc.flying.evidence import Evidence
 from radmpc.flying.knowing import expected_start, renewed
 from radmpc.flying.mission import Mission
 from radmpc.flying.observing import Observer
 from radmpc.flying.remainder import changed, left_of
+from radmpc.flying.sensing import Sensing
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
@@ -32,14 +34,17 @@ class Handover:
         Of the measurement that it is known by.
     evidence : Evidence
         What was measured of covariances known up to a factor.
-    value : float
-        Of the account: what all that is still to come may cost [-].
+    squares : tuple of (float, int, Scale)
+        What speaks against the model: see `radmpc.flying.alarms.Watcher`.
+    wealth : float
+        Of the account [-].
     """
 
     known: tuple[Vector, ...]
     alarms: tuple[str, ...]
     evidence: Evidence
-    value: float
+    squares: tuple[tuple[float, int, Scale], ...]
+    wealth: float
 
 
 class Window(Mission):
@@ -66,19 +71,16 @@ class Window(Mission):
         self._began = began
         # One filter from the longer mission's first step on: of vehicles that learn of each other
         # what a window's own plan begins with does not tell all.
-        sensing = self._sensing
-        sensing.observer = Observer.of(ahead, -began)
-        sensing.evidence = Evidence.of(ahead, -began)
-        if before is None:
-            return
-        measured = before.evidence
-        sensing.evidence = replace(
-            sensing.evidence, scale=measured.scale, measured=measured.measured
-        )
-        self._leg = replace(self._leg, scale=measured.scale)
-        self._sources.renew(self._leg)
-        self._known = self._expected = renewed(plan.scenario.vehicles, before.known)
-        sensing.seen = 0, self._expected, before.alarms
+        watcher, evidence = Watcher(ahead), Evidence.of(ahead, -began)
+        if before is not None:
+            watcher.squares.extend(before.squares)
+            evidence = replace(before.evidence, scenario=ahead, began=-began)
+            self._leg = replace(self._leg, scale=evidence.scale)
+            self._sources.renew(self._leg)
+            self._known = self._expected = renewed(plan.scenario.vehicles, before.known)
+        self._sensing = Sensing(watcher, Observer.of(ahead, -began), evidence)
+        if before is not None:
+            self._sensing.seen = 0, self._expected, before.alarms
 
     @property
     def began(self) -> int:
@@ -96,10 +98,10 @@ class Window(Mission):
         is_certain = not self._ticks or self._ticks[-1].value is not None
         seen = self._step, self._expected, states, self._leg
         known, alarms = self._sensing.look(*seen, is_certain=is_certain)
-        evidence = self._sensing.evidence
+        evidence, squares = self._sensing.evidence, tuple(self._sensing.watcher.squares)
         value = self._leg.value(self._step, known, evidence.scale)
         wealth = self._account.kept(value.least).wealth
-        return Handover(known, tuple(alarms), evidence, wealth)
+        return Handover(known, tuple(alarms), evidence, squares, wealth)
 
 
 def scene_of(
