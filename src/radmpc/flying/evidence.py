@@ -10,6 +10,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.flying.knowing import remembers
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
+from radmpc.flying.visiting import still_due
 from radmpc.model.noise.fleet import tied
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
@@ -134,9 +135,11 @@ class Evidence:
         """
         is_tied = tied([vehicle.noise for vehicle in self.scenario.vehicles])
         if self.scale.samples is None and not is_tied:
-            return left_of(leg.plan.scenario, step - leg.began, states, risk_bound)
-        # From the covariances as stated: the same digits, whatever legs were flown before.
-        return left_of(self.scenario, step - self.began, states, risk_bound, self.scale)
+            rest = left_of(leg.plan.scenario, step - leg.began, states, risk_bound)
+        else:
+            # From the covariances as stated: the same digits, whatever legs were flown before.
+            rest = left_of(self.scenario, step - self.began, states, risk_bound, self.scale)
+        return still_due(rest, leg, step)
 
     def _together(self) -> list[list[int]]:
         """Return the vehicles that share disturbances, and each of the others."""

@@ -25,6 +25,7 @@ from radmpc.referee.claims import cost_of, limit_problems
 from radmpc.referee.conditional.conditional import Conditional, conditional, witnesses_of
 from radmpc.referee.conditional.rows import Witnesses
 from radmpc.referee.conditional.scales import Scale
+from radmpc.referee.visits import time_to_come
 
 __all__ = ["Leg", "Outlook", "leg_of", "miss_of"]
 
@@ -36,7 +37,7 @@ class Outlook:
     Attributes
     ----------
     effort : float
-        ``Σ weight · ‖u‖₁`` still to come, feedback on the mean included.
+        ``Σ weight · ‖u‖₁`` still to come, feedback included, and times until arrival.
     miss : float
         By how much means end outside their goals: the sum over vehicles of meters, and of the
         excess of speed times a step [m].
@@ -164,7 +165,7 @@ class Leg:
         states : sequence of (n,), (2 n + s,) or (3 (2 n + s),) array
             What is known there: see `radmpc.flying.knowing`.
         """
-        effort = miss = 0.0
+        effort, miss = time_to_come(self.plan, step - self.began), 0.0
         for i, (pushed, end) in enumerate(self._means(step, states)):
             vehicle = self.plan.scenario.vehicles[i]
             effort += vehicle.cost_weight * float(np.abs(pushed).sum())
@@ -196,8 +197,7 @@ class Leg:
     def _means(self, step: int, states: Sequence[Vector]) -> Iterator[tuple[Matrix, Vector]]:
         """Yield every vehicle's mean controls to come, and where its mean ends."""
         k = step - self.began
-        # On average a leg's filters come to know what all tell: here they do at once.
-        states = self.begun(states)
+        states = self.begun(states)  # on average a leg's filters come to know what all tell
         for i, vehicle in enumerate(self.plan.scenario.vehicles):
             nominal = self._nominal(i)
             pushed = self.plan.trajectories[i].controls[k:].copy()

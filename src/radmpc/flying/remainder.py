@@ -9,7 +9,6 @@ from typing import TypeVar
 import numpy as np
 
 from radmpc.arrays import Vector, field_names, frozen
-from radmpc.errors import ScenarioError
 from radmpc.flying.knowing import best_of, known_after
 from radmpc.model.noise.known import Known
 from radmpc.model.obstacle import MovingShape, Obstacle, TrackShape
@@ -48,18 +47,9 @@ def left_of(
     -------
     Scenario
         With the same goals, and moving obstacles where they are by then, or may be: nothing of
-        their places has been measured.
-
-    Raises
-    ------
-    ScenarioError
-        If vehicles have visits or windows of arrival: what a flight has done, states do not tell.
+        their places has been measured. Visits and windows of arrival are those of all steps: see
+        `radmpc.flying.visiting`.
     """
-    if scenario.has_windows:
-        raise ScenarioError(
-            "a mission with visits or windows of arrival is not planned anew under way",
-            ("vehicles",),
-        )
     known = known_after(scenario, passed, states)
     triples = zip(scenario.vehicles, states, known, strict=True)
     vehicles = tuple(_begun(*each) for each in triples)

@@ -147,9 +147,9 @@ class Sources:
 
     def prepare(self, leg: Leg) -> None:
         """Lay out what every tick needs, and find a price of risk, before the first one."""
-        if not self.is_warm:
-            return
         scenario = leg.plan.scenario
+        if not self.is_warm or scenario.has_windows:
+            return
         starts = [expected_start(v) for v in scenario.vehicles]
         left = left_of(scenario, 0, starts, scenario.risk_bound)
         controls = tuple(path.controls for path in leg.plan.trajectories)
@@ -194,7 +194,8 @@ class Sources:
             arrived = self.background.arrived(moment.step, moment.states, now)
             if arrived is not None:
                 yield arrived
-        if self.is_warm or moment.is_unsafe:
+        # Half-spaces are turned between starts and goals: of visits these programs know nothing.
+        if (self.is_warm or moment.is_unsafe) and not moment.leg.plan.scenario.has_windows:
             base = moment.leg if arrived is None or arrived.leg is None else arrived.leg
             yield from _warm(self.warm, moment, (base, grant), timer)
         if self.planning is not None and self.background is None:

@@ -10,7 +10,7 @@ from radmpc.model.plan import Plan, Status, Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.referee.motion import FleetMotion
 
-__all__ = ["claim_problems", "cost_of", "limit_problems", "shape_problems"]
+__all__ = ["claim_problems", "cost_of", "limit_problems", "planned_effort", "shape_problems"]
 
 _TOL = 1e-6
 """Difference up to which stated numbers and limits are kept, absolute below one and relative above
@@ -141,13 +141,19 @@ def claim_problems(plan: Plan, motion: FleetMotion) -> list[str]:
     return problems
 
 
+def planned_effort(plan: Plan) -> float:
+    """Return ``Σ weight · ‖u‖₁`` over vehicles and steps."""
+    pairs = zip(plan.scenario.vehicles, plan.trajectories, strict=True)
+    return float(sum(v.cost_weight * np.abs(t.controls).sum() for v, t in pairs))
+
+
 def cost_of(plan: Plan) -> float:
     """Return ``Σ weight · ‖u‖₁`` over vehicles and steps, and what times until arrival cost."""
-    pairs = list(zip(plan.scenario.vehicles, plan.trajectories, strict=True))
-    effort = float(sum(v.cost_weight * np.abs(t.controls).sum() for v, t in pairs))
+    effort = planned_effort(plan)
     per_step = plan.scenario.time_weight * plan.scenario.dt
     if per_step == 0.0:
         return effort
+    pairs = zip(plan.scenario.vehicles, plan.trajectories, strict=True)
     from radmpc.referee.visits import arrival_step  # noqa: PLC0415 - few pay for time
 
     free = [(v, t.means) for v, t in pairs if v.goal.within is not None]

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from radmpc.arrays import Matrix, Vector
+from radmpc.model.plan import Plan
 from radmpc.model.vehicle import Vehicle
 from radmpc.model.visits import Visit
 
-__all__ = ["arrival_problems", "arrival_step", "visit_problems"]
+__all__ = ["arrival_problems", "arrival_step", "time_to_come", "visit_problems"]
 
 _TOL = 1e-6
 """By how much a box, or a speed, may be missed [m, m/s]."""
@@ -85,6 +86,33 @@ def arrival_step(vehicle: Vehicle, states: Matrix) -> int:
     while step > first and beside[step - 1] <= _TOL:
         step -= 1
     return step
+
+
+def time_to_come(plan: Plan, passed: int) -> float:
+    """Return what times until arrival still cost after some steps.
+
+    Parameters
+    ----------
+    plan : Plan
+        With trajectories.
+    passed : int
+        Steps.
+
+    Returns
+    -------
+    float
+        In units of effort; 0 for who has arrived.
+    """
+    total = 0
+    for vehicle, path in zip(plan.scenario.vehicles, plan.trajectories, strict=True):
+        if vehicle.goal.within is None:
+            continue
+        arrived = arrival_step(vehicle, path.means)
+        goal = Visit(vehicle.goal.lower, vehicle.goal.upper, speed=vehicle.goal.speed)
+        # A window is open from its step 1 on at the earliest: who was there before needs none.
+        is_there = arrived == 1 and _beside(vehicle, goal, path.means[:1])[0] <= _TOL
+        total += max(arrived - is_there - passed, 0)
+    return plan.scenario.time_weight * plan.scenario.dt * total
 
 
 def arrival_problems(vehicle: Vehicle, states: Matrix) -> list[str]:

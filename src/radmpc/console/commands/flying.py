@@ -207,11 +207,6 @@ def _begun(request: FlyRequest, line: ProgressLine, is_stopped: Callable[[], boo
     """Fly a plan from its beginning."""
     plan = _flyable(request.source)
     replan = "certified" if request.replan is None else request.replan.strip()
-    if replan != "none" and plan.scenario.has_windows:
-        raise ScenarioError(
-            f"{request.source}: visits and windows of arrival are not planned anew under way: "
-            "fly it as it is by --replan none"
-        )
     settings = FlightSettings(
         backend=request.backend or "model",
         replan=None if replan == "none" else replan,

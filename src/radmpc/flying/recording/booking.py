@@ -20,6 +20,7 @@ from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.remainder import left_of
 from radmpc.flying.sensing import Sensing
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, entered, segments
+from radmpc.flying.visiting import still_due
 from radmpc.io.flight.record import TickRow
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass, field
@@ -174,6 +175,7 @@ def _adopt(book: Booking, row: TickRow, at: tuple[Sequence[Vector], Evidence], w
     learned = book.sensing.evidence.scale
     scale = learned if is_now else before.scale
     rest = left_of(book.plan.scenario, row.step, starts, row.leg.risk_bound, scale)
+    rest = still_due(rest, book.leg, row.step)
     leg = leg_of(rest, row.leg.controls, row.step, scale)
     # Where it begins beside the measured state, the deviation is part of what it costs; and where
     # obstacles' places are not known, what was met before was paid for by the leg before.

@@ -9,7 +9,7 @@ from radmpc.flying.deciding import opened
 from radmpc.io.flight.record import FlightRecord, FlownMission, TickRow
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
-from radmpc.referee.claims import cost_of
+from radmpc.referee.claims import planned_effort
 from radmpc.referee.simulation.simulation import Simulation
 
 __all__ = ["SATURATED", "FlightSummary", "summary_of"]
@@ -112,7 +112,7 @@ def summary_of(record: FlightRecord) -> FlightSummary:
         bound=scenario.risk_bound,
         certified=opened(record.plan, 0)[0].price,
         effort=float(np.mean(efforts)) if efforts else None,
-        effort_planned=cost_of(record.plan),
+        effort_planned=planned_effort(record.plan),
         miss=float(np.mean(told)) if told else None,
         accepted=adopted / len(decided) if decided else None,
         adopted=adopted,

@@ -1,0 +1,62 @@
+"""Visits and arrivals that are still due under way: those that the leg in the air has not made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from radmpc.arrays import Matrix
+from radmpc.flying.leg import Leg
+from radmpc.flying.remainder import changed
+from radmpc.model.scenario import Scenario
+from radmpc.model.vehicle import Vehicle
+from radmpc.model.visits import steps_visited
+from radmpc.referee.visits import arrival_step
+
+__all__ = ["still_due"]
+
+
+def still_due(left: Scenario, leg: Leg, step: int) -> Scenario:
+    """Return the steps that are left, with the visits and arrivals that are.
+
+    Visits are made by means: what the nominal of the leg in the air has visited by now is done,
+    wherever the vehicle was. Who has arrived may leave its goal as noise will have it, and is to
+    come back.
+
+    Parameters
+    ----------
+    left : Scenario
+        The steps that are left.
+    leg : Leg
+        In the air.
+    step : int
+        Of the mission.
+    """
+    scenario = leg.plan.scenario
+    if not scenario.has_windows:
+        return left
+    passed = step - leg.began
+    vehicles = []
+    for i, (vehicle, begun) in enumerate(zip(left.vehicles, scenario.vehicles, strict=True)):
+        states = leg.witnesses.motion.states[i]
+        vehicles.append(_with_rest(vehicle, begun, states, passed))
+    return changed(left, vehicles=tuple(vehicles))
+
+
+def _with_rest(vehicle: Vehicle, begun: Vehicle, states: Matrix, passed: int) -> Vehicle:
+    """Return a vehicle with what its mean has not done of what was due when the leg began."""
+    system, goal = begun.system, begun.goal
+    speeds = None if system.velocity is None else states[:, list(system.velocity)]
+    made = steps_visited(begun.via, states[:, list(system.position)], speeds)
+    done = sum(each <= passed for each in made)
+    via = tuple(changed(visit, between=_later(visit.between, passed)) for visit in begun.via[done:])
+    if goal.within is not None:
+        has_arrived = arrival_step(begun, states) <= passed
+        horizon = len(states) - 1 - passed
+        within = (1, horizon) if has_arrived else _later(goal.within, passed)
+        goal = replace(goal, within=within)
+    return changed(vehicle, via=via, goal=goal)
+
+
+def _later(window: tuple[int, int] | None, passed: int) -> tuple[int, int] | None:
+    """Return a window of steps as it is some steps later."""
+    return None if window is None else (max(window[0] - passed, 1), window[1] - passed)
