@@ -11,14 +11,14 @@ import pytest
 from scipy.stats import chi2, kstest
 
 import radmpc
-from radmpc.flying import evidence as module
-from radmpc.flying.alarms import Watcher
 from radmpc.flying.leg import leg_of
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
 from radmpc.flying.recording.booking import recomputed
 from radmpc.flying.recording.recorded import RecordedMission
 from radmpc.flying.remainder import left_of
+from radmpc.flying.sensing import evidence as module
+from radmpc.flying.sensing.alarms import Watcher
 from radmpc.flying.warm.ahead import Ahead
 from radmpc.gaussian import Tail
 from radmpc.model.dynamics import double_integrator, lqr_gain

@@ -12,10 +12,10 @@ from test_flown_noise import waiting
 
 import radmpc
 from radmpc.errors import ScenarioError
-from radmpc.flying.alarms import Watcher
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
 from radmpc.flying.nature import Estimator
+from radmpc.flying.sensing.alarms import Watcher
 from radmpc.model.goal import Goal
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario

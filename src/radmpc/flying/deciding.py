@@ -8,9 +8,9 @@ from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError
 from radmpc.flying.account import Account
 from radmpc.flying.candidates import Candidate
-from radmpc.flying.evidence import Evidence
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.measuring import check_number
+from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.sources import LATE, Moment, Sources, Timer
 from radmpc.flying.tick import Segment, Tick
 from radmpc.model.plan import Plan

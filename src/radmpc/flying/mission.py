@@ -28,7 +28,7 @@ from radmpc.flying.deciding import (
 from radmpc.flying.knowing import expected_anew, expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
-from radmpc.flying.sensing import Sensing
+from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.sources import Moment, Sources, Timer
 from radmpc.flying.tick import Contact, Entry, Tick, entered
 from radmpc.model.plan import Plan

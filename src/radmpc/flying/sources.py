@@ -9,10 +9,10 @@ from radmpc.arrays import Vector
 from radmpc.flying.account import Account
 from radmpc.flying.background import Background
 from radmpc.flying.candidates import Candidate, Order, Planning, answered, failed, leg_judged
-from radmpc.flying.evidence import Evidence
 from radmpc.flying.knowing import expected_start
 from radmpc.flying.leg import Leg
 from radmpc.flying.remainder import left_of
+from radmpc.flying.sensing.evidence import Evidence
 from radmpc.flying.warm.goals import widened
 from radmpc.flying.warm.search import Try, WarmSearch
 from radmpc.model.scenario import Scenario

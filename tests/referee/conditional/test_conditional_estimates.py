@@ -13,8 +13,8 @@ from noisy_missions import check_charges
 
 from radmpc.flying.knowing import expected_start, known_after
 from radmpc.flying.leg import leg_of
-from radmpc.flying.observing import Observer
 from radmpc.flying.remainder import left_of
+from radmpc.flying.sensing.observing import Observer
 from radmpc.model.plan import Plan
 from radmpc.program.build import condensed_models
 from radmpc.program.relative import relative_bent_covariances, relative_covariances

@@ -17,7 +17,7 @@ from gusty_missions import (
 from noisy_missions import Known, check_charges
 
 from radmpc.flying.knowing import expected_start, known_after, moved
-from radmpc.flying.observing import Observer
+from radmpc.flying.sensing.observing import Observer
 from radmpc.model.noise.fleet import fleet_learning
 from radmpc.referee import certify
 from radmpc.referee.conditional import loops

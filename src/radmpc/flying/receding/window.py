@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from radmpc.arrays import Vector
-from radmpc.flying.alarms import Watcher
-from radmpc.flying.evidence import Evidence
 from radmpc.flying.knowing import expected_start, renewed
 from radmpc.flying.mission import Mission
-from radmpc.flying.observing import Observer
 from radmpc.flying.remainder import changed, left_of
-from radmpc.flying.sensing import Sensing
+from radmpc.flying.sensing.alarms import Watcher
+from radmpc.flying.sensing.evidence import Evidence
+from radmpc.flying.sensing.measurements import Sensing
+from radmpc.flying.sensing.observing import Observer
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
@@ -35,7 +35,7 @@ class Handover:
     evidence : Evidence
         What was measured of covariances known up to a factor.
     squares : tuple of (float, int, Scale)
-        What speaks against the model: see `radmpc.flying.alarms.Watcher`.
+        What speaks against the model: see `radmpc.flying.sensing.alarms.Watcher`.
     wealth : float
         Of the account [-].
     """

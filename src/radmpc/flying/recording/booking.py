@@ -14,11 +14,11 @@ from radmpc.arrays import Vector
 from radmpc.errors import RadmpcError, RiskError
 from radmpc.flying.account import Account
 from radmpc.flying.deciding import opened
-from radmpc.flying.evidence import Evidence
 from radmpc.flying.knowing import best_of, expected_start, starting
 from radmpc.flying.leg import Leg, leg_of
 from radmpc.flying.remainder import left_of
-from radmpc.flying.sensing import Sensing
+from radmpc.flying.sensing.evidence import Evidence
+from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, entered, segments
 from radmpc.flying.visiting import still_due
 from radmpc.io.flight.record import TickRow

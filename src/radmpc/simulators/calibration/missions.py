@@ -13,7 +13,7 @@ from radmpc.flying.flight import Flight, fly
 from radmpc.flying.knowing import expected_start, moved
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Backend
-from radmpc.flying.sensing import Sensing
+from radmpc.flying.sensing.measurements import Sensing
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass

@@ -23,11 +23,11 @@ from radmpc.experiments.families import paper
 from radmpc.flying.flight import Flight, fly
 from radmpc.flying.mission import Mission
 from radmpc.flying.model import Model
-from radmpc.flying.observing import Observer
 from radmpc.flying.receding import long_mission
 from radmpc.flying.receding.guide import coarse_guide
 from radmpc.flying.receding.long_mission import LongMission
 from radmpc.flying.receding.window import Window
+from radmpc.flying.sensing.observing import Observer
 from radmpc.model.goal import Goal
 from radmpc.model.noise.measurement import Measurement
 from radmpc.model.noise.shared import SharedDisturbance

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from radmpc.arrays import Vector
-from radmpc.flying.alarms import Watcher
-from radmpc.flying.evidence import Evidence
 from radmpc.flying.leg import Leg
-from radmpc.flying.observing import Observer
+from radmpc.flying.sensing.alarms import Watcher
+from radmpc.flying.sensing.evidence import Evidence
+from radmpc.flying.sensing.observing import Observer
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
 
