@@ -116,16 +116,11 @@ def check_memory(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        If ranges are kept or norms limited.
+        If ranges are kept.
     """
     if scenario.keep:
         message = "cannot be kept under way: a mission accounts for collisions and the workspace"
         raise ScenarioError(message, ("keep",))
-    for i, vehicle in enumerate(scenario.vehicles):
-        if vehicle.control_norm is not None or vehicle.speed_norm is not None:
-            key = "speed_limit" if vehicle.control_norm is None else "control_limit"
-            message = "limits a norm: a mission under way takes limits per axis"
-            raise ScenarioError(message, ("vehicles", i, key))
 
 
 def check_forgetful(scenario: Scenario) -> None:
