@@ -19,7 +19,6 @@ from radmpc.result import Result
 __all__ = [
     "check_continues",
     "check_forgetful",
-    "check_memory",
     "check_number",
     "measured",
     "plan_of",
@@ -105,24 +104,6 @@ def measured(
     return tuple(as_vector(x, v.system.num_states, ("states", i)) for i, (x, v) in enumerate(pairs))
 
 
-def check_memory(scenario: Scenario) -> None:
-    """Refuse what a mission does not account for, or does not know how to value.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        To be flown.
-
-    Raises
-    ------
-    ScenarioError
-        If ranges are kept.
-    """
-    if scenario.keep:
-        message = "cannot be kept under way: a mission accounts for collisions and the workspace"
-        raise ScenarioError(message, ("keep",))
-
-
 def check_forgetful(scenario: Scenario) -> None:
     """Refuse what a mission of many windows cannot hand from one to the next.
 
@@ -134,10 +115,9 @@ def check_forgetful(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        As of `check_memory`, and if covariances are known up to a factor only, disturbances outlast
-        a step, states are measured with noise, or an obstacle's place is not known exactly.
+        If covariances are known up to a factor only, disturbances outlast a step, states are
+        measured with noise, or an obstacle's place is not known exactly.
     """
-    check_memory(scenario)
     if scenario.covariance_samples is not None:
         message = (
             "cannot be flown in windows: a long mission takes covariances that are known: of what "

@@ -13,6 +13,7 @@ from radmpc.flying.remainder import changed, later
 from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import MovingShape
+from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planning import plan
@@ -123,7 +124,7 @@ def window_of(
 
 
 def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
-    """Return a mission in coarse steps without noise, vehicles grown instead."""
+    """Return a mission in coarse steps without noise, vehicles grown, ranges narrowed instead."""
     vehicles = []
     for v in scenario.vehicles:
         place = list(v.system.position)
@@ -146,14 +147,22 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
             shape = MovingShape(obstacle.shape.outlines[::stride])
             obstacle = replace(obstacle, shape=shape, steps=obstacle.steps[::stride])  # noqa: PLW2901 - the coarse one
         obstacles.append(obstacle)
+    more = {v.name: w.radius - v.radius for v, w in zip(scenario.vehicles, vehicles, strict=True)}
     return replace(
         scenario,
+        keep=tuple(_narrowed(kept, more) for kept in scenario.keep),
         dt=scenario.dt * stride,
         horizon=scenario.horizon // stride,
         vehicles=tuple(vehicles),
         obstacles=tuple(obstacles),
         avoidance="intervals" if stride > 1 else scenario.avoidance,
     )
+
+
+def _narrowed(kept: Keep, more: dict[str, float]) -> Keep:
+    """Return a range less what both vehicles were grown by, at least half of it."""
+    lost = sum(more[name] for name in kept.vehicles)
+    return replace(kept, within=max(kept.within - lost, 0.5 * kept.within))
 
 
 def _composed(system: LinearSystem, stride: int) -> LinearSystem:

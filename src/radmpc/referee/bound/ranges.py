@@ -7,9 +7,11 @@ of the disc: each pair takes the one that makes it out best.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from radmpc.arrays import Matrix, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.referee.bound.workspace import face_risks
@@ -18,7 +20,7 @@ from radmpc.referee.gather import relative_motion
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.polytopes import polytopes_within
 
-__all__ = ["range_faces", "range_risks"]
+__all__ = ["charged_faces", "range_faces", "range_risks"]
 
 
 def range_faces(scenario: Scenario, motion: FleetMotion) -> list[list[tuple[Matrix, Encounters]]]:
@@ -73,12 +75,47 @@ def range_risks(
         The pairs, and the risk of each with the polytope that suits it best.
     """
     polytopes = range_faces(scenario, motion)
-    totals = np.array(
+    totals = _totals(polytopes, motion, intervals=intervals)
+    pairs = polytopes[0][0][1]
+    return pairs, totals[_best(totals), np.arange(len(pairs.first))]
+
+
+def charged_faces(
+    scenario: Scenario, motion: FleetMotion, *, intervals: bool
+) -> Iterator[tuple[Matrix, Encounters]]:
+    """Yield the faces by which ranges are charged: of each pair those of the best polytope.
+
+    Parameters
+    ----------
+    scenario, motion, intervals
+        As in `range_risks`.
+
+    Yields
+    ------
+    (d,) array and Encounters
+        As in `range_faces`, of the pairs whose best polytope has the face.
+    """
+    polytopes = range_faces(scenario, motion)
+    best = _best(_totals(polytopes, motion, intervals=intervals))
+    for number, faces in enumerate(polytopes):
+        chosen = np.flatnonzero(best == number)
+        if chosen.size:
+            for normal, batch in faces:
+                yield normal, batch.take(chosen)
+
+
+def _totals(
+    polytopes: list[list[tuple[Matrix, Encounters]]], motion: FleetMotion, *, intervals: bool
+) -> Tensor:
+    """Return what each polytope charges each pair step by step, (P, B, T+1)."""
+    return np.array(
         [
             np.sum([face_risks(*face, motion, intervals=intervals) for face in faces], axis=0)
             for faces in polytopes
         ]
     )
-    pairs = polytopes[0][0][1]
-    best = totals.sum(axis=2).argmin(axis=0)
-    return pairs, totals[best, np.arange(len(pairs.first))]
+
+
+def _best(totals: Tensor) -> Indices:
+    """Return the polytope that charges each pair least, (B,)."""
+    return np.asarray(totals.sum(axis=2).argmin(axis=0))

@@ -80,6 +80,11 @@ def witnesses_of(plan: Plan) -> Witnesses:
     if scenario.workspace is not None:
         for normal, batch in faces_of(scenario.workspace, motion):
             purchase.take_face(normal, batch, intervals=intervals)
+    if scenario.keep:
+        from radmpc.referee.bound.ranges import charged_faces  # noqa: PLC0415 - few keep a range
+
+        for normal, batch in charged_faces(scenario, motion, intervals=intervals):
+            purchase.take_face(normal, batch, intervals=intervals)
     return purchase.finished(plan, far_of(scenario, obstacles, pairs))
 
 
@@ -131,7 +136,7 @@ class _Purchase:
             self._take_choice(block.take(choice.chosen), numbers[choice.chosen], choice)
 
     def take_face(self, normal: Vector, batch: Encounters, *, intervals: bool) -> None:
-        """Write down the rows of all vehicles at a face of the workspace."""
+        """Write down the rows of vehicles, or of pairs, at a face of a convex set to stay in."""
         numbers = self._enter(batch)
         if not intervals:
             sites = instant_sites(batch)
@@ -185,7 +190,7 @@ class _Purchase:
         motion, causes = self.motion, np.array(self.causes, dtype=object)
         estimate = np.array(motion.seen_rows) > 0
         hidden = estimate[first]
-        pairs, solid = causes == "pair", causes == "obstacle"
+        pairs, solid = np.isin(causes, ("pair", "range")), causes == "obstacle"
         hidden[pairs] |= estimate[other[pairs]]
         if motion.tracks is not None:
             hidden[solid] |= motion.tracks.places[other[solid]] >= 0
