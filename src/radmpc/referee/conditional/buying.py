@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import ndtr
 
 from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.errors import NoPlanError, ScenarioError
@@ -11,24 +10,28 @@ from radmpc.model.given import check_plan
 from radmpc.model.plan import Cause, Plan
 from radmpc.records import dataclass, field, replace
 from radmpc.referee.bound.halfspace import end_margins
+from radmpc.referee.bound.intervals import has_spans
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
-from radmpc.referee.bound.persistence import TELLING, best_shares
+from radmpc.referee.bound.persistence import best_shares
 from radmpc.referee.bound.planar import grown_polygon_risks
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
 from radmpc.referee.bound.workspace import WORTH, faces_of
 from radmpc.referee.claims import shape_problems
-from radmpc.referee.conditional.choices import Choice, interval_choices
-from radmpc.referee.conditional.compiling import compiled
+from radmpc.referee.conditional.choices import (
+    Choice,
+    during,
+    interval_choices,
+    span_choices,
+)
+from radmpc.referee.conditional.compiling import compiled, with_telling_links
 from radmpc.referee.conditional.far import Far, far_of
-from radmpc.referee.conditional.loops import Loops, loops_of, since, together
+from radmpc.referee.conditional.loops import loops_of
 from radmpc.referee.conditional.rows import (
     Flags,
-    HalfspaceRows,
     IntegralRows,
     Parties,
     Witnesses,
 )
-from radmpc.referee.conditional.spreads import deviations_of
 from radmpc.referee.conditional.strays import places_at
 from radmpc.referee.conditional.tables import Moments, all_integrals, at_steps, joined, links
 from radmpc.referee.conditional.valuing import are_sharp
@@ -123,8 +126,17 @@ class _Purchase:
 
     def take_all(self, batch: Encounters, *, intervals: bool) -> None:
         """Write down the rows of pairs or obstacles, block by block."""
-        for block in blocks(batch):
-            self._take(block, intervals=intervals)
+        if not intervals or not has_spans(batch, self.motion):
+            for block in blocks(batch):
+                self._take(block, intervals=intervals)
+            return
+        for choice in span_choices(batch, self.motion):
+            some = batch.take(choice.chosen)
+            if choice.first is not None:
+                some = during(some, choice.first, choice.begins.shape[1])
+            # Each a chain of its own: whatever else is charged of an encounter stands beside it.
+            own = replace(choice, chosen=np.arange(len(choice.chosen)))
+            self._take_choice(some, self._enter(some), own)
 
     def _take(self, block: Encounters, *, intervals: bool) -> None:
         """Write down the rows of a block of pairs or obstacles."""
@@ -178,7 +190,7 @@ class _Purchase:
         rows = compiled(joined(self.tables, d), parties, loops, tracks)
         widths = np.concatenate([np.zeros(0), *self.widths])
         if self.motion.samples is None:
-            rows = _with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
+            rows = with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
         else:
             # What is new in an event that does not hold the one before is bounded for Gaussians.
             rows = replace(rows, before=np.where(rows.nested, rows.before, -1))
@@ -266,31 +278,17 @@ class _Purchase:
         if ends == 3:
             bends[1] = 1.0 / parts**2
         before, nested = links(choice, ends)
-        self.tables.append(
-            Moments(
-                encounters=np.repeat(np.repeat(numbers, num_intervals * parts), ends),
-                windows=np.repeat(moments // parts, ends),
-                normals=np.repeat(flat, ends, axis=0),
-                margins=margins.ravel(),
-                shares=np.stack(at, axis=1).ravel(),
-                bends=np.tile(bends, len(flat)),
-                before=before,
-                nested=nested,
-            )
+        first = 0 if choice.first is None else np.repeat(choice.first, num_intervals * parts)
+        table = Moments(
+            encounters=np.repeat(np.repeat(numbers, num_intervals * parts), ends),
+            windows=np.repeat(first + moments // parts, ends),
+            normals=np.repeat(flat, ends, axis=0),
+            margins=margins.ravel(),
+            shares=np.stack(at, axis=1).ravel(),
+            bends=np.tile(bends, len(flat)),
+            before=before,
+            nested=nested,
         )
-
-
-def _with_telling_links(
-    rows: HalfspaceRows, widths: Vector, loops: Loops, parties: Parties, horizon: int
-) -> HalfspaceRows:
-    """Cut the links whose rows the certificate charges whole, because little is gained by them."""
-    if not (rows.before >= 0).any():
-        return rows
-    noise = since(loops, horizon, 0, is_measured=False)
-    noise = together(noise, loops, parties.first, parties.others)
-    spread = deviations_of(rows, parties, noise)
-    charged = ndtr(-in_deviations(rows.margins, spread))
-    sums = np.bincount(rows.encounters, charged, len(parties.causes))
-    least = (TELLING * sums / widths)[rows.encounters]
-    telling = (charged > least) & (charged[rows.before] > 1e-3 * charged)
-    return replace(rows, before=np.where(telling | rows.nested, rows.before, -1))
+        if choice.left_out is not None:
+            table = table.take(np.flatnonzero(~np.repeat(choice.left_out.ravel(), ends)))
+        self.tables.append(table)
