@@ -125,7 +125,7 @@ def row_failures(witnesses: Witnesses, missions: Missions) -> np.ndarray:
         y = 0.0
         encounter = rows.encounters[e]
         involved = [(parties.first[encounter], 1.0)]
-        if parties.causes[encounter] == "pair":
+        if parties.causes[encounter] in {"pair", "range"}:
             involved.append((parties.other[encounter], -1.0))
         for i, sign in involved:
             vehicle, path = vehicles[i], missions.states[i]

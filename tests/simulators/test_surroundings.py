@@ -8,6 +8,7 @@ from boats import sea
 
 from radmpc.geometry import box
 from radmpc.model.obstacle import Obstacle
+from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario
 from radmpc.model.workspace import Workspace
 from radmpc.referee.simulation.collisions import meets_solid
@@ -81,3 +82,19 @@ def test_who_leaves_the_workspace_is_told() -> None:
     paths = np.array([[[0.0, 0.0], [14.0, 0.0]], [[0.0, 0.0], [14.0, 5.1]]])
     found = Surroundings(scenario).contacts(2, np.array([0.0, 1.0]), paths)
     assert [(c.cause, c.vehicle, c.other) for c in found] == [("workspace", "west", None)]
+
+
+def test_who_is_out_of_range_at_any_sample_loses_it() -> None:
+    scenario = sea()
+    one, two = (v.name for v in scenario.vehicles)
+    kept = replace(scenario, keep=(Keep([two, one], 30.0),))
+    shares = np.linspace(0.0, 1.0, 3)
+    for farthest, is_lost in ((30.0, False), (30.1, True)):
+        paths = np.zeros((3, 2, 2))
+        paths[:, 1, 0] = [25.0, farthest, 25.0]
+        found = Surroundings(kept).contacts(2, shares, paths)
+        assert [(c.step, c.cause, c.vehicle, c.other) for c in found] == (
+            [(2, "range", one, two)] if is_lost else []
+        )
+    # What is tracked must stay in range, the middle of its body may be elsewhere.
+    assert not Surroundings(kept).contacts(2, shares, paths, 0.9 * paths)

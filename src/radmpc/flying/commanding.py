@@ -9,6 +9,7 @@ import numpy as np
 from radmpc.arrays import Vector
 from radmpc.flying.leg import Leg
 from radmpc.flying.tick import Segment, segments
+from radmpc.model.limits import within_limits
 from radmpc.records import dataclass
 
 __all__ = ["Commands", "commanded"]
@@ -52,7 +53,7 @@ def commanded(leg: Leg, step: int, states: Sequence[Vector], alarms: list[str]) 
         return Commands((), tuple(states))
     flown = []
     for vehicle, control in zip(scenario.vehicles, leg.controls(step, states), strict=True):
-        held = np.clip(control, -vehicle.control_limit, vehicle.control_limit)
+        held = within_limits(vehicle, control)
         excess = float(np.abs(control - held).max())
         if excess > _SATURATED:
             alarms.append(f"vehicle {vehicle.name!r}: its control saturates by {excess:.3g}")

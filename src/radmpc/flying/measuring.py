@@ -17,7 +17,6 @@ from radmpc.result import Result
 
 __all__ = [
     "check_continues",
-    "check_memory",
     "check_number",
     "measured",
     "plan_of",
@@ -101,29 +100,6 @@ def measured(
         return None
     pairs = zip(states, vehicles, strict=True)
     return tuple(as_vector(x, v.system.num_states, ("states", i)) for i, (x, v) in enumerate(pairs))
-
-
-def check_memory(scenario: Scenario) -> None:
-    """Refuse what a mission does not account for, or does not know how to value.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        To be flown.
-
-    Raises
-    ------
-    ScenarioError
-        If ranges are kept or norms limited.
-    """
-    if scenario.keep:
-        message = "cannot be kept under way: a mission accounts for collisions and the workspace"
-        raise ScenarioError(message, ("keep",))
-    for i, vehicle in enumerate(scenario.vehicles):
-        if vehicle.control_norm is not None or vehicle.speed_norm is not None:
-            key = "speed_limit" if vehicle.control_norm is None else "control_limit"
-            message = "limits a norm: a mission under way takes limits per axis"
-            raise ScenarioError(message, ("vehicles", i, key))
 
 
 def check_number(value: object, name: str, most: float = float("inf")) -> None:

@@ -27,10 +27,10 @@ from radmpc.flying.deciding import (
 )
 from radmpc.flying.knowing import expected_anew, expected_start
 from radmpc.flying.leg import Leg
-from radmpc.flying.measuring import check_continues, check_memory, check_number, measured, plan_of
+from radmpc.flying.measuring import check_continues, check_number, measured, plan_of
 from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.sources import Moment, Sources, Timer
-from radmpc.flying.tick import Contact, Entry, Tick, entered
+from radmpc.flying.tick import Contact, Entry, Tick, entered, failure
 from radmpc.model.plan import Plan
 from radmpc.model.scenario import Scenario
 from radmpc.result import Result
@@ -77,7 +77,7 @@ class Mission:
     RiskError
         If the plan's certificate exceeds Δ.
     ScenarioError
-        If there is no such planner, or a mission does not take its noise.
+        If there is no such planner.
     """
 
     def __init__(
@@ -97,7 +97,6 @@ class Mission:
         planning = planning_with(planner, seed)
         self._sources = Sources.of(plan.scenario, planning, executor, is_warm=warm)
         self._rule = Rule(self._sources, share, miss_price)
-        check_memory(plan.scenario)
         self._clock, self._scenario, self._step = clock, plan.scenario, 0
         self._contacts: list[Contact] = []
         self._ticks: list[Tick] = []
@@ -135,12 +134,12 @@ class Mission:
 
     @property
     def has_failed(self) -> bool:
-        """Whether anything was hit: from then on the tail is flown, and nothing is promised."""
+        """Whether anything was hit or lost: from then on the tail is flown, nothing is promised."""
         return bool(self._contacts)
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
-        """What was hit."""
+        """What was hit, and ranges that were lost."""
         return tuple(self._contacts)
 
     @property
@@ -271,7 +270,7 @@ class Mission:
         if value.total > bound:
             alarms.append(f"what is left risks {value.total:.3g}, more than Δ = {bound:.3g}")
         if self.has_failed:
-            return Decision(None, "something was hit", value.total, None, value.next_step)
+            return Decision(None, failure(self._contacts), value.total, None, value.next_step)
         now = self._account, self._sensing.evidence
         moment = Moment(self._step, states, self._leg, value, *now)
         return decided(self._rule, moment, timer)

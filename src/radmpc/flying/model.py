@@ -10,14 +10,19 @@ import numpy as np
 
 from radmpc.arguments import check_rng
 from radmpc.arrays import Matrix, Vector
-from radmpc.flying.measuring import check_memory
 from radmpc.flying.nature import Nature, root_of
 from radmpc.flying.tick import Contact, Segment
 from radmpc.model.given import check_scenario
 from radmpc.model.relations.concerns import is_for
+from radmpc.model.relations.keep import keep_pairs
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
-from radmpc.referee.simulation.collisions import leaves_workspace, meets_origin, meets_solid
+from radmpc.referee.simulation.collisions import (
+    leaves_workspace,
+    loses_range,
+    meets_origin,
+    meets_solid,
+)
 from radmpc.referee.simulation.sweep import resting, swept
 
 __all__ = ["Backend", "Model"]
@@ -54,13 +59,10 @@ class Model:
         If an argument is of another kind.
     ArgumentError
         If the seed is negative.
-    ScenarioError
-        If a mission does not take what it is about.
     """
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator | int | None = None) -> None:
         check_scenario(scenario)
-        check_memory(scenario)
         check_rng(rng)
         self._scenario = scenario
         self._rng = np.random.default_rng(rng)
@@ -168,7 +170,19 @@ class Model:
         if scenario.workspace is not None:
             out = leaves_workspace(begin, end, sagittas, scenario.workspace)
             met += [Contact(self._step, "workspace", vehicles[i].name) for i in np.flatnonzero(out)]
-        return tuple(met)
+        return (*met, *self._lost(begin, end, sagittas))
+
+    def _lost(self, begin: Matrix, end: Matrix, sagittas: Matrix) -> tuple[Contact, ...]:
+        """Return who loses the range that is kept, on paths between two moments."""
+        if not self._scenario.keep:
+            return ()
+        names = [v.name for v in self._scenario.vehicles]
+        pairs = keep_pairs(self._scenario.keep, names)
+        one, two = [i for i, _, _ in pairs], [j for _, j, _ in pairs]
+        reaches = np.array([within for _, _, within in pairs])
+        apart = begin[one] - begin[two], end[one] - end[two], sagittas[one] - sagittas[two]
+        lost = np.flatnonzero(loses_range(*apart, reaches))
+        return tuple(Contact(self._step, "range", names[one[k]], names[two[k]]) for k in lost)
 
     def _obstacle_hits(
         self, number: int, path: tuple[Matrix, Matrix, Matrix], radii: Vector

@@ -10,19 +10,19 @@ from radmpc.model.plan import Cause
 from radmpc.model.scenario import Scenario
 from radmpc.records import dataclass
 
-__all__ = ["Contact", "Entry", "Segment", "Tick", "entered", "segments"]
+__all__ = ["Contact", "Entry", "Segment", "Tick", "entered", "failure", "segments"]
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """Something was hit, or the workspace left.
+    """Something was hit, the workspace left, or a range lost.
 
     Attributes
     ----------
     step : int
         The mission's step at which it was noticed.
-    cause : {'pair', 'obstacle', 'workspace'}
-        What was hit or left.
+    cause : {'pair', 'obstacle', 'workspace', 'range'}
+        What was hit, left or lost.
     vehicle : str
         The vehicle.
     other : str or None
@@ -33,6 +33,18 @@ class Contact:
     cause: Cause
     vehicle: str
     other: str | None = None
+
+
+def failure(contacts: Sequence[Contact]) -> str:
+    """Return in a few words why a mission has failed.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+        One at least.
+    """
+    is_hit = any(contact.cause != "range" for contact in contacts)
+    return "something was hit" if is_hit else "a range was lost"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

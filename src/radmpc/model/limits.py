@@ -6,13 +6,13 @@ from typing import Literal
 
 import numpy as np
 
-from radmpc.arrays import Matrix
+from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import inner_faces
 from radmpc.model.plan import Plan, Trajectory
 from radmpc.model.vehicle import Vehicle
 from radmpc.records import dataclass
 
-__all__ = ["TightLimit", "control_face_bounds", "tight_limits"]
+__all__ = ["TightLimit", "control_face_bounds", "tight_limits", "within_limits"]
 
 _CLOSE = 1e-6
 """Share of a limit below which what is left of it is rounding."""
@@ -118,3 +118,25 @@ def control_face_bounds(vehicle: Vehicle, first_step: int, horizon: int) -> Matr
     seen = covariances[first_step:last]
     variances = np.einsum("fn,knm,fm->kf", pulls, seen, pulls)
     return np.asarray(most - vehicle.control_sigmas * np.sqrt(np.maximum(variances, 0.0)))
+
+
+def within_limits(vehicle: Vehicle, control: Vector) -> Vector:
+    """Return what an autopilot makes of a control that is asked for.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With its limits.
+    control : (m,) array
+        What is asked for.
+
+    Returns
+    -------
+    (m,) array
+        Cut off along each axis, then shortened to the norm, its direction kept.
+    """
+    held: Vector = np.clip(control, -vehicle.control_limit, vehicle.control_limit)
+    if vehicle.control_norm is None:
+        return held
+    norm = float(np.sqrt(held @ held))
+    return held if norm <= vehicle.control_norm else held * (vehicle.control_norm / norm)

@@ -8,7 +8,7 @@ from radmpc.arrays import Matrix, Vector
 from radmpc.geometry import inner_faces
 from radmpc.program.condensed import CondensedModel
 
-__all__ = ["hard_rows"]
+__all__ = ["hard_rows", "norm_rows"]
 
 
 def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
@@ -50,30 +50,62 @@ def hard_rows(model: CondensedModel) -> tuple[Matrix, Vector, Vector]:
         lowers.append(lower)
         uppers.append(upper)
     if vehicle.control_norm is not None or vehicle.speed_norm is not None:
-        normed, upper = _norm_rows(model)
+        normed, upper = _binding_norm_rows(model)
         rows.append(normed)
         lowers.append(np.full(upper.size, -np.inf))
         uppers.append(upper)
     return np.vstack(rows), np.concatenate(lowers), np.concatenate(uppers)
 
 
-def _norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
-    """Return the rows of polytopes within the limits of norms, and what they are at most."""
-    vehicle, last = model.vehicle, model.horizon
-    span = model.position.shape[2]
-    rows: list[Matrix] = [np.zeros((0, span))]
+def norm_rows(model: CondensedModel) -> tuple[tuple[Matrix, Matrix], ...]:
+    """Return the rows of polytopes within the limits of norms, and what they are at most.
+
+    Parameters
+    ----------
+    model : CondensedModel
+        The vehicle.
+
+    Returns
+    -------
+    tuple of ((T*f, T*m) and (T, f) array)
+        Of controls, then of speeds at steps 1..T, as far as their norms are limited: rows over the
+        controls, step by step, and upper bounds.
+    """
+    return (*_control_rows(model), *_speed_rows(model))
+
+
+def _control_rows(model: CondensedModel) -> tuple[tuple[Matrix, Matrix], ...]:
+    """Return those of controls, if any."""
+    if model.face_bounds is None:
+        return ()
+    last = model.horizon
+    normals, _ = inner_faces(model.position.shape[2] // last)
+    rows: Matrix = np.asarray(np.kron(np.eye(last), normals), dtype=np.float64)
+    return ((rows, model.face_bounds),)
+
+
+def _speed_rows(model: CondensedModel) -> tuple[tuple[Matrix, Matrix], ...]:
+    """Return those of speeds, if any."""
+    limit = model.vehicle.speed_norm
+    if limit is None or model.velocity is None:
+        return ()
+    normals, share = inner_faces(model.vehicle.system.dimension)
+    rows: Matrix = (normals @ model.velocity[1:]).reshape(-1, model.position.shape[2])
+    idle: Matrix = np.zeros((model.horizon, len(normals)))
+    if model.drift_velocity is not None:
+        idle = model.drift_velocity[1:] @ normals.T
+    return ((rows, share * limit - idle),)
+
+
+def _binding_norm_rows(model: CondensedModel) -> tuple[Matrix, Vector]:
+    """Return them without those of speeds that cannot bind, and what they are at most."""
+    rows: list[Matrix] = [np.zeros((0, model.position.shape[2]))]
     uppers: list[Vector] = [np.zeros(0)]
-    if model.face_bounds is not None:
-        normals, _ = inner_faces(span // last)
-        rows.append(np.asarray(np.kron(np.eye(last), normals), dtype=np.float64))
-        uppers.append(model.face_bounds.ravel())
-    if vehicle.speed_norm is not None and model.velocity is not None:
-        normals, share = inner_faces(vehicle.system.dimension)
-        faces: Matrix = (normals @ model.velocity[1:]).reshape(-1, span)
-        idle: Matrix = np.zeros((last, len(normals)))
-        if model.drift_velocity is not None:
-            idle = model.drift_velocity[1:] @ normals.T
-        left: Vector = share * vehicle.speed_norm - idle.ravel()
+    for faces, most in _control_rows(model):
+        rows.append(faces)
+        uppers.append(most.ravel())
+    for faces, most in _speed_rows(model):
+        left = most.ravel()
         binding = np.abs(faces) @ np.maximum(model.control_bounds, 0.0).ravel() > left
         rows.append(faces[binding])
         uppers.append(left[binding])

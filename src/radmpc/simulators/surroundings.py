@@ -1,4 +1,4 @@
-r"""What sampled paths hit: vehicles, obstacles, the workspace's walls. Nothing of the referee's.
+r"""What sampled paths hit: vehicles, obstacles, walls, ranges' ends. Nothing of the referee's.
 
 Positions count where they were sampled, and nothing between. On a path of speed v that is sampled
 every h seconds, a contact of discs whose radii are r together shows in some sample if it is deeper
@@ -25,7 +25,7 @@ _TOUCH = 1e-9
 
 
 class Surroundings:
-    """A scenario's obstacles, workspace and discs, against which samples are held.
+    """A scenario's obstacles, workspace, discs and ranges, against which samples are held.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Surroundings:
         positions : (S, N, d) array
             Of the middles of all bodies [m].
         tracked : (S, N, d) array or None
-            Of the points that must stay in the workspace [m]; None is the same.
+            Of the points that must stay in the workspace and in range [m]; None is the same.
         """
         inside = positions if tracked is None else tracked
         vehicles, workspace = self._scenario.vehicles, self._scenario.workspace
@@ -86,6 +86,11 @@ class Surroundings:
             met += [
                 Contact(step, "workspace", vehicles[i].name) for i in np.flatnonzero(low | high)
             ]
+        numbers = {vehicle.name: i for i, vehicle in enumerate(vehicles)}
+        for kept in self._scenario.keep:
+            i, j = sorted(numbers[name] for name in kept.vehicles)
+            if np.linalg.norm(inside[:, i] - inside[:, j], axis=1).max() > kept.within + _TOUCH:
+                met.append(Contact(step, "range", vehicles[i].name, vehicles[j].name))
         return tuple(met)
 
     def _hits(self, number: int, step: int, shares: Vector, places: Matrix, radius: float) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from visiting import GAIN, vehicle
 
-from radmpc import Goal, Mission, Scenario, ScenarioError, Vehicle, certify, plan, simulate
+from radmpc import Goal, Scenario, ScenarioError, Vehicle, certify, plan, simulate
 from radmpc.io.native.mapping import from_dict, to_dict
 from radmpc.model.limits import tight_limits
 
@@ -127,10 +127,6 @@ def test_a_norm_of_one_control_is_refused() -> None:
                 control_norm=1.0)  # fmt: skip
 
 
-def test_random_trees_and_missions_under_way_refuse_norms_in_one_line() -> None:
-    given = alone(control_norm=2.5)
+def test_random_trees_refuse_norms_in_one_line() -> None:
     with pytest.raises(ScenarioError, match=r"^vehicles\[0\]\.control_limit: limits a norm"):
-        plan(given, "rmpc-rrt")
-    planned = plan(given, "dlp").require()
-    with pytest.raises(ScenarioError, match=r"^vehicles\[0\]\.control_limit: limits a norm"):
-        Mission(planned)
+        plan(alone(control_norm=2.5), "rmpc-rrt")

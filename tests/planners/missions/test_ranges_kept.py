@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from visiting import vehicle
 
-from radmpc import Keep, Mission, Scenario, ScenarioError, Status, Visit, certify, plan, simulate
+from radmpc import Keep, Scenario, ScenarioError, Status, Visit, certify, plan, simulate
 from radmpc.planners.endpoints.ranges import lost_ranges
 from radmpc.planners.presets import PRESETS
 from radmpc.program.build import condensed_models
@@ -89,10 +89,3 @@ def test_planners_of_single_vehicles_refuse_ranges_in_one_line(name: str) -> Non
         plan(escorted(5.5), name)
     assert "\n" not in str(refused.value)
     assert name in PRESETS
-
-
-def test_missions_under_way_refuse_ranges() -> None:
-    given = escorted(5.5)
-    planned = plan(given, "dlp").require()
-    with pytest.raises(ScenarioError, match=r"^keep: cannot be kept under way"):
-        Mission(planned)

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from conditional_missions import check_martingale, flown
 from referee_scenes import make_plan
 
 from radmpc import Goal, Obstacle, Scenario, Vehicle
 from radmpc.model.dynamics import double_integrator, lqr_gain
 from radmpc.model.plan import Plan
+from radmpc.referee import certify
 from radmpc.referee.bound import intervals
 from radmpc.referee.bound.parts import part_sites
+from radmpc.referee.conditional.conditional import conditional, witnesses_of
+from radmpc.referee.conditional.scales import Scale
 from radmpc.referee.encounters import Encounters
 from radmpc.referee.gather import gather_obstacles, gather_pairs
 from radmpc.referee.motion import FleetMotion, propagate
@@ -85,3 +92,33 @@ def test_a_span_of_a_flight_is_that_flight_in_between() -> None:
             got, known = (each.reshape(len(begins), -1, *each.shape[1:]) for each in pair)
             for i, k in enumerate(begins.tolist()):
                 assert np.allclose(got[i], known[i, 4 * k : 4 * (k + 8)], rtol=1e-12)
+
+
+def unsure(plan: Plan) -> Plan:
+    return replace(plan, scenario=replace(plan.scenario, covariance_samples=30))
+
+
+@pytest.mark.slow
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("change", [lambda plan: plan, unsure])
+@pytest.mark.parametrize("seed", range(6))
+def test_before_anything_is_measured_a_long_flight_is_worth_its_certificate(
+    seed: int, change: Callable[[Plan], Plan]
+) -> None:
+    plan = change(crossing(seed))
+    witnesses = witnesses_of(plan)
+    value, certified = conditional(witnesses, 0, None), certify(plan).certified
+    assert value.total == pytest.approx(certified, rel=1e-7)
+    assert value.total / 1.0171 <= value.least <= value.total
+    # In spans: parts of all intervals would be many more rows.
+    rows, ends = witnesses.halfspaces, 3
+    assert len(rows.windows) < 0.6 * len(witnesses.parties.causes) * HORIZON * 4 * ends
+    states = [x[-1] for x in witnesses.motion.states]
+    scale = Scale(90) if plan.scenario.covariance_samples else None
+    assert conditional(witnesses, HORIZON, states, scale).total == 0.0
+
+
+@pytest.mark.slow
+def test_what_is_left_of_a_long_flight_is_a_martingale() -> None:
+    witnesses = witnesses_of(crossing(3))
+    check_martingale(witnesses, flown(witnesses, 1_000, seed=7), steps=(15, 22))

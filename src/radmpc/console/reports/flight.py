@@ -133,11 +133,13 @@ def flight_rows(record: FlightRecord, summary: FlightSummary) -> dict[str, Text 
 
 
 def _hits(record: FlightRecord) -> str:
-    """Return what was hit, and in how many missions."""
+    """Return what was hit, left or lost, and in how many missions."""
     found: Counter[str] = Counter()
     for mission in record.missions:
         found.update(
-            {f"{t.vehicle} and {t.other}" if t.other else f"{t.vehicle} out of the workspace"
+            {f"{t.vehicle} out of range of {t.other}" if t.cause == "range"
+             else f"{t.vehicle} and {t.other}" if t.other
+             else f"{t.vehicle} out of the workspace"
              for t in mission.contacts}
         )  # fmt: skip
     return ", ".join(f"{what} ({count})" for what, count in found.most_common())

@@ -14,6 +14,7 @@ from radmpc.flying.remainder import changed
 from radmpc.model.dynamics import LinearSystem, rollout
 from radmpc.model.goal import Goal
 from radmpc.model.obstacle import MovingShape, Obstacle
+from radmpc.model.relations.keep import Keep
 from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.planning import plan
@@ -116,7 +117,7 @@ def _until(obstacle: Obstacle, end: int) -> Obstacle:
 
 
 def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
-    """Return a mission in coarse steps without noise, vehicles grown instead."""
+    """Return a mission in coarse steps without noise, vehicles grown, ranges narrowed instead."""
     vehicles = []
     for v in scenario.vehicles:
         place = list(v.system.position)
@@ -136,8 +137,10 @@ def _coarsened(scenario: Scenario, stride: int, window: int) -> Scenario:
                 drift=None if v.drift is None else _summed(v.system.A, stride) @ v.drift,
             )
         )
+    more = {v.name: w.radius - v.radius for v, w in zip(scenario.vehicles, vehicles, strict=True)}
     return replace(
         scenario,
+        keep=tuple(_narrowed(kept, more) for kept in scenario.keep),
         dt=scenario.dt * stride,
         horizon=scenario.horizon // stride,
         vehicles=tuple(vehicles),
@@ -158,6 +161,12 @@ def _every(obstacle: Obstacle, stride: int) -> Obstacle:
         corners = more * np.array(list(product((-1.0, 1.0), repeat=obstacle.dimension)))
         outlines.append((points[:, None] + corners).reshape(-1, obstacle.dimension))
     return replace(Obstacle.moving(obstacle.name, outlines), concerns=obstacle.concerns)
+
+
+def _narrowed(kept: Keep, more: dict[str, float]) -> Keep:
+    """Return a range less what both vehicles were grown by, at least half of it."""
+    lost = sum(more[name] for name in kept.vehicles)
+    return replace(kept, within=max(kept.within - lost, 0.5 * kept.within))
 
 
 def _composed(system: LinearSystem, stride: int) -> LinearSystem:

@@ -10,7 +10,7 @@ from radmpc.arguments import check_integer
 from radmpc.arrays import Vector
 from radmpc.errors import ArgumentError, NoPlanError, ScenarioError
 from radmpc.flying.candidates import Order, Planning, answered, planning_with
-from radmpc.flying.measuring import check_memory, measured
+from radmpc.flying.measuring import measured
 from radmpc.flying.receding.guide import Guide, coarse_guide, until
 from radmpc.flying.receding.reserve import Reserve
 from radmpc.flying.receding.window import Handover, Window, scene_of
@@ -74,7 +74,6 @@ class LongMission:
         **options: Any,
     ) -> None:
         check_scenario(scenario)
-        check_memory(scenario)
         _check_visits(scenario)
         check_integer(window, "window", 2)
         check_integer(overlap, "overlap", 1)

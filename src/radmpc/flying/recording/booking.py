@@ -22,6 +22,7 @@ from radmpc.flying.sensing.measurements import Sensing
 from radmpc.flying.tick import Contact, Entry, Segment, Tick, entered, segments
 from radmpc.flying.visiting import still_due
 from radmpc.io.flight.record import TickRow
+from radmpc.model.limits import within_limits
 from radmpc.model.plan import Plan
 from radmpc.records import dataclass, field
 
@@ -199,10 +200,7 @@ def _flown(book: Booking, row: TickRow, known: Sequence[Vector], where: str) -> 
             book.problems.append(f"{where}: controls must end with step {scenario.horizon - 1}")
         return ()
     asked = book.leg.controls(row.step, known)
-    held = [
-        np.clip(u, -v.control_limit, v.control_limit)
-        for u, v in zip(asked, scenario.vehicles, strict=True)
-    ]
+    held = [within_limits(v, u) for u, v in zip(asked, scenario.vehicles, strict=True)]
     for vehicle, due, stated in zip(scenario.vehicles, held, row.controls, strict=True):
         if float(np.abs(due - stated).max(initial=0.0)) > max(
             _LEAST, _TOLERANCE * np.abs(due).max()

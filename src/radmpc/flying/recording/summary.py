@@ -181,4 +181,5 @@ def _counted(missions: list[FlownMission]) -> Simulation:
         workspace_exits=sum("workspace" in found for found in causes),
         saturated=saturated,
         overlooked=0.0,
+        range_losses=sum("range" in found for found in causes),
     )

@@ -96,13 +96,11 @@ def _contact_problems(scenario: Scenario, rows: Sequence[TickRow]) -> list[str]:
             for contacts in (geometry.hit(before, row), row.contacts)
         )
         before = row
-        for what, which in (
-            ("is hit, and not stated", found - stated),
-            ("is stated, and not hit", stated - found),
-        ):
-            problems += [
-                f"mission {row.mission}, step {row.step}: {vehicle!r} and "
-                f"{other or 'the border of the workspace'!r}: a contact that {what}"
-                for _, vehicle, other in sorted(which, key=str)
-            ]
+        where = f"mission {row.mission}, step {row.step}"
+        both = (("{}, and not stated", found - stated), ("stated, and not {}", stated - found))
+        for words, which in both:
+            for cause, vehicle, other in sorted(which, key=str):
+                what, how = ("a range", "lost") if cause == "range" else ("a contact", "hit")
+                whom = f"{vehicle!r} and {other or 'the border of the workspace'!r}"
+                problems.append(f"{where}: {whom}: {what} that is {words.format(how)}")
     return problems

@@ -13,6 +13,7 @@ import numpy as np
 from radmpc.flying.knowing import expected_start, known_after
 from radmpc.flying.remainder import changed
 from radmpc.gaussian import Tail
+from radmpc.geometry import inner_faces
 from radmpc.model.goal import Goal
 from radmpc.model.noise.known import Known
 from radmpc.model.scenario import Scenario
@@ -126,10 +127,15 @@ def _scaled(hazards: Hazards, scale: Scale) -> Hazards:
 
 def _scaled_model(model: CondensedModel, times: float) -> CondensedModel:
     """Return a vehicle whose feedback is left as much room as it may need by now."""
-    limit, bent = model.vehicle.control_limit, model.bent_covariances
+    limit, bent, faces = model.vehicle.control_limit, model.bent_covariances, model.face_bounds
+    if faces is not None:
+        _, share = inner_faces(model.control_bounds.shape[1])
+        most = share * (model.vehicle.control_norm or 0.0)
+        faces = most - np.sqrt(times) * (most - faces)
     return replace(
         model,
         control_bounds=limit - np.sqrt(times) * (limit - model.control_bounds),
+        face_bounds=faces,
         position_covariances=times * model.position_covariances,
         bent_covariances=None if bent is None else times * bent,
     )
@@ -160,6 +166,7 @@ def _cut(
         vehicle=vehicle if goal is vehicle.goal else changed(vehicle, goal=goal),
         horizon=last,
         control_bounds=model.control_bounds[:last],
+        face_bounds=None if model.face_bounds is None else model.face_bounds[:last],
         position_covariances=model.position_covariances[: last + 1],
         bent_covariances=None if model.bent_covariances is None else model.bent_covariances[:last],
         position=model.position[: last + 1, :, :span],

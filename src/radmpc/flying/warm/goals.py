@@ -14,6 +14,7 @@ from radmpc.model.scenario import Scenario
 from radmpc.model.vehicle import Vehicle
 from radmpc.program.build import condensed_models
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.hard import norm_rows
 from radmpc.solvers.lp.exchange_lp import ExchangeLp
 
 __all__ = ["least_slacks", "widened"]
@@ -97,7 +98,8 @@ def _add(lp: ExchangeLp, model: CondensedModel, dt: float) -> slice:
 def _asked(model: CondensedModel, num_slacks: int) -> tuple[Matrix, Vector]:
     """Return rows over controls and slacks, each with the opposite one, and what they are at least.
 
-    Goals, speeds at every step, the goal's speed: what the first and the last may lack is slack.
+    Goals, speeds at every step, the goal's speed, norms: what goals and their speed may lack is
+    slack.
     """
     vehicle, last, d = model.vehicle, model.horizon, model.vehicle.system.dimension
     of_place, of_speed = np.eye(d, num_slacks), np.eye(d, num_slacks, d)
@@ -114,4 +116,8 @@ def _asked(model: CondensedModel, num_slacks: int) -> tuple[Matrix, Vector]:
             most = vehicle.goal.speed
             blocks.append((model.velocity[last], of_speed, -most - ends, ends - most))
     both = [np.hstack([sign * rows, slack]) for rows, slack, _, _ in blocks for sign in (1.0, -1.0)]
-    return np.vstack(both), np.concatenate([each for block in blocks for each in block[2:]])
+    least = [each for block in blocks for each in block[2:]]
+    for faces, upper in norm_rows(model):
+        both.append(np.hstack([-faces, np.zeros((len(faces), num_slacks))]))
+        least.append(-upper.ravel())
+    return np.vstack(both), np.concatenate(least)

@@ -18,6 +18,7 @@ from radmpc.planners.certified.turned.half_spaces import HalfSpaces
 from radmpc.planners.certified.turned.margins import Margins
 from radmpc.planners.certified.turned.paths import Paths
 from radmpc.program.condensed import CondensedModel
+from radmpc.program.hard import norm_rows
 from radmpc.program.hazards import Hazards
 
 __all__ = ["KeptLp"]
@@ -65,6 +66,7 @@ class KeptLp(GroupLp):
         rows = [model.position[-1]]
         if model.velocity is not None:
             rows.append(model.velocity[1:].reshape(-1, span))
+        rows += [faces for faces, _ in norm_rows(model)]
         hard = np.vstack(rows)
         prediction = positions.reshape(count, span)
         matrix = np.vstack(
@@ -133,7 +135,7 @@ class KeptLp(GroupLp):
 
 
 def _bounds(model: CondensedModel, passed: int) -> tuple[Vector, Vector]:
-    """Return the bounds of a member's rows: goal, speeds from step 1 on, then what moves it."""
+    """Return the bounds of a member's rows: goal, speeds from step 1 on, norms, what moves it."""
     vehicle, last = model.vehicle, model.horizon
     lower = [vehicle.goal.lower - model.drift_position[last]]
     upper = [vehicle.goal.upper - model.drift_position[last]]
@@ -148,6 +150,9 @@ def _bounds(model: CondensedModel, passed: int) -> tuple[Vector, Vector]:
         idle[passed:] = model.drift_velocity[1:]
         lower.append((-limits - idle).ravel())
         upper.append((limits - idle).ravel())
+    for _, most in norm_rows(model):
+        upper.append(np.vstack([np.full((passed, most.shape[1]), _INF), most]).ravel())
+        lower.append(np.full(upper[-1].size, -_INF))
     gone = np.repeat(model.drift_position[:1], passed, axis=0)
     moved = np.concatenate([gone, model.drift_position[1:]]).ravel()
     return np.concatenate([*lower, moved]), np.concatenate([*upper, moved])

@@ -179,11 +179,11 @@ class WarmSearch:
 
 
 def _groups(hazards: Hazards, controls: Sequence[Matrix]) -> tuple[Group, ...]:
-    """Return who comes near each other, directly or through others: they share a program."""
+    """Return who comes near each other or keeps a range, also through others: one program each."""
     successive = SuccessiveLp(hazards, Limits())
     successive.begin(controls)
     near = Near(TUNING.near, 0.0, is_refined=False)
     spaces = half_spaces(hazards, successive.paths, tuple(range(hazards.count)), near)
     meets = (spaces.second >= 0) & (spaces.clearances < TUNING.near).any(axis=1)
-    edges = zip(spaces.first[meets].tolist(), spaces.second[meets].tolist(), strict=True)
-    return components(hazards.count, edges)
+    edges = list(zip(spaces.first[meets].tolist(), spaces.second[meets].tolist(), strict=True))
+    return components(hazards.count, edges + [(i, j) for i, j, _ in hazards.ranges])

@@ -31,10 +31,10 @@ class HeaderSpec(FileModel):
 
 
 class ContactSpec(FileModel):
-    """Something that was hit."""
+    """Something that was hit, left or lost."""
 
     step: Count
-    cause: Literal["obstacle", "pair", "workspace"]
+    cause: Literal["obstacle", "pair", "workspace", "range"]
     vehicle: Text
     other: Text | None
 

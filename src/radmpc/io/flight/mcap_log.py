@@ -147,7 +147,12 @@ def _add(writer: Any, channel: int, message: Message, time: int) -> None:
 
 def _tick(row: TickRow, risk_bound: float) -> Message:
     """Return a decision."""
-    told = [f"{t.vehicle} hit {t.other}" if t.other else f"{t.vehicle} left" for t in row.contacts]
+    told = [
+        f"{t.vehicle} out of range of {t.other}" if t.cause == "range"
+        else f"{t.vehicle} hit {t.other}" if t.other
+        else f"{t.vehicle} left"
+        for t in row.contacts
+    ]  # fmt: skip
     return {
         "mission": row.mission,
         "step": row.step,

@@ -61,14 +61,14 @@ class FlightSettings:
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """Something was hit, or the workspace left.
+    """Something was hit, the workspace left, or a range lost.
 
     Attributes
     ----------
     step : int
         At which it was noticed.
-    cause : {'pair', 'obstacle', 'workspace'}
-        What was hit or left.
+    cause : {'pair', 'obstacle', 'workspace', 'range'}
+        What was hit, left or lost.
     vehicle : str
         The vehicle.
     other : str or None

@@ -22,7 +22,18 @@ from radmpc.referee.encounters import Encounters, blocks, interval_sites
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sites import Sites
 
-__all__ = ["LARGE", "TELLING", "WORTH", "chained", "interval_risks", "is_curved"]
+__all__ = [
+    "LARGE",
+    "LARGE_IN_SPANS",
+    "TELLING",
+    "WORTH",
+    "alone_risks",
+    "chained",
+    "has_spans",
+    "interval_risks",
+    "is_curved",
+    "spans_that_tell",
+]
 
 WORTH = 1e-13
 """Sum of an encounter below which its intervals are not looked at in parts [-]."""
@@ -34,7 +45,7 @@ _SPAN = 8
 """Intervals of an encounter that are looked at are a multiple of so many [-]; horizons shorter than
 twice that are looked at as a whole."""
 
-_LARGE = 0.01
+LARGE_IN_SPANS = 0.01
 """The same share as `LARGE` where only intervals are looked at that tell: they are few."""
 
 _FAINT = 1e-3
@@ -63,16 +74,29 @@ def interval_risks(encounters: Encounters, motion: FleetMotion) -> Vector:
     motion : FleetMotion
         What they were gathered from.
     """
+    if has_spans(encounters, motion):
+        return _charged(encounters, motion, spans_that_tell)
+    return np.concatenate([_charged(block, motion, _whole) for block in blocks(encounters)])
+
+
+def has_spans(encounters: Encounters, motion: FleetMotion) -> bool:
+    """Return whether only those intervals are looked at closely that tell.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        Along intervals.
+    motion : FleetMotion
+        What they were gathered from.
+    """
     # What several vehicles, or moving obstacles, have in common is known for all steps at once.
     is_whole = motion.common is not None or motion.tracks is not None
-    if not is_whole and encounters.sagittas.shape[1] >= 2 * _SPAN:
-        return _charged(encounters, motion, _spans)
-    return np.concatenate([_charged(block, motion, _whole) for block in blocks(encounters)])
+    return not is_whole and encounters.sagittas.shape[1] >= 2 * _SPAN
 
 
 def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vector:
     """Return what encounters cost per step, those intervals looked at that tell, (B, T+1)."""
-    own, near, far = _alone(encounters)
+    own, near, far = alone_risks(encounters)
     alone = np.ones(far.shape, dtype=bool)
     charged = chain_charges(near, far, alone)
     sums = charged.sum(axis=1)
@@ -89,7 +113,7 @@ def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vecto
             end[rows, intervals] = 0.0
         found = chain_charges(*left, alone[chosen])
         at, steps = 0, first[:, None] + np.arange(length + 1)
-        large = LARGE if spans is _whole else _LARGE
+        large = LARGE if spans is _whole else LARGE_IN_SPANS
         for block in blocks(close):
             part = slice(at, at + len(block.means))
             found[rows[part], steps[part]] += _chained_risks(block, motion, held[part], large)
@@ -98,8 +122,19 @@ def _charged(encounters: Encounters, motion: FleetMotion, spans: Spans) -> Vecto
     return charged
 
 
-def _alone(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix]:
-    """Return the best half-space of each interval, and the risks at its near and far ends."""
+def alone_risks(encounters: Encounters) -> tuple[Tensor, Tensor, Matrix]:
+    """Return the best half-space of each interval, and the risks at its near and far ends.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        B along K intervals.
+
+    Returns
+    -------
+    (B, K, d), (B, K, 1 or 2) and (B, K) array
+        Each interval by itself.
+    """
     parts = []
     for block in blocks(encounters):
         sites, shape = interval_sites(block), block.sagittas.shape[:2]
@@ -117,7 +152,7 @@ def _whole(each: Matrix) -> Iterator[Span]:
         yield np.arange(count), np.zeros(count, dtype=np.int64), num_intervals
 
 
-def _spans(each: Matrix) -> Iterator[Span]:
+def spans_that_tell(each: Matrix) -> Iterator[Span]:
     """Yield encounters with the intervals that tell, as many for all of a group.
 
     Parameters

@@ -87,16 +87,16 @@ def workspace_risks(workspace: Workspace, motion: FleetMotion, *, intervals: boo
 
 
 def face_risks(
-    normal: Matrix, batch: Encounters, motion: FleetMotion, *, intervals: bool
+    normals: Matrix, batch: Encounters, motion: FleetMotion, *, intervals: bool
 ) -> Vector:
     """Return an upper bound on the probability of being behind a face, step by step.
 
     Parameters
     ----------
-    normal : (d,) array
-        Unit normal, away from what is behind.
+    normals : (d,) or (B, d) array
+        Unit normals, away from what is behind: one for all or each its own.
     batch : Encounters
-        (Relative) motions against the half-space behind the face, B of them.
+        (Relative) motions against the half-spaces behind faces, B of them.
     motion : FleetMotion
         What they were gathered from.
     intervals : bool
@@ -107,13 +107,14 @@ def face_risks(
     (B, T+1) array
         Risks [-].
     """
-    count, steps, _ = batch.means.shape
+    count, steps, d = batch.means.shape
+    each = np.broadcast_to(normals, (count, d))
     if not intervals:
         sites = instant_sites(batch)
-        along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
+        along = np.repeat(each, steps, axis=0)[:, None]
         return np.asarray(end_risks(sites, along)[:, 0, 0].reshape(count, steps))
     sites = interval_sites(batch)
-    along = np.broadcast_to(normal, (len(sites.means), 1, normal.size))
+    along = np.repeat(each, steps - 1, axis=0)[:, None]
     ends = end_risks(sites, along)[:, 0].reshape(count, steps - 1, -1)
     near = np.flatnonzero(ends.sum(axis=(1, 2)) > WORTH)
     # Far from the face, both ends of every interval are charged as they are.
@@ -126,6 +127,7 @@ def face_risks(
         found[near] = chain_charges(ends[near, :, :-1], ends[near, :, -1], begins)
     elif near.size:
         parts, crossed = part_sites(batch.take(near), motion, NUM_PARTS)
-        held = np.broadcast_to(normal, (near.size, NUM_PARTS * (steps - 1), 1, normal.size))
+        shape = near.size, NUM_PARTS * (steps - 1), 1, d
+        held = np.broadcast_to(each[near, None, None], shape)
         found[near] = path_charges(parts, held, crossed, NUM_PARTS)[:, 0]
     return found

@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import ndtr
 
-from radmpc.arrays import Indices, Tensor, Vector
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
 from radmpc.errors import NoPlanError, ScenarioError
 from radmpc.model.given import check_plan
 from radmpc.model.plan import Cause, Plan
 from radmpc.records import dataclass, field, replace
 from radmpc.referee.bound.halfspace import end_margins
+from radmpc.referee.bound.intervals import has_spans
 from radmpc.referee.bound.parts import NUM_PARTS, part_sites
-from radmpc.referee.bound.persistence import TELLING, best_shares
+from radmpc.referee.bound.persistence import best_shares
 from radmpc.referee.bound.planar import grown_polygon_risks
 from radmpc.referee.bound.search import NEGLIGIBLE, best_directions
 from radmpc.referee.bound.workspace import WORTH, faces_of
 from radmpc.referee.claims import shape_problems
-from radmpc.referee.conditional.choices import Choice, interval_choices
-from radmpc.referee.conditional.compiling import compiled
+from radmpc.referee.conditional.choices import (
+    Choice,
+    during,
+    interval_choices,
+    span_choices,
+)
+from radmpc.referee.conditional.compiling import compiled, with_telling_links
 from radmpc.referee.conditional.far import Far, far_of
-from radmpc.referee.conditional.loops import Loops, loops_of, since, together
+from radmpc.referee.conditional.loops import loops_of
 from radmpc.referee.conditional.rows import (
     Flags,
-    HalfspaceRows,
     IntegralRows,
     Parties,
     Witnesses,
 )
-from radmpc.referee.conditional.spreads import deviations_of
 from radmpc.referee.conditional.strays import places_at
 from radmpc.referee.conditional.tables import Moments, all_integrals, at_steps, joined, links
 from radmpc.referee.conditional.valuing import are_sharp
@@ -80,6 +83,11 @@ def witnesses_of(plan: Plan) -> Witnesses:
     if scenario.workspace is not None:
         for normal, batch in faces_of(scenario.workspace, motion):
             purchase.take_face(normal, batch, intervals=intervals)
+    if scenario.keep:
+        from radmpc.referee.bound.ranges import charged_faces  # noqa: PLC0415 - few keep a range
+
+        for normals, batch in charged_faces(scenario, motion, intervals=intervals):
+            purchase.take_face(normals, batch, intervals=intervals)
     return purchase.finished(plan, far_of(scenario, obstacles, pairs))
 
 
@@ -118,8 +126,17 @@ class _Purchase:
 
     def take_all(self, batch: Encounters, *, intervals: bool) -> None:
         """Write down the rows of pairs or obstacles, block by block."""
-        for block in blocks(batch):
-            self._take(block, intervals=intervals)
+        if not intervals or not has_spans(batch, self.motion):
+            for block in blocks(batch):
+                self._take(block, intervals=intervals)
+            return
+        for choice in span_choices(batch, self.motion):
+            some = batch.take(choice.chosen)
+            if choice.first is not None:
+                some = during(some, choice.first, choice.begins.shape[1])
+            # Each a chain of its own: whatever else is charged of an encounter stands beside it.
+            own = replace(choice, chosen=np.arange(len(choice.chosen)))
+            self._take_choice(some, self._enter(some), own)
 
     def _take(self, block: Encounters, *, intervals: bool) -> None:
         """Write down the rows of a block of pairs or obstacles."""
@@ -130,19 +147,21 @@ class _Purchase:
         for choice in interval_choices(block, self.motion):
             self._take_choice(block.take(choice.chosen), numbers[choice.chosen], choice)
 
-    def take_face(self, normal: Vector, batch: Encounters, *, intervals: bool) -> None:
-        """Write down the rows of all vehicles at a face of the workspace."""
+    def take_face(self, normals: Matrix, batch: Encounters, *, intervals: bool) -> None:
+        """Write down the rows of vehicles, or of pairs, at faces of convex sets to stay in."""
         numbers = self._enter(batch)
+        count, num_intervals, d = batch.sagittas.shape
+        each = np.broadcast_to(normals, (count, d))
         if not intervals:
             sites = instant_sites(batch)
-            held = np.broadcast_to(normal, (len(sites.means), normal.size))
+            held = np.repeat(each, num_intervals + 1, axis=0)
             self.tables.append(at_steps(sites, held, numbers))
             return
         sites = interval_sites(batch)
-        count, num_intervals, d = batch.sagittas.shape
-        held = np.broadcast_to(normal, (count, num_intervals, d))
+        held = np.repeat(each[:, None], num_intervals, axis=1)
         margins = end_margins(sites, held.reshape(-1, 1, d), 0.5)[:, 0]
-        variances = np.einsum("d,sedf,f->se", normal, sites.covariances, normal)
+        along = held.reshape(-1, d)
+        variances = np.einsum("sd,sedf,sf->se", along, sites.covariances, along)
         levels = in_deviations(margins, np.sqrt(variances.clip(min=0.0)))
         risks = exceeding(levels, batch.samples).reshape(count, -1).sum(axis=1)
         near, far = np.flatnonzero(risks > WORTH), np.flatnonzero(risks <= WORTH)
@@ -171,7 +190,7 @@ class _Purchase:
         rows = compiled(joined(self.tables, d), parties, loops, tracks)
         widths = np.concatenate([np.zeros(0), *self.widths])
         if self.motion.samples is None:
-            rows = _with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
+            rows = with_telling_links(rows, widths, loops, parties, plan.scenario.horizon)
         else:
             # What is new in an event that does not hold the one before is bounded for Gaussians.
             rows = replace(rows, before=np.where(rows.nested, rows.before, -1))
@@ -185,7 +204,7 @@ class _Purchase:
         motion, causes = self.motion, np.array(self.causes, dtype=object)
         estimate = np.array(motion.seen_rows) > 0
         hidden = estimate[first]
-        pairs, solid = causes == "pair", causes == "obstacle"
+        pairs, solid = np.isin(causes, ("pair", "range")), causes == "obstacle"
         hidden[pairs] |= estimate[other[pairs]]
         if motion.tracks is not None:
             hidden[solid] |= motion.tracks.places[other[solid]] >= 0
@@ -259,31 +278,17 @@ class _Purchase:
         if ends == 3:
             bends[1] = 1.0 / parts**2
         before, nested = links(choice, ends)
-        self.tables.append(
-            Moments(
-                encounters=np.repeat(np.repeat(numbers, num_intervals * parts), ends),
-                windows=np.repeat(moments // parts, ends),
-                normals=np.repeat(flat, ends, axis=0),
-                margins=margins.ravel(),
-                shares=np.stack(at, axis=1).ravel(),
-                bends=np.tile(bends, len(flat)),
-                before=before,
-                nested=nested,
-            )
+        first = 0 if choice.first is None else np.repeat(choice.first, num_intervals * parts)
+        table = Moments(
+            encounters=np.repeat(np.repeat(numbers, num_intervals * parts), ends),
+            windows=np.repeat(first + moments // parts, ends),
+            normals=np.repeat(flat, ends, axis=0),
+            margins=margins.ravel(),
+            shares=np.stack(at, axis=1).ravel(),
+            bends=np.tile(bends, len(flat)),
+            before=before,
+            nested=nested,
         )
-
-
-def _with_telling_links(
-    rows: HalfspaceRows, widths: Vector, loops: Loops, parties: Parties, horizon: int
-) -> HalfspaceRows:
-    """Cut the links whose rows the certificate charges whole, because little is gained by them."""
-    if not (rows.before >= 0).any():
-        return rows
-    noise = since(loops, horizon, 0, is_measured=False)
-    noise = together(noise, loops, parties.first, parties.others)
-    spread = deviations_of(rows, parties, noise)
-    charged = ndtr(-in_deviations(rows.margins, spread))
-    sums = np.bincount(rows.encounters, charged, len(parties.causes))
-    least = (TELLING * sums / widths)[rows.encounters]
-    telling = (charged > least) & (charged[rows.before] > 1e-3 * charged)
-    return replace(rows, before=np.where(telling | rows.nested, rows.before, -1))
+        if choice.left_out is not None:
+            table = table.take(np.flatnonzero(~np.repeat(choice.left_out.ravel(), ends)))
+        self.tables.append(table)

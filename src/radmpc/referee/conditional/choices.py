@@ -7,9 +7,18 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from radmpc.arrays import Indices, Tensor, Vector
-from radmpc.records import dataclass
+from radmpc.records import dataclass, replace
 from radmpc.referee.bound.chain import chain_charges
-from radmpc.referee.bound.intervals import LARGE, TELLING, WORTH, chained, is_curved
+from radmpc.referee.bound.intervals import (
+    LARGE,
+    LARGE_IN_SPANS,
+    TELLING,
+    WORTH,
+    alone_risks,
+    chained,
+    is_curved,
+    spans_that_tell,
+)
 from radmpc.referee.bound.parts import (
     MANY_PARTS,
     NUM_PARTS,
@@ -21,11 +30,11 @@ from radmpc.referee.bound.parts import TELLING as WORTH_MORE
 from radmpc.referee.bound.persistence import Crossed, least_risks, path_charges
 from radmpc.referee.bound.search import best_directions, closest_directions
 from radmpc.referee.conditional.rows import Flags
-from radmpc.referee.encounters import Encounters, interval_sites
+from radmpc.referee.encounters import Encounters, blocks, interval_sites
 from radmpc.referee.motion import FleetMotion
 from radmpc.referee.sites import Sites
 
-__all__ = ["Choice", "interval_choices"]
+__all__ = ["Choice", "during", "interval_choices", "span_choices"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,12 +51,19 @@ class Choice:
         Their normals [-].
     begins : (b, K) bool array
         Where whole intervals begin to hold another half-space than the one before.
+    first : (b,) int array or None
+        The interval of each that is the first of these K; None is the flight's own first.
+    left_out : (b, K) bool array or None
+        Intervals that another choice speaks of; None is none. Then no interval goes on from the
+        one before.
     """
 
     chosen: Indices
     parts: int
     directions: Tensor
     begins: Flags
+    first: Indices | None = None
+    left_out: Flags | None = None
 
 
 def interval_choices(encounters: Encounters, motion: FleetMotion) -> Iterator[Choice]:
@@ -77,7 +93,55 @@ def interval_choices(encounters: Encounters, motion: FleetMotion) -> Iterator[Ch
             yield Choice(worth[choice.chosen], choice.parts, choice.directions, choice.begins)
 
 
-def _closer(close: Encounters, motion: FleetMotion, sites: Sites, own: Tensor) -> Iterator[Choice]:
+def span_choices(encounters: Encounters, motion: FleetMotion) -> Iterator[Choice]:
+    """Yield what the certificate of a long flight holds: chains where they tell, then the rest.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        All of one kind.
+    motion : FleetMotion
+        What they were gathered from.
+    """
+    own, near, far = alone_risks(encounters)
+    count, num_intervals, _ = own.shape
+    alone = np.ones((count, num_intervals), dtype=bool)
+    sums = chain_charges(near, far, alone).sum(axis=1)
+    worth = np.flatnonzero((sums > WORTH) & (sums > TELLING * sums.sum()))
+    left_out = np.zeros((count, num_intervals), dtype=bool)
+    for which, first, length in spans_that_tell((near.sum(axis=2) + far)[worth]):
+        chosen, intervals = worth[which], first[:, None] + np.arange(length)
+        left_out[chosen[:, None], intervals] = True
+        held, at = own[chosen[:, None], intervals], 0
+        for block in blocks(during(encounters.take(chosen), first, length)):
+            part = slice(at, at + len(block.means))
+            at = part.stop
+            for choice in _closer(block, motion, interval_sites(block), held[part], LARGE_IN_SPANS):
+                yield replace(
+                    choice, chosen=chosen[part][choice.chosen], first=first[part][choice.chosen]
+                )
+    yield Choice(np.arange(count), 0, own, alone, None, left_out)
+
+
+def during(encounters: Encounters, first: Indices, length: int) -> Encounters:
+    """Return encounters during some intervals of each, as they are where those are all.
+
+    Parameters
+    ----------
+    encounters : Encounters
+        B of them.
+    first : (B,) int array
+        The first interval of each.
+    length : int
+        How many.
+    """
+    is_all = length == encounters.sagittas.shape[1]
+    return encounters if is_all else encounters.during(first, length)
+
+
+def _closer(
+    close: Encounters, motion: FleetMotion, sites: Sites, own: Tensor, share: float = LARGE
+) -> Iterator[Choice]:
     """Yield the choices of encounters that are worth a closer look."""
     in_runs, turned = chained(sites, np.concatenate([close.directions, own], axis=1))
     begins = np.ones(turned.shape[:2], dtype=bool)
@@ -85,7 +149,7 @@ def _closer(close: Encounters, motion: FleetMotion, sites: Sites, own: Tensor) -
     held, parted = _parted(close, motion, (own, turned), NUM_PARTS)
     in_parts = parted < in_runs.sum(axis=1)
     sums = np.where(in_parts, parted, in_runs.sum(axis=1))
-    large = np.flatnonzero((sums > LARGE * sums.sum()) & is_curved(close))
+    large = np.flatnonzero((sums > share * sums.sum()) & is_curved(close))
     finer = np.zeros(len(sums), dtype=bool)
     if large.size:
         fine, fine_sums = _parted(

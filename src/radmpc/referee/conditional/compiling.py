@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import ndtr
 
-from radmpc.arrays import Indices, Matrix, Tensor
-from radmpc.referee.conditional.loops import Loops
+from radmpc.arrays import Indices, Matrix, Tensor, Vector
+from radmpc.records import replace
+from radmpc.referee.bound.persistence import TELLING
+from radmpc.referee.conditional.loops import Loops, since, together
 from radmpc.referee.conditional.rows import Flags, HalfspaceRows, Parties
+from radmpc.referee.conditional.spreads import deviations_of
 from radmpc.referee.conditional.strays import strays_of
 from radmpc.referee.conditional.tables import Moments
+from radmpc.referee.reserve import in_deviations
 from radmpc.referee.tracks import Tracks
 
-__all__ = ["compiled"]
+__all__ = ["compiled", "with_telling_links"]
 
 
 def compiled(
@@ -90,3 +95,33 @@ def _spread(loops: Loops, first: Indices, other: Indices, are_pairs: Flags) -> T
         both = met[first] @ met[other].transpose(0, 2, 1)
         spread -= np.where(pairs, both + both.transpose(0, 2, 1), 0.0)
     return np.asarray(spread)
+
+
+def with_telling_links(
+    rows: HalfspaceRows, widths: Vector, loops: Loops, parties: Parties, horizon: int
+) -> HalfspaceRows:
+    """Cut the links whose rows the certificate charges whole, because little is gained by them.
+
+    Parameters
+    ----------
+    rows : HalfspaceRows
+        All of them.
+    widths : (B,) array
+        Into how many parts each encounter is cut [-].
+    loops : Loops
+        Of the fleet.
+    parties : Parties
+        The encounters.
+    horizon : int
+        Number of steps T.
+    """
+    if not (rows.before >= 0).any():
+        return rows
+    noise = since(loops, horizon, 0, is_measured=False)
+    noise = together(noise, loops, parties.first, parties.others)
+    spread = deviations_of(rows, parties, noise)
+    charged = ndtr(-in_deviations(rows.margins, spread))
+    sums = np.bincount(rows.encounters, charged, len(parties.causes))
+    least = (TELLING * sums / widths)[rows.encounters]
+    telling = (charged > least) & (charged[rows.before] > 1e-3 * charged)
+    return replace(rows, before=np.where(telling | rows.nested, rows.before, -1))

@@ -29,11 +29,11 @@ class Parties:
     Attributes
     ----------
     causes : tuple of str
-        'pair', 'obstacle' or 'workspace', B of them.
+        'pair', 'obstacle', 'workspace' or 'range', B of them.
     first : (B,) int array
         The vehicle.
     other : (B,) int array
-        The other vehicle of a pair, or the obstacle; 0 for the workspace.
+        The other vehicle of a pair or a range, or the obstacle; 0 for the workspace.
     are_hidden : (B,) bool array
         Whether what is measured leaves open if anything was hit: a vehicle measures with noise, or
         the obstacle's place is not known exactly.
@@ -46,18 +46,18 @@ class Parties:
 
     @property
     def others(self) -> Indices:
-        """The other vehicle of pairs, 0 elsewhere, (B,)."""
+        """The other vehicle where there are two, 0 elsewhere, (B,)."""
         return np.where(self.are_pairs, self.other, 0)
 
     @property
     def are_pairs(self) -> Flags:
         """Which encounters are of two vehicles, (B,) bool."""
-        return np.array([cause == "pair" for cause in self.causes], dtype=bool)
+        return np.array([cause in {"pair", "range"} for cause in self.causes], dtype=bool)
 
     @property
     def are_capped(self) -> Flags:
         """Which encounters are charged 1 at most, as the certificate does, (B,) bool."""
-        return np.array([cause != "workspace" for cause in self.causes], dtype=bool)
+        return np.array([cause in {"pair", "obstacle"} for cause in self.causes], dtype=bool)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

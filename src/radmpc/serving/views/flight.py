@@ -39,7 +39,10 @@ def tick_view(row: TickRow, scenario: Scenario, risk_bound: float) -> TickView:
     if left > risk_bound >= (1.0 - _ROUNDING) * left:
         left = risk_bound  # above it by what sums and digits round off alone
     states = [rounding.point(np.asarray(state)) for state in row.states or ()]
-    hits = [f"{touch.vehicle} hits {touch.other or 'the border'}" for touch in row.contacts]
+    hits = [
+        f"{t.vehicle} {'loses' if t.cause == 'range' else 'hits'} {t.other or 'the border'}"
+        for t in row.contacts
+    ]
     alarms = [*hits, *row.alarms]
     return {
         "step": row.step,
