@@ -15,7 +15,7 @@ from radmpc.identification.model import Model
 from radmpc.identification.sampling import Samples, native_period, sample
 from radmpc.identification.segments import Evidence, Transitions, segments, without_jumps
 from radmpc.identification.sharing import Shared, shared_part
-from radmpc.identification.track import Track
+from radmpc.identification.track import Track, check_tracks
 from radmpc.identification.unknown import unknowns
 from radmpc.records import dataclass
 
@@ -105,6 +105,8 @@ def identify(
 
     Raises
     ------
+    ArgumentTypeError
+        If the first is no sequence of tracks.
     FileFormatError
         If a log contradicts itself, or there is too little of it.
     ScenarioError
@@ -112,8 +114,7 @@ def identify(
     """
     if dt is not None and not (np.isfinite(dt) and dt > 0.0):
         raise ScenarioError(f"must be > 0 s, got {dt:g}", ("dt",))
-    if not tracks:
-        raise FileFormatError("the logs hold no vehicle")
+    check_tracks(tracks)
     told = list(warnings)
     cleaned = _cleaned(tracks, dimension, told)
     step = _step(cleaned) if dt is None else dt

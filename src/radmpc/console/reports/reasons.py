@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from radmpc.model.limits import TightLimit, tight_limits
 from radmpc.model.plan import Coupling, Plan, Status
 from radmpc.model.scenario import Scenario
-from radmpc.wording import percent
+from radmpc.wording import count_text, percent
 
 __all__ = [
     "advice_text",
@@ -61,15 +61,14 @@ def reasons_text(plan: Plan) -> str:
     num_told = _MOST_REASONS - len(told)
     told += [coupling.sentence for coupling in rest[:num_told]]
     hidden = len(rest[num_told:])
-    noun = "coupling" if hidden == 1 else "couplings"
-    return "; ".join(told) + (f"; and {hidden} more {noun}" if hidden else "")
+    return "; ".join(told) + (f"; and {count_text(hidden, 'more coupling')}" if hidden else "")
 
 
 def _sure_text(sure: Sequence[Coupling]) -> str:
     """Return one sentence about all who would surely collide."""
     pairs = [f"{c.vehicle} and {c.other}" for c in sure[:_MOST_REASONS]]
     hidden = len(sure) - len(pairs)
-    pairs += [f"{hidden} more pair{'s' if hidden > 1 else ''}"] if hidden else []
+    pairs += [count_text(hidden, "more pair")] if hidden else []
     return f"{', '.join(pairs)} would almost surely collide if planned apart"
 
 
@@ -104,14 +103,13 @@ def limits_text(plan: Plan) -> str:
     texts += [_limit(limit) for limit in limits[:_MOST_LIMITS]]
     hidden = len(limits) - _MOST_LIMITS
     if hidden > 0:
-        texts.append(f"{hidden} more {'limit' if hidden == 1 else 'limits'}")
+        texts.append(count_text(hidden, "more limit"))
     return ", ".join(texts)
 
 
 def _limit(limit: TightLimit) -> str:
     """Return one limit and how long it is in use."""
-    steps = "1 step" if limit.num_steps == 1 else f"{limit.num_steps} steps"
-    return f"{limit.limit} limit of {limit.vehicle} ({steps})"
+    return f"{limit.limit} limit of {limit.vehicle} ({count_text(limit.num_steps, 'step')})"
 
 
 def cost_text(plan: Plan) -> str:

@@ -19,9 +19,10 @@ from radmpc.console.reports.reasons import (
 )
 from radmpc.console.reports.saturating import saturation_line, saturation_warning
 from radmpc.console.reports.visiting import arrivals_text, visits_text
-from radmpc.console.words import count_text, scenario_line
+from radmpc.console.words import scenario_line
 from radmpc.model.ledger import CAUSES, bound_text, risk_by_vehicle
 from radmpc.model.plan import LedgerRow, Plan
+from radmpc.wording import count_text
 
 __all__ = ["facts", "ledger_table", "plan_report", "vehicle_table", "verdict"]
 
